@@ -1,5 +1,165 @@
-//! The shapes that adwave works on: triangle or polygon meshes, point clouds, weighted graphs.
+//! The shapes that adwave works on: polygon meshes, point clouds, weighted graphs, and what is measured on them.
+//!
+//! A [`Shape`] holds what the file held, in the file's order. Everything that is computed works on a [`Domain`]: the
+//! same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered along a
+//! space-filling curve so that neighbours in space are neighbours in memory.
 
+mod adjacency;
+mod area;
+mod cloud;
+mod domain;
+mod graph;
+mod health;
+mod mesh;
+mod nearest;
 mod polygons;
+mod surface;
+mod triangulate;
+mod weld;
 
+pub use adjacency::{Adjacency, k_rings, n_components, one_ring};
+pub(crate) use area::mean_edge_length;
+pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
+pub use cloud::PointCloud;
+pub use domain::Domain;
+pub use graph::{Graph, GraphError};
+pub use health::{Health, health};
+pub use mesh::Mesh;
+pub use nearest::{Neighbourhoods, nearest_neighbours};
 pub use polygons::Polygons;
+pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
+pub use triangulate::triangulate;
+pub use weld::{Weld, WeldMode};
+
+use thiserror::Error;
+
+/// The largest magnitude of a coordinate: squares and products of three lengths stay finite below it.
+pub const MAX_COORDINATE: f64 = 1e100;
+
+/// A mesh, a point cloud or a graph, in the order of its file.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A polygon mesh.
+    Mesh(Mesh),
+    /// A point cloud.
+    Cloud(PointCloud),
+    /// A weighted graph.
+    Graph(Graph),
+}
+
+impl Shape {
+    /// Number of vertices, points or nodes.
+    pub fn n_vertices(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.points().len(),
+            Self::Cloud(cloud) => cloud.points().len(),
+            Self::Graph(graph) => graph.n_nodes(),
+        }
+    }
+
+    /// The positions in model units, where the shape has any (a graph has none).
+    pub fn points(&self) -> Option<&[[f64; 3]]> {
+        match self {
+            Self::Mesh(mesh) => Some(mesh.points()),
+            Self::Cloud(cloud) => Some(cloud.points()),
+            Self::Graph(_) => None,
+        }
+    }
+
+    /// Length of the diagonal of the axis-aligned bounding box in model units; 0 for a graph.
+    pub fn diagonal(&self) -> f64 {
+        self.points().map_or(0.0, diagonal)
+    }
+}
+
+/// Why a list of points and faces is not a shape.
+#[derive(Debug, Error, PartialEq)]
+pub enum ShapeError {
+    /// There is nothing to analyse.
+    #[error("the shape has no vertices")]
+    NoVertices,
+    /// More vertices than a 32-bit index can name.
+    #[error("{0} vertices are more than the {max} that can be indexed", max = u32::MAX - 1)]
+    TooManyVertices(usize),
+    /// A coordinate is NaN or infinite.
+    #[error(
+        "vertex {vertex} (counted from 0) has the position ({x}, {y}, {z}), which is not finite; remove or repair it"
+    )]
+    NotFinite {
+        /// Index of the vertex, from 0.
+        vertex: usize,
+        /// Its x coordinate.
+        x: f64,
+        /// Its y coordinate.
+        y: f64,
+        /// Its z coordinate.
+        z: f64,
+    },
+    /// A coordinate is so large that areas and volumes would overflow.
+    #[error(
+        "vertex {vertex} (counted from 0) has a coordinate of {value:e}, beyond ±{MAX_COORDINATE:e}; scale the shape"
+    )]
+    TooFar {
+        /// Index of the vertex, from 0.
+        vertex: usize,
+        /// The coordinate.
+        value: f64,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} (counted from 0) names vertex {index}, but there are only {n_vertices} vertices")]
+    IndexOutOfRange {
+        /// Index of the face, from 0.
+        face: usize,
+        /// The vertex it names, from 0.
+        index: u32,
+        /// Number of vertices.
+        n_vertices: usize,
+    },
+}
+
+/// Checks that there are points and that each is finite and of a magnitude that can be squared.
+fn check_points(points: &[[f64; 3]]) -> Result<(), ShapeError> {
+    if points.is_empty() {
+        return Err(ShapeError::NoVertices);
+    }
+    if points.len() >= u32::MAX as usize {
+        return Err(ShapeError::TooManyVertices(points.len()));
+    }
+    for (vertex, &[x, y, z]) in points.iter().enumerate() {
+        for value in [x, y, z] {
+            if !value.is_finite() {
+                return Err(ShapeError::NotFinite { vertex, x, y, z });
+            }
+            if value.abs() > MAX_COORDINATE {
+                return Err(ShapeError::TooFar { vertex, value });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The two corners of the axis-aligned bounding box, smallest coordinates first; `None` without points.
+pub fn bounding_box(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
+    let first = *points.first()?;
+    Some(points.iter().fold((first, first), |(lo, hi), p| {
+        (std::array::from_fn(|c| lo[c].min(p[c])), std::array::from_fn(|c| hi[c].max(p[c])))
+    }))
+}
+
+/// Length of the bounding box's diagonal in model units; 0 without points.
+pub fn diagonal(points: &[[f64; 3]]) -> f64 {
+    bounding_box(points).map_or(0.0, |(lo, hi)| distance(&lo, &hi))
+}
+
+/// Euclidean distance of two points.
+#[inline]
+pub(crate) fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    squared_distance(a, b).sqrt()
+}
+
+/// Squared Euclidean distance of two points.
+#[inline]
+pub(crate) fn squared_distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    let (x, y, z) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    x * x + y * y + z * z
+}

@@ -1,0 +1,36 @@
+//! S_f by repeated products with Φ₁: exact to rounding, one product a step.
+
+use crate::operator::Diffusion;
+use crate::sparse::apply;
+use crate::{Cancelled, Progress};
+
+/// `Φ₁ⁿ f` for each `n` of `steps` (increasing), n_vertices × n_channels each. O(entries × channels × last n).
+///
+/// # Errors
+/// [`Cancelled`] when `progress` says so.
+///
+/// # Panics
+/// When `signal` is not n_vertices × n_channels.
+pub fn smooth(
+    diffusion: &Diffusion,
+    signal: &[f64],
+    n_channels: usize,
+    steps: &[u64],
+    progress: Progress<'_>,
+) -> Result<Vec<Vec<f64>>, Cancelled> {
+    let total = steps.last().copied().unwrap_or(0);
+    let mut levels = Vec::with_capacity(steps.len());
+    let (mut now, mut next) = (signal.to_vec(), vec![0.0; signal.len()]);
+    let mut done = 0;
+    for &n in steps {
+        while done < n {
+            progress.step(done, total)?;
+            apply(diffusion, &now, &mut next, n_channels);
+            std::mem::swap(&mut now, &mut next);
+            done += 1;
+        }
+        levels.push(now.clone());
+    }
+    progress.step(total, total)?;
+    Ok(levels)
+}

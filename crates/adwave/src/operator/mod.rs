@@ -1,0 +1,94 @@
+//! From a shape to the walk on it: the local operator T (eq. 1 of the paper) and the diffusion Φ₁ = [T]_r (eq. 4–5).
+
+mod diffusion;
+mod local;
+
+pub use diffusion::{Diffusion, DiffusionError};
+pub use local::{LocalOperator, local_operator};
+
+use crate::shape::{CloudArea, MeshArea, WeldMode};
+
+/// Whether the neighbour graph of a cloud is made symmetric.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CloudGraph {
+    /// `y` is a neighbour of `x` when either is among the nearest of the other. The walk is then reversible and its
+    /// spectrum real.
+    #[default]
+    Union,
+    /// The nearest of each point only, as the paper has it. The walk need not be reversible.
+    Directed,
+}
+
+/// How the local operator is built. The defaults are those of the paper, made precise.
+///
+/// ```
+/// use adwave::operator::OperatorParams;
+/// let params = OperatorParams::default().with_neighbours(16);
+/// assert_eq!((params.neighbours, params.rings), (16, 1));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OperatorParams {
+    /// Whether vertices at equal positions are one vertex of the walk.
+    pub weld: WeldMode,
+    /// Mesh: how many rings of neighbours a step may reach; at least 1.
+    pub rings: usize,
+    /// Mesh: the area of a vertex.
+    pub mesh_area: MeshArea,
+    /// Cloud: how many nearest neighbours a step may reach; at least 1.
+    pub neighbours: usize,
+    /// Cloud: whether neighbourhood is made symmetric.
+    pub cloud_graph: CloudGraph,
+    /// Cloud: the area of a point.
+    pub cloud_area: CloudArea,
+}
+
+impl Default for OperatorParams {
+    fn default() -> Self {
+        Self {
+            weld: WeldMode::default(),
+            rings: 1,
+            mesh_area: MeshArea::default(),
+            neighbours: 10,
+            cloud_graph: CloudGraph::default(),
+            cloud_area: CloudArea::default(),
+        }
+    }
+}
+
+impl OperatorParams {
+    /// Sets whether vertices at equal positions are one vertex of the walk.
+    #[must_use]
+    pub fn with_weld(self, weld: WeldMode) -> Self {
+        Self { weld, ..self }
+    }
+
+    /// Sets how many rings of a mesh a step may reach; 0 is taken as 1.
+    #[must_use]
+    pub fn with_rings(self, rings: usize) -> Self {
+        Self { rings: rings.max(1), ..self }
+    }
+
+    /// Sets the area of a mesh vertex.
+    #[must_use]
+    pub fn with_mesh_area(self, mesh_area: MeshArea) -> Self {
+        Self { mesh_area, ..self }
+    }
+
+    /// Sets how many nearest points of a cloud a step may reach; 0 is taken as 1.
+    #[must_use]
+    pub fn with_neighbours(self, neighbours: usize) -> Self {
+        Self { neighbours: neighbours.max(1), ..self }
+    }
+
+    /// Sets whether neighbourhood in a cloud is made symmetric.
+    #[must_use]
+    pub fn with_cloud_graph(self, cloud_graph: CloudGraph) -> Self {
+        Self { cloud_graph, ..self }
+    }
+
+    /// Sets the area of a point of a cloud.
+    #[must_use]
+    pub fn with_cloud_area(self, cloud_area: CloudArea) -> Self {
+        Self { cloud_area, ..self }
+    }
+}

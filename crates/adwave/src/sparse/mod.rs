@@ -1,0 +1,5 @@
+//! The products that everything runs on.
+
+mod product;
+
+pub use product::apply;
