@@ -78,7 +78,10 @@ impl Adjacency {
 }
 
 /// Groups the values of `(key, value)` pairs by key, in the order they come: offsets and values.
-fn incidence(n_keys: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> (Vec<usize>, Vec<u32>) {
+pub(crate) fn incidence(
+    n_keys: usize,
+    pairs: impl Iterator<Item = (u32, u32)> + Clone,
+) -> (Vec<usize>, Vec<u32>) {
     let mut offsets = vec![0_usize; n_keys + 1];
     for (key, _) in pairs.clone() {
         offsets[key as usize + 1] += 1;

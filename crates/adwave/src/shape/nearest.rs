@@ -1,6 +1,6 @@
 //! The nearest points of every point of a cloud.
 
-use super::Adjacency;
+use super::{Adjacency, Weld, WeldMode};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 use std::num::NonZeroUsize;
@@ -44,33 +44,42 @@ pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbourhoods {
         let adjacency = Adjacency { offsets: vec![0; n + 1], neighbours: Vec::new() };
         return Neighbourhoods { adjacency, radius: vec![0.0; n], k };
     };
+    // The tree holds each position once: a search among many equal points would look at all of them.
+    let weld = Weld::new(points, WeldMode::EqualPositions);
+    let positions = weld.positions(points);
+    let (first_member, members) = weld.members();
     let tree: ImmutableKdTree<f64, 3> =
-        ImmutableKdTree::new_from_slice(points).expect("the tree of finitely many finite points");
+        ImmutableKdTree::new_from_slice(&positions).expect("the tree of finitely many finite points");
+    let most = k + MOST_TIED;
     let search = |x: usize, count: NonZeroUsize| {
-        let mut found: Vec<(f64, u32)> = tree
-            .query(&points[x])
-            .nearest_n::<SquaredEuclidean<f64>>(count)
-            .execute()
-            .into_iter()
-            .map(|hit| (hit.distance, hit.item))
-            .filter(|&(_, y)| y as usize != x)
-            .collect();
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found
+        let mut hits = tree.query(&points[x]).nearest_n::<SquaredEuclidean<f64>>(count).execute();
+        hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.item.cmp(&b.item)));
+        let mut found = Vec::with_capacity(count.get());
+        for hit in &hits {
+            let class = hit.item as usize;
+            let at_position = &members[first_member[class]..first_member[class + 1]];
+            // One more than can be used, because x may be among them.
+            found.extend(
+                at_position.iter().take(most + 1).filter(|&&y| y as usize != x).map(|&y| (hit.distance, y)),
+            );
+            if found.len() > most {
+                break;
+            }
+        }
+        let all_seen = hits.len() == positions.len();
+        (found, all_seen)
     };
     // The search asks for a few more than k; only where even the last of them is tied does it ask again.
-    let first_try = wanted.saturating_add(6).min(NonZeroUsize::new(n).unwrap_or(wanted));
     let rows: Vec<(f64, Vec<u32>)> = (0..n)
         .into_par_iter()
         .map(|x| {
-            let mut found = search(x, first_try);
-            // With repeated points the point itself may be missing from what was found; it is then as near as the last.
-            let kth = found[k.min(found.len()) - 1].0;
+            let (mut found, all_seen) = search(x, wanted.saturating_add(6));
+            let kth = found[k - 1].0;
             let limit = kth * (1.0 + TIE) * (1.0 + TIE);
-            if found.last().is_some_and(|last| last.0 <= limit) && found.len() + 1 < n {
-                found = search(x, wanted.saturating_add(MOST_TIED + 1));
+            if !all_seen && found.len() <= most && found[found.len() - 1].0 <= limit {
+                found = search(x, wanted.saturating_add(MOST_TIED)).0;
             }
-            let tied = found.partition_point(|&(d, _)| d <= limit).min(k + MOST_TIED);
+            let tied = found.partition_point(|&(d, _)| d <= limit).min(most);
             (kth.sqrt(), found[..tied].iter().map(|&(_, y)| y).collect())
         })
         .collect();

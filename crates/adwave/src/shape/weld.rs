@@ -94,6 +94,14 @@ impl Weld {
         &self.class_of
     }
 
+    /// The vertices of each class, by rising index: where each class starts (and the end of the last), and the vertices.
+    pub(crate) fn members(&self) -> (Vec<usize>, Vec<u32>) {
+        super::adjacency::incidence(
+            self.n_classes,
+            self.class_of.iter().zip(0..).map(|(&class, x)| (class, x)),
+        )
+    }
+
     /// The positions of the analysis' vertices.
     pub fn positions(&self, points: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut positions = vec![[0.0; 3]; self.n_classes];
