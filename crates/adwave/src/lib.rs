@@ -2,10 +2,14 @@
 //! from fine to coarse, measure and edit the bands, and put the shape back together without loss.
 
 pub mod bands;
+mod decomposer;
+pub mod filter;
 pub mod operator;
 mod progress;
 mod reduce;
+pub mod region;
 pub mod shape;
 pub mod sparse;
 
+pub use decomposer::Decomposer;
 pub use progress::{Cancelled, Progress};

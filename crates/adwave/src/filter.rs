@@ -1,0 +1,169 @@
+//! Space-frequency filters (eq. 18): keep, drop, weaken or strengthen each band, everywhere or by region.
+
+use crate::region::{Region, RegionError};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// The four filters of the paper's Fig. 14, for any number of levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// Drop every band: all gains 0. Smooths.
+    Suppress,
+    /// Strengthen every band, the fine ones most: gains above 1. Makes details crisp.
+    Enhance,
+    /// Keep the fine bands and drop the middle ones: fine texture on a smoothed body.
+    Band1,
+    /// Drop the fine bands and strengthen the middle ones: a caricature without texture.
+    Band2,
+}
+
+impl Preset {
+    /// All presets by the names they have on a command line and in a recipe.
+    pub const ALL: [(&'static str, Self); 4] = [
+        ("suppress", Self::Suppress),
+        ("enhance", Self::Enhance),
+        ("band1", Self::Band1),
+        ("band2", Self::Band2),
+    ];
+
+    /// The gains g_1 … g_J for `n_levels` = J levels. The fine bands of `Band1` and `Band2` are the finest third.
+    ///
+    /// ```
+    /// use adwave::filter::Preset;
+    /// assert_eq!(Preset::Band1.gains(6), [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    /// ```
+    pub fn gains(self, n_levels: usize) -> Vec<f64> {
+        let n_fine = n_levels.div_ceil(3);
+        (1..=n_levels)
+            .map(|level| match self {
+                Self::Suppress => 0.0,
+                // Falls from the finest to the coarsest band: what is coarse is shape, and twice the shape is none.
+                Self::Enhance => {
+                    let t = (level - 1) as f64 / n_levels as f64;
+                    ENHANCE_FINEST + t * (ENHANCE_COARSEST - ENHANCE_FINEST)
+                }
+                Self::Band1 => f64::from(level <= n_fine),
+                Self::Band2 => {
+                    if level <= n_fine {
+                        0.0
+                    } else {
+                        BAND2_GAIN
+                    }
+                }
+            })
+            .collect()
+    }
+}
+
+/// Gain of the finest band under [`Preset::Enhance`].
+const ENHANCE_FINEST: f64 = 3.0;
+/// Gain that the bands of [`Preset::Enhance`] fall towards.
+const ENHANCE_COARSEST: f64 = 1.2;
+/// Gain of the middle bands under [`Preset::Band2`].
+const BAND2_GAIN: f64 = 2.0;
+
+/// One gain for each band.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gains {
+    /// Those of a preset, for however many levels there are.
+    Preset(Preset),
+    /// g_1 … g_J, fine to coarse.
+    Gains(Vec<f64>),
+}
+
+impl Gains {
+    /// The gains g_1 … g_J.
+    ///
+    /// # Errors
+    /// [`FilterError`] when there are not `n_levels` gains or one is not finite.
+    pub fn resolve(&self, n_levels: usize) -> Result<Vec<f64>, FilterError> {
+        let gains = match self {
+            Self::Preset(preset) => preset.gains(n_levels),
+            Self::Gains(gains) => gains.clone(),
+        };
+        if gains.len() != n_levels {
+            return Err(FilterError::WrongNumberOfGains { n_gains: gains.len(), n_levels });
+        }
+        if let Some(at) = gains.iter().position(|g| !g.is_finite()) {
+            return Err(FilterError::BadGain { level: at + 1, gain: gains[at] });
+        }
+        Ok(gains)
+    }
+}
+
+/// One edit: gains, and where they apply.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Layer {
+    /// The gains.
+    #[serde(flatten)]
+    pub gains: Gains,
+    /// Where they apply; everywhere by default.
+    #[serde(default = "everywhere", skip_serializing_if = "is_everywhere")]
+    pub region: Region,
+}
+
+fn everywhere() -> Region {
+    Region::Everywhere {}
+}
+
+fn is_everywhere(region: &Region) -> bool {
+    *region == Region::Everywhere {}
+}
+
+/// Why an edit cannot be applied.
+#[derive(Debug, Error, PartialEq)]
+pub enum FilterError {
+    /// There is not one gain a level.
+    #[error("{n_gains} gains were given for {n_levels} levels; give one gain a level, fine to coarse")]
+    WrongNumberOfGains {
+        /// Gains given.
+        n_gains: usize,
+        /// Levels there are.
+        n_levels: usize,
+    },
+    /// A gain is NaN or infinite.
+    #[error("the gain of level {level} is {gain}, which is not finite")]
+    BadGain {
+        /// The level, from 1.
+        level: usize,
+        /// Its gain.
+        gain: f64,
+    },
+    /// A region does not fit the shape.
+    #[error("layer {layer}: {source}")]
+    Region {
+        /// The layer, from 1.
+        layer: usize,
+        /// What is wrong with its region.
+        source: RegionError,
+    },
+    /// The bands could not be computed.
+    #[error(transparent)]
+    Bands(#[from] crate::bands::BandsError),
+}
+
+/// How far an edit moved the vertices of a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Displacement {
+    /// Root of the mean square distance between a vertex before and after, in model units.
+    pub rms: f64,
+    /// The largest such distance, in model units.
+    pub max: f64,
+    /// The vertex that moved furthest, from 0.
+    pub furthest: usize,
+}
+
+/// Measures how far the vertices of a shape moved.
+///
+/// # Panics
+/// When there are not as many points after as before, or none.
+pub fn displacement(before: &[[f64; 3]], after: &[[f64; 3]]) -> Displacement {
+    assert_eq!(before.len(), after.len(), "as many points after as before");
+    let moved = |x: usize| crate::shape::squared_distance(&before[x], &after[x]);
+    let furthest =
+        (0..before.len()).max_by(|&x, &y| moved(x).total_cmp(&moved(y))).expect("at least one point");
+    let mean_square = crate::reduce::sum(before.len(), moved) / before.len() as f64;
+    Displacement { rms: mean_square.sqrt(), max: moved(furthest).sqrt(), furthest }
+}

@@ -1,0 +1,306 @@
+//! Regions written on a command line.
+//!
+//! ```text
+//! region  = term { "|" term }                      any of them
+//! term    = factor { "&" factor }                  all of them
+//! factor  = "!" factor | "(" region ")" | name [ ":" key "=" value { "," key "=" value } ]
+//! ```
+//! Coordinates are separated by blanks, places of a stroke by `;`.
+
+use super::{Length, Place, Region};
+use thiserror::Error;
+
+/// Why a text is no region.
+#[derive(Debug, Error, PartialEq)]
+pub enum RegionSyntaxError {
+    /// Something that is not a length.
+    #[error("'{0}' is not a length; write model units (0.25) or a percentage of the diagonal (5%)")]
+    NotALength(String),
+    /// Something that is not a number.
+    #[error("'{0}' is not a number")]
+    NotANumber(String),
+    /// Something that is not a point.
+    #[error("'{0}' is not a point; write three numbers with blanks between, as in '0.1 0 2.5'")]
+    NotAPoint(String),
+    /// Something that is not a vertex index.
+    #[error("'{0}' is not a vertex index; vertices are counted from 0")]
+    NotAVertex(String),
+    /// A kind of region that does not exist.
+    #[error("there is no region '{0}'; there are all, ball, stroke, box, half-space, field and vertices")]
+    NoSuchRegion(String),
+    /// A key that the region does not have.
+    #[error("a {region} region has no '{key}'; it has {known}")]
+    NoSuchKey {
+        /// The kind of region.
+        region: &'static str,
+        /// The key.
+        key: String,
+        /// Keys that it has.
+        known: &'static str,
+    },
+    /// A key without which the region means nothing.
+    #[error("a {region} region needs {key}")]
+    Missing {
+        /// The kind of region.
+        region: &'static str,
+        /// The key.
+        key: &'static str,
+    },
+    /// A part without `key=value`.
+    #[error("'{0}' is not of the form key=value")]
+    NotAKeyValue(String),
+    /// The text ends too early or goes on too long.
+    #[error(
+        "the region does not read on at '{0}'; parts are joined by '&' and '|', negated by '!', grouped by '(' and ')'"
+    )]
+    Unexpected(String),
+    /// More brackets than can be meant.
+    #[error("the region is nested more than {0} deep")]
+    TooDeep(usize),
+}
+
+/// Brackets and negations within each other: past this a text is an attack, not a region.
+const MOST_NESTED: usize = 64;
+
+/// Reads a region as written on a command line.
+///
+/// ```
+/// use adwave::region::{parse_region, Length, Place, Region};
+/// let ball = parse_region("ball:vertex=12,radius=5%")?;
+/// assert_eq!(ball, Region::Ball {
+///     centre: Place::Vertex(12), radius: Length::PercentOfDiagonal(5.0), falloff: None,
+/// });
+/// let upper = parse_region("half-space:point=0 0 0,normal=0 1 0 & !ball:point=0 1 0,radius=0.2")?;
+/// assert!(matches!(upper, Region::All(parts) if parts.len() == 2));
+/// # Ok::<(), adwave::region::RegionSyntaxError>(())
+/// ```
+///
+/// # Errors
+/// [`RegionSyntaxError`] with what could not be read and what would do.
+pub fn parse_region(text: &str) -> Result<Region, RegionSyntaxError> {
+    let mut rest = text;
+    let region = any(&mut rest, 0)?;
+    if rest.trim_start().is_empty() {
+        Ok(region)
+    } else {
+        Err(RegionSyntaxError::Unexpected(rest.trim().into()))
+    }
+}
+
+type Parsed = Result<Region, RegionSyntaxError>;
+
+fn any(rest: &mut &str, depth: usize) -> Parsed {
+    joined(rest, '|', |rest| joined(rest, '&', |rest| factor(rest, depth), Region::All), Region::Any)
+}
+
+fn joined(
+    rest: &mut &str,
+    sign: char,
+    mut part: impl FnMut(&mut &str) -> Parsed,
+    join: impl Fn(Vec<Region>) -> Region,
+) -> Parsed {
+    let mut parts = vec![part(rest)?];
+    while let Some(after) = rest.trim_start().strip_prefix(sign) {
+        *rest = after;
+        parts.push(part(rest)?);
+    }
+    Ok(if parts.len() == 1 { parts.remove(0) } else { join(parts) })
+}
+
+fn factor(rest: &mut &str, depth: usize) -> Parsed {
+    if depth > MOST_NESTED {
+        return Err(RegionSyntaxError::TooDeep(MOST_NESTED));
+    }
+    *rest = rest.trim_start();
+    if let Some(after) = rest.strip_prefix('!') {
+        *rest = after;
+        return Ok(Region::Not(Box::new(factor(rest, depth + 1)?)));
+    }
+    if let Some(after) = rest.strip_prefix('(') {
+        *rest = after;
+        let region = any(rest, depth + 1)?;
+        *rest = rest
+            .trim_start()
+            .strip_prefix(')')
+            .ok_or_else(|| RegionSyntaxError::Unexpected((*rest).into()))?;
+        return Ok(region);
+    }
+    let end = rest.find(['&', '|', ')', '(']).unwrap_or(rest.len());
+    let (here, after) = rest.split_at(end);
+    *rest = after;
+    let (name, keys) = here.split_once(':').unwrap_or((here, ""));
+    primitive(name.trim(), keys)
+}
+
+/// The `key=value` parts of one region, taken out one by one.
+struct Keys<'a> {
+    region: &'static str,
+    known: &'static str,
+    pairs: Vec<(&'a str, &'a str)>,
+}
+
+impl<'a> Keys<'a> {
+    fn new(region: &'static str, known: &'static str, text: &'a str) -> Result<Self, RegionSyntaxError> {
+        let pairs = text
+            .split(',')
+            .filter(|part| !part.trim().is_empty())
+            .map(|part| match part.split_once('=') {
+                Some((key, value)) => Ok((key.trim(), value.trim())),
+                None => Err(RegionSyntaxError::NotAKeyValue(part.trim().into())),
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { region, known, pairs })
+    }
+
+    fn take(&mut self, key: &str) -> Option<&'a str> {
+        let at = self.pairs.iter().position(|pair| pair.0 == key)?;
+        Some(self.pairs.remove(at).1)
+    }
+
+    fn need(&mut self, key: &'static str) -> Result<&'a str, RegionSyntaxError> {
+        let region = self.region;
+        self.take(key).ok_or(RegionSyntaxError::Missing { region, key })
+    }
+
+    fn length(&mut self, key: &str) -> Result<Option<Length>, RegionSyntaxError> {
+        self.take(key).map(str::parse).transpose()
+    }
+
+    fn number(&mut self, key: &str, default: f64) -> Result<f64, RegionSyntaxError> {
+        self.take(key).map_or(Ok(default), number)
+    }
+
+    fn end(self, region: Region) -> Parsed {
+        match self.pairs.first() {
+            None => Ok(region),
+            Some((key, _)) => Err(RegionSyntaxError::NoSuchKey {
+                region: self.region,
+                key: (*key).to_owned(),
+                known: self.known,
+            }),
+        }
+    }
+}
+
+fn primitive(name: &str, text: &str) -> Parsed {
+    match name {
+        "all" | "everywhere" => Keys::new("all", "no keys", text)?.end(Region::Everywhere {}),
+        "ball" => {
+            let mut keys = Keys::new("ball", "vertex or point, radius, falloff", text)?;
+            let centre = match (keys.take("vertex"), keys.take("point")) {
+                (Some(v), None) => Place::Vertex(vertex(v)?),
+                (None, Some(p)) => Place::Point(point(p)?),
+                _ => {
+                    return Err(RegionSyntaxError::Missing { region: "ball", key: "either vertex or point" });
+                }
+            };
+            let (radius, falloff) = (keys.need("radius")?.parse()?, keys.length("falloff")?);
+            keys.end(Region::Ball { centre, radius, falloff })
+        }
+        "stroke" => {
+            let mut keys = Keys::new("stroke", "path (points) or vertices, radius, falloff", text)?;
+            let path = match (keys.take("path"), keys.take("vertices")) {
+                (Some(points), None) => {
+                    points.split(';').map(|p| point(p).map(Place::Point)).collect::<Result<_, _>>()?
+                }
+                (None, Some(list)) => list
+                    .split([' ', ';'])
+                    .filter(|v| !v.is_empty())
+                    .map(|v| vertex(v).map(Place::Vertex))
+                    .collect::<Result<Vec<_>, _>>()?,
+                _ => {
+                    return Err(RegionSyntaxError::Missing {
+                        region: "stroke",
+                        key: "either path or vertices",
+                    });
+                }
+            };
+            let (radius, falloff) = (keys.need("radius")?.parse()?, keys.length("falloff")?);
+            keys.end(Region::Stroke { path, radius, falloff })
+        }
+        "box" => {
+            let mut keys = Keys::new("box", "min, max, falloff", text)?;
+            let (min, max) = (point(keys.need("min")?)?, point(keys.need("max")?)?);
+            let falloff = keys.length("falloff")?;
+            keys.end(Region::Box { min, max, falloff })
+        }
+        "half-space" => {
+            let mut keys = Keys::new("half-space", "point, normal, falloff", text)?;
+            let (at, normal) = (point(keys.need("point")?)?, point(keys.need("normal")?)?);
+            let falloff = keys.length("falloff")?;
+            keys.end(Region::HalfSpace { point: at, normal, falloff })
+        }
+        "field" => {
+            let mut keys = Keys::new("field", "name, low, high", text)?;
+            let name = keys.need("name")?.to_owned();
+            let (low, high) = (keys.number("low", 0.0)?, keys.number("high", 1.0)?);
+            keys.end(Region::Field { name, low, high })
+        }
+        "vertices" => {
+            let mut keys = Keys::new("vertices", "indices, radius", text)?;
+            let indices = keys
+                .need("indices")?
+                .split([' ', ';'])
+                .filter(|v| !v.is_empty())
+                .map(vertex)
+                .collect::<Result<_, _>>()?;
+            let radius = keys.length("radius")?.unwrap_or(Length::Units(0.0));
+            keys.end(Region::Vertices { indices, radius })
+        }
+        other => Err(RegionSyntaxError::NoSuchRegion(other.to_owned())),
+    }
+}
+
+fn number(text: &str) -> Result<f64, RegionSyntaxError> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(RegionSyntaxError::NotANumber(text.trim().to_owned())),
+    }
+}
+
+fn vertex(text: &str) -> Result<u32, RegionSyntaxError> {
+    text.trim().parse().map_err(|_| RegionSyntaxError::NotAVertex(text.trim().to_owned()))
+}
+
+fn point(text: &str) -> Result<[f64; 3], RegionSyntaxError> {
+    let not_a_point = || RegionSyntaxError::NotAPoint(text.trim().to_owned());
+    let values: Vec<f64> =
+        text.split_whitespace().map(number).collect::<Result<_, _>>().map_err(|_| not_a_point())?;
+    values.try_into().map_err(|_| not_a_point())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn and_binds_closer_than_or() {
+        let region = parse_region("all | all & !(all | all)").unwrap();
+        let Region::Any(parts) = region else { panic!("not a union") };
+        assert_eq!(parts[0], Region::Everywhere {});
+        let Region::All(parts) = &parts[1] else { panic!("not an intersection") };
+        assert!(matches!(&parts[1], Region::Not(inner) if matches!(**inner, Region::Any(_))));
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_named() {
+        for (text, named) in [
+            ("bal:radius=1", "no region 'bal'"),
+            ("ball:radius=1", "either vertex or point"),
+            ("ball:vertex=-1,radius=1", "'-1'"),
+            ("ball:vertex=1,radius=-2", "'-2'"),
+            ("ball:vertex=1,radius=1,fall=3", "'fall'"),
+            ("box:min=0 0,max=1 1 1", "'0 0'"),
+            ("all all", "no region 'all all'"),
+            ("(all", "''"),
+            ("all)", "')'"),
+            ("", "no region ''"),
+            ("ball:vertex", "key=value"),
+        ] {
+            let error = parse_region(text).unwrap_err().to_string();
+            assert!(error.contains(named), "{text}: {error}");
+        }
+        assert_eq!(parse_region(&"!".repeat(1000)), Err(RegionSyntaxError::TooDeep(MOST_NESTED)));
+        assert_eq!(parse_region(&"(".repeat(1000)), Err(RegionSyntaxError::TooDeep(MOST_NESTED)));
+    }
+}

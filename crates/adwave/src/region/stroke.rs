@@ -1,0 +1,65 @@
+//! Where a line drawn over a surface runs.
+
+use crate::shape::{Adjacency, distance, squared_distance};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use nalgebra::Vector3;
+
+/// Vertices next to a polyline with their distances from it, to start a search along the surface from.
+///
+/// The line between two places is straight; where the surface curves away from it, the line is moved along the normal at
+/// the nearest vertex onto the surface, piece by piece, so that the sagitta does not count as distance.
+pub(super) fn stroke_sources(
+    points: &[[f64; 3]],
+    normals: &[[f64; 3]],
+    neighbours: &Adjacency,
+    spacing: f64,
+    path: &[[f64; 3]],
+) -> Vec<(usize, f64)> {
+    let tree: ImmutableKdTree<f64, 3> =
+        ImmutableKdTree::new_from_slice(points).expect("the tree of finitely many finite points");
+    let nearest = |p: &[f64; 3]| tree.query(p).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize;
+    let on_surface = |p: &[f64; 3]| {
+        let vertex = nearest(p);
+        let (p, normal) =
+            (Vector3::from(*p), normals.get(vertex).map_or_else(Vector3::zeros, |n| (*n).into()));
+        let lift = normal.dot(&(Vector3::from(points[vertex]) - p));
+        (vertex, (p + lift * normal).into())
+    };
+    let mut line: Vec<(usize, [f64; 3])> = path.first().map(&on_surface).into_iter().collect();
+    for ends in path.windows(2) {
+        let pieces = (distance(&ends[0], &ends[1]) / spacing.max(f64::MIN_POSITIVE)).ceil();
+        let pieces = pieces.clamp(1.0, MOST_PIECES) as usize;
+        for k in 1..=pieces {
+            let t = k as f64 / pieces as f64;
+            line.push(on_surface(&std::array::from_fn(|c| ends[0][c] + t * (ends[1][c] - ends[0][c]))));
+        }
+    }
+    let mut sources = Vec::new();
+    for (k, &(vertex, _)) in line.iter().enumerate() {
+        let around = &line[k.saturating_sub(1)..(k + 2).min(line.len())];
+        for y in std::iter::once(vertex).chain(neighbours.of(vertex).iter().map(|&y| y as usize)) {
+            let away = match around {
+                [(_, only)] => squared_distance(&points[y], only),
+                _ => around
+                    .windows(2)
+                    .map(|s| squared_distance_to_segment(&points[y], &s[0].1, &s[1].1))
+                    .fold(f64::INFINITY, f64::min),
+            };
+            sources.push((y, away.sqrt()));
+        }
+    }
+    sources
+}
+
+/// Pieces that a straight part of a stroke is cut into at the most.
+const MOST_PIECES: f64 = 100_000.0;
+
+fn squared_distance_to_segment(p: &[f64; 3], a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    let along = squared_distance(a, b);
+    let t = if along > 0.0 {
+        ((0..3).map(|c| (p[c] - a[c]) * (b[c] - a[c])).sum::<f64>() / along).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    squared_distance(p, &std::array::from_fn(|c| a[c] + t * (b[c] - a[c])))
+}
