@@ -8,6 +8,7 @@ pub mod operator;
 mod progress;
 mod reduce;
 pub mod region;
+pub mod sample;
 pub mod shape;
 pub mod sparse;
 

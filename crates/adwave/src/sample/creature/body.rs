@@ -1,0 +1,228 @@
+//! The anatomy of the creature: bones, radii and skin, all in model units.
+
+use super::super::implicit::V3;
+use super::part::Part;
+use super::skin::Skin;
+use nalgebra::Rotation3;
+
+/// Which half of the body; the creature's left is +x.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Left,
+    Right,
+}
+
+impl Side {
+    const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    fn sign(self) -> f64 {
+        match self {
+            Self::Left => 1.0,
+            Self::Right => -1.0,
+        }
+    }
+
+    /// A point given for the left half, on this half.
+    fn at(self, x: f64, y: f64, z: f64) -> V3 {
+        V3::new(self.sign() * x, y, z)
+    }
+}
+
+fn at(x: f64, y: f64, z: f64) -> V3 {
+    V3::new(x, y, z)
+}
+
+/// All parts; the first is the torso, which most others join.
+pub(super) fn parts() -> Vec<Part> {
+    let mut parts = vec![torso(), shell(), tail(), head()];
+    for side in Side::BOTH {
+        parts.extend([ear(side), leg(side), foot(side), arm(side), hand(side)]);
+    }
+    parts
+}
+
+fn torso() -> Part {
+    Part::new(0.0)
+        .bone(at(0.0, 1.00, 0.0), 0.225, at(0.0, 1.19, -0.01), 0.19, 0.1)
+        .ball(at(0.0, 0.87, 0.055), 0.235, 0.1)
+        .ball(at(0.0, 0.73, 0.0), 0.2, 0.1)
+        .ball(at(0.085, 1.13, 0.105), 0.1, 0.05)
+        .ball(at(-0.085, 1.13, 0.105), 0.1, 0.05)
+        .ball(at(0.0, 0.80, 0.295), 0.016, 0.02)
+        .carved()
+        .skin(Skin::BellyPlates { size: 0.075, height: 0.006, half_width: 0.16, front: 0.1 })
+}
+
+fn shell() -> Part {
+    Part::new(0.02)
+        .bone(at(0.0, 0.84, -0.09), 0.275, at(0.0, 1.10, -0.085), 0.245, 0.02)
+        .ball(at(0.0, 0.98, 0.50), 0.52, 0.03)
+        .carved()
+        .skin(Skin::Scutes {
+            centre: at(0.0, 0.97, -0.09),
+            radius: 0.27,
+            half_height: 0.41,
+            n_rows: 15.0,
+            n_columns: 21.0,
+            height: 0.012,
+        })
+}
+
+fn tail() -> Part {
+    Part::new(0.05)
+        .chain(
+            &[
+                (at(0.0, 0.66, -0.16), 0.135),
+                (at(0.02, 0.45, -0.40), 0.1),
+                (at(0.08, 0.27, -0.57), 0.08),
+                (at(0.20, 0.16, -0.70), 0.063),
+                (at(0.36, 0.15, -0.74), 0.05),
+                (at(0.49, 0.22, -0.70), 0.037),
+                (at(0.55, 0.33, -0.66), 0.022),
+            ],
+            0.06,
+        )
+        .skin(Skin::Rings { size: 0.062, height: 0.007, from: 0.12, to: 1.22 })
+}
+
+/// From the head's own axes (origin in the skull, y up, z along the snout) to the model.
+fn head_at(x: f64, y: f64, z: f64) -> V3 {
+    at(0.0, 1.52, 0.06) + Rotation3::from_euler_angles(0.12, 0.22, -0.06) * at(x, y, z)
+}
+
+fn head() -> Part {
+    let mut head = Part::new(0.05)
+        .bone(head_at(0.0, 0.01, -0.02), 0.15, head_at(0.0, -0.02, 0.08), 0.125, 0.06)
+        .bone(at(0.0, 1.20, -0.02), 0.15, head_at(0.0, -0.06, -0.02), 0.115, 0.06)
+        .bone(head_at(0.0, -0.02, 0.12), 0.10, head_at(0.0, -0.06, 0.33), 0.058, 0.06);
+    for x in [0.085, -0.085] {
+        head = head.ball(head_at(x, -0.06, 0.07), 0.065, 0.05).bone(
+            head_at(0.4 * x, 0.075, 0.135),
+            0.028,
+            head_at(1.4 * x, 0.075, 0.085),
+            0.03,
+            0.03,
+        );
+    }
+    head = head.bone(head_at(0.0, -0.105, 0.06), 0.075, head_at(0.0, -0.145, 0.265), 0.036, 0.012).ball(
+        head_at(0.0, -0.035, 0.375),
+        0.04,
+        0.02,
+    );
+    for x in [0.085, -0.085] {
+        head = head
+            .ball(head_at(1.05 * x, 0.035, 0.15), 0.043, 0.015)
+            .carved()
+            .ball(head_at(x, 0.032, 0.128), 0.038, 0.005)
+            .ball(head_at(1.15 * x, 0.034, 0.166), 0.014, 0.01)
+            .carved()
+            .ball(head_at(0.24 * x, -0.03, 0.413), 0.012, 0.012)
+            .carved();
+    }
+    head.skin(Skin::Pebbles { size: 0.055, height: 0.003 })
+}
+
+fn ear(side: Side) -> Part {
+    let s = side.sign();
+    let outward = head_at(s * 0.40, 0.0, 1.0) - head_at(0.0, 0.0, 0.0);
+    let ear_at = |t: f64, forward: f64| {
+        let base = head_at(s * 0.085, 0.10, -0.03);
+        let tip = head_at(s * 0.27, 0.37, -0.07);
+        base.lerp(&tip, t) + outward.normalize() * forward
+    };
+    Part::new(0.03)
+        .bone(ear_at(0.0, 0.0), 0.05, ear_at(0.5, 0.0), 0.095, 0.02)
+        .flattened(outward, 2.2)
+        .bone(ear_at(0.5, 0.0), 0.095, ear_at(1.05, 0.0), 0.024, 0.02)
+        .flattened(outward, 2.2)
+        .bone(ear_at(0.22, 0.048), 0.04, ear_at(0.50, 0.048), 0.068, 0.015)
+        .flattened(outward, 1.8)
+        .carved()
+        .bone(ear_at(0.50, 0.048), 0.068, ear_at(0.85, 0.044), 0.03, 0.015)
+        .flattened(outward, 1.8)
+        .carved()
+}
+
+fn leg(side: Side) -> Part {
+    let knee = side.at(0.27, 0.40, 0.12);
+    Part::new(0.05)
+        .bone(side.at(0.15, 0.66, 0.01), 0.165, knee, 0.10, 0.05)
+        .bone(knee, 0.095, side.at(0.25, 0.13, -0.01), 0.07, 0.04)
+        // The calf, and the kneecap.
+        .bone(side.at(0.265, 0.30, 0.03), 0.075, side.at(0.255, 0.20, 0.0), 0.06, 0.04)
+        .ball(side.at(0.285, 0.405, 0.19), 0.042, 0.03)
+        .skin(Skin::Pebbles { size: 0.068, height: 0.006 })
+}
+
+fn foot(side: Side) -> Part {
+    let ankle = side.at(0.25, 0.11, -0.01);
+    let mut foot = Part::new(0.04).bone(ankle, 0.07, side.at(0.255, 0.055, -0.05), 0.07, 0.03).bone(
+        side.at(0.255, 0.06, -0.02),
+        0.07,
+        side.at(0.29, 0.05, 0.14),
+        0.07,
+        0.03,
+    );
+    for (angle, length) in [(-0.32_f64, 0.10), (0.12, 0.125), (0.60, 0.10)] {
+        let direction = side.at(angle.sin(), 0.0, angle.cos());
+        let root = side.at(0.285, 0.045, 0.14) + side.at(0.11 * angle.sin(), 0.0, 0.03);
+        let tip = root + direction * length;
+        foot = foot.bone(root, 0.042, tip, 0.036, 0.015).bone(
+            tip + at(0.0, 0.008, 0.0) + direction * 0.025,
+            0.02,
+            tip + direction * 0.08 - at(0.0, 0.02, 0.0),
+            0.009,
+            0.006,
+        );
+    }
+    foot.skin(Skin::Pebbles { size: 0.055, height: 0.003 })
+}
+
+/// Shoulder, elbow, wrist: the left arm waves, the right one reaches out.
+fn arm_joints(side: Side) -> [V3; 3] {
+    match side {
+        Side::Left => [at(0.21, 1.21, -0.01), at(0.47, 1.17, 0.0), at(0.60, 1.42, 0.09)],
+        Side::Right => [at(-0.21, 1.21, -0.01), at(-0.45, 1.08, 0.06), at(-0.60, 1.24, 0.25)],
+    }
+}
+
+fn arm(side: Side) -> Part {
+    let [shoulder, elbow, wrist] = arm_joints(side);
+    let upper = elbow - shoulder;
+    let back = (elbow - shoulder.lerp(&wrist, 0.5)).normalize();
+    Part::new(0.05)
+        .bone(shoulder, 0.115, elbow, 0.075, 0.04)
+        .bone(elbow, 0.078, wrist, 0.054, 0.03)
+        // Upper arm muscle, forearm muscle, elbow.
+        .ball(shoulder + upper * 0.5 + at(0.0, 0.02, 0.03), 0.08, 0.05)
+        .ball(elbow.lerp(&wrist, 0.3), 0.082, 0.05)
+        .ball(elbow + back * 0.055, 0.038, 0.03)
+        .skin(Skin::Pebbles { size: 0.062, height: 0.0055 })
+}
+
+fn hand(side: Side) -> Part {
+    let [_, elbow, wrist] = arm_joints(side);
+    let along = (wrist - elbow).normalize();
+    // The palm looks forward, the thumb points up and inward.
+    let palm = (at(0.0, -0.1, 1.0) - along * along.dot(&at(0.0, -0.1, 1.0))).normalize();
+    let across = palm.cross(&along) * side.sign();
+    let hand_at = |a: f64, c: f64, f: f64| wrist + along * a + across * c + palm * f;
+    let mut hand = Part::new(0.03)
+        .bone(hand_at(0.0, 0.0, 0.0), 0.055, hand_at(0.10, 0.0, 0.0), 0.075, 0.03)
+        .flattened(palm, 1.45);
+    let fingers = [(0.52_f64, 0.045, 0.11, 0.95), (0.08, 0.0, 0.125, 1.0), (-0.38, -0.048, 0.11, 0.92)];
+    let thumb = (1.25, 0.045, 0.035, 0.85);
+    for (angle, offset, start, size) in fingers.into_iter().chain([thumb]) {
+        let direction = along * angle.cos() + across * angle.sin();
+        let root = hand_at(start, offset, 0.005);
+        let knuckle = root + direction * (0.085 * size);
+        let bent = (direction + palm * 0.45).normalize();
+        let tip = knuckle + bent * (0.065 * size);
+        let claw = (direction + palm * 0.9).normalize();
+        hand = hand
+            .bone(root, 0.032 * size, knuckle, 0.030 * size, 0.012)
+            .bone(knuckle, 0.031 * size, tip, 0.026 * size, 0.01)
+            .bone(tip + bent * 0.012, 0.018 * size, tip + claw * (0.065 * size), 0.008, 0.006);
+    }
+    hand
+}

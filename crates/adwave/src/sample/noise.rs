@@ -1,0 +1,77 @@
+//! Gaussian noise along vertex normals, and points drawn from a surface; both seeded.
+
+use super::{Sample, SampleError};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::{Rng, SeedableRng};
+
+/// Standard deviation of noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoiseSigma {
+    /// In model units.
+    Model(f64),
+    /// As a multiple of the mean length of the mesh's distinct edges, as in figure 10 of the paper.
+    MeanEdge(f64),
+}
+
+/// Moves every point along its normal by a normal deviate: p ← p + σ·g·n, g ~ N(0, 1), one g a point.
+///
+/// `sigma` in model units; `normals` of unit length. The same seed gives the same noise. O(points).
+///
+/// ```
+/// let mut points = vec![[0.0, 0.0, 0.0]; 2];
+/// adwave::sample::add_noise(&mut points, &[[0.0, 0.0, 1.0]; 2], 0.1, 7)?;
+/// assert_eq!((points[0][0], points[0][1]), (0.0, 0.0));
+/// assert!(points[0][2] != points[1][2] && points[0][2].abs() < 1.0);
+/// # Ok::<(), adwave::sample::SampleError>(())
+/// ```
+///
+/// # Errors
+/// [`SampleError::NormalsMismatch`] when the two slices differ in length, [`SampleError::BadSigma`] when `sigma` is
+/// negative, infinite or NaN.
+pub fn add_noise(
+    points: &mut [[f64; 3]],
+    normals: &[[f64; 3]],
+    sigma: f64,
+    seed: u64,
+) -> Result<(), SampleError> {
+    if points.len() != normals.len() {
+        return Err(SampleError::NormalsMismatch { n_points: points.len(), n_normals: normals.len() });
+    }
+    if !(sigma.is_finite() && sigma >= 0.0) {
+        return Err(SampleError::BadSigma { sigma });
+    }
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    for (point, normal) in points.iter_mut().zip(normals) {
+        let deviate: f64 = StandardNormal.sample(&mut random);
+        for (x, n) in point.iter_mut().zip(normal) {
+            *x += sigma * deviate * n;
+        }
+    }
+    Ok(())
+}
+
+/// `n_points` points drawn evenly by area from the faces of `sample`, with the unit normals of their faces: the face
+/// by inversion of the running area, then uniform barycentric coordinates.
+pub(super) fn draw_cloud(sample: &Sample, n_points: usize, seed: u64) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    let mut running = Vec::with_capacity(sample.faces.len());
+    let mut total = 0.0;
+    for face in sample.faces.iter() {
+        total += 0.5 * sample.area_normal(face).norm();
+        running.push(total);
+    }
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    // 53 random bits make a double in [0, 1).
+    let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    (0..n_points)
+        .map(|_| {
+            let wanted = uniform() * total;
+            let face = running.partition_point(|&area| area <= wanted).min(running.len() - 1);
+            let corners = sample.faces.get(face);
+            let [a, b, c] = [0, 1, 2].map(|k| sample.corner(corners[k]));
+            let (root, v) = (uniform().sqrt(), uniform());
+            let p = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
+            (<[f64; 3]>::from(p), <[f64; 3]>::from(sample.area_normal(corners).normalize()))
+        })
+        .unzip()
+}
