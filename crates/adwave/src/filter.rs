@@ -1,7 +1,8 @@
 //! Space-frequency filters (eq. 18): keep, drop, weaken or strengthen each band, everywhere or by region.
 
-use crate::region::{Region, RegionError};
-use serde::{Deserialize, Serialize};
+use crate::region::{Region, RegionError, parse_region};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
 /// The four filters of the paper's Fig. 14, for any number of levels.
@@ -100,7 +101,11 @@ pub struct Layer {
     #[serde(flatten)]
     pub gains: Gains,
     /// Where they apply; everywhere by default.
-    #[serde(default = "everywhere", skip_serializing_if = "is_everywhere")]
+    #[serde(
+        default = "everywhere",
+        skip_serializing_if = "is_everywhere",
+        deserialize_with = "region_or_text"
+    )]
     pub region: Region,
 }
 
@@ -110,6 +115,20 @@ fn everywhere() -> Region {
 
 fn is_everywhere(region: &Region) -> bool {
     *region == Region::Everywhere {}
+}
+
+/// A region as a table, or as a text as on a command line.
+fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Region, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Form {
+        Text(String),
+        Tree(Region),
+    }
+    match Form::deserialize(deserializer)? {
+        Form::Text(text) => parse_region(&text).map_err(D::Error::custom),
+        Form::Tree(region) => Ok(region),
+    }
 }
 
 /// Why an edit cannot be applied.

@@ -228,7 +228,7 @@ fn gcd(a: usize, b: usize) -> usize {
 
 #[test]
 fn channels_do_not_mix_and_threads_do_not_matter() {
-    let (points, faces) = sample("creature", 5000);
+    let (points, faces) = sample("knot", 5000);
     let shape = mesh(&points, &faces);
     let params = OperatorParams::default();
     let on = |threads: usize, values: &[f64], n_channels: usize| {
