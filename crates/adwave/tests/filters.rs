@@ -1,0 +1,176 @@
+//! Edits: what is outside a region stays to the last bit, what is inside follows eq. 18.
+
+use adwave::bands::Schedule;
+use adwave::filter::{FilterError, Gains, Layer, Preset, displacement};
+use adwave::operator::OperatorParams;
+use adwave::region::{Length, Place, Region, RegionError, parse_region};
+use adwave::sample::Sample;
+use adwave::shape::{Mesh, Shape, enclosed_volume, triangulate};
+use adwave::{Decomposer, Progress};
+
+/// A dozen roundings, relative to the size of the shape.
+const ROUNDING: f64 = 1e-13;
+
+struct Fixture {
+    points: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    decomposer: Decomposer,
+    schedule: Schedule,
+}
+
+fn fixture(name: &str, n_vertices: usize) -> Fixture {
+    let Sample { points, faces } = Sample::by_name(name, Some(n_vertices)).unwrap();
+    let triangles = triangulate(&points, &faces);
+    let shape = Shape::Mesh(Mesh::new(points.clone(), faces).unwrap());
+    let decomposer = Decomposer::new(&shape, &OperatorParams::default());
+    Fixture { points, triangles, decomposer, schedule: Schedule::dyadic(6).unwrap() }
+}
+
+impl Fixture {
+    fn filter(&self, layers: &[Layer]) -> Result<Vec<[f64; 3]>, FilterError> {
+        let coords = self.points.as_flattened();
+        let field = |name: &str| (name == "height").then(|| (1, self.points.iter().map(|p| p[1]).collect()));
+        let names = ["height".to_owned()];
+        self.decomposer
+            .filter(coords, 3, &self.schedule, layers, &field, &names, Progress::none())
+            .map(|edited| edited.as_chunks().0.to_vec())
+    }
+
+    fn weights(&self, region: &str) -> Vec<f64> {
+        parse_region(region).unwrap().weights(&self.decomposer, &|_| None, &[]).unwrap()
+    }
+}
+
+fn everywhere(gains: Gains) -> Vec<Layer> {
+    vec![Layer { gains, region: Region::Everywhere {} }]
+}
+
+#[test]
+fn unit_gains_change_nothing_and_no_gains_leave_the_coarsest_level() {
+    let f = fixture("torus", 2000);
+    assert_eq!(f.filter(&everywhere(Gains::Gains(vec![1.0; 6]))).unwrap(), f.points);
+    assert_eq!(f.filter(&[]).unwrap(), f.points);
+    let bands = f.decomposer.decompose(f.points.as_flattened(), 3, &f.schedule, Progress::none()).unwrap();
+    let smooth = f.filter(&everywhere(Gains::Preset(Preset::Suppress))).unwrap();
+    for (a, b) in smooth.as_flattened().iter().zip(&bands.scaling[6]) {
+        assert!((a - b).abs() < ROUNDING);
+    }
+}
+
+#[test]
+fn gains_weigh_their_bands() {
+    let f = fixture("knot", 2000);
+    let gains = vec![3.0, 0.5, 1.0, 0.0, 1.0, -1.0];
+    let edited = f.filter(&everywhere(Gains::Gains(gains.clone()))).unwrap();
+    let bands = f.decomposer.decompose(f.points.as_flattened(), 3, &f.schedule, Progress::none()).unwrap();
+    for (i, value) in edited.as_flattened().iter().enumerate() {
+        let expected = bands.scaling[6][i] + (0..6).map(|j| gains[j] * bands.wavelet[j][i]).sum::<f64>();
+        assert!((value - expected).abs() < ROUNDING);
+    }
+}
+
+#[test]
+fn an_edit_ends_where_its_region_ends() {
+    let f = fixture("sphere", 4000);
+    let region =
+        Region::Ball { centre: Place::Vertex(7), radius: Length::PercentOfDiagonal(10.0), falloff: None };
+    let weights = region.weights(&f.decomposer, &|_| None, &[]).unwrap();
+    assert_eq!(weights[7], 1.0);
+    let n_touched = weights.iter().filter(|&&r| r > 0.0).count();
+    let radius = 0.1 * f.decomposer.diagonal();
+    // The cap of geodesic radius ρ on the unit sphere has the part (1 − cos ρ)/2 of its area; distances over edges are a
+    // little long, so the ball is a little small.
+    let cap = 4000.0 * (1.0 - radius.cos()) / 2.0;
+    assert!((0.85 * cap..1.02 * cap).contains(&(n_touched as f64)), "{n_touched} of {cap}");
+    let edited = f.filter(&[Layer { gains: Gains::Gains(vec![5.0; 6]), region }]).unwrap();
+    for (x, r) in weights.iter().enumerate() {
+        assert_eq!(edited[x] == f.points[x], *r == 0.0, "vertex {x} of weight {r}");
+    }
+}
+
+#[test]
+fn the_order_of_layers_does_not_matter() {
+    let f = fixture("sphere", 1000);
+    let half = Layer {
+        gains: Gains::Preset(Preset::Enhance),
+        region: parse_region("half-space:point=0 0 0,normal=1 0 0,falloff=0.5").unwrap(),
+    };
+    let all = Layer { gains: Gains::Preset(Preset::Band1), region: Region::Everywhere {} };
+    let forward = f.filter(&[half.clone(), all.clone()]).unwrap();
+    let backward = f.filter(&[all, half]).unwrap();
+    assert!(
+        forward.as_flattened().iter().zip(backward.as_flattened()).all(|(a, b)| (a - b).abs() < ROUNDING)
+    );
+}
+
+#[test]
+fn regions_combine_as_sets_do() {
+    let f = fixture("sphere", 1000);
+    let (left, right) = ("half-space:point=0 0 0,normal=-1 0 0", "half-space:point=0 0 0,normal=1 0 0");
+    let (a, b) = (f.weights(left), f.weights(right));
+    let either = f.weights(&format!("{left} | {right}"));
+    let both = f.weights(&format!("{left} & {right}"));
+    let neither = f.weights(&format!("!({left} | {right})"));
+    for x in 0..1000 {
+        assert_eq!(either[x], a[x].max(b[x]));
+        assert_eq!(both[x], 0.0);
+        assert_eq!(neither[x], 1.0 - either[x]);
+    }
+    assert!(a.iter().filter(|&&r| r == 1.0).count() > 300);
+    assert_eq!(f.weights("all"), vec![1.0; 1000]);
+    let boxed = f.weights("box:min=-2 0 -2,max=2 2 2,falloff=0");
+    assert!((0..1000).all(|x| (boxed[x] == 1.0) == (f.points[x][1] >= 0.0)));
+    let some = f.weights("vertices:indices=3 5 8");
+    assert!((0..1000).all(|x| (some[x] == 1.0) == [3, 5, 8].contains(&x)));
+}
+
+#[test]
+fn a_stroke_is_as_wide_as_it_says_along_its_whole_length() {
+    // A meridian of the unit sphere: the straight pieces between its three places cut deep through the inside.
+    let f = fixture("sphere", 20_000);
+    let weights = f.weights("stroke:path=1 0 0;0 0 1;-1 0 0,radius=0.2,falloff=0");
+    for (x, p) in f.points.iter().enumerate() {
+        let from_meridian = if p[2] > 0.3 { p[1].asin().abs() } else { continue };
+        if from_meridian < 0.17 {
+            assert_eq!(weights[x], 1.0, "{p:?} is {from_meridian} away");
+        }
+        if from_meridian > 0.21 {
+            assert_eq!(weights[x], 0.0, "{p:?} is {from_meridian} away");
+        }
+    }
+}
+
+#[test]
+fn suppressing_keeps_the_body_and_enhancing_makes_it_larger() {
+    let f = fixture("torus", 4000);
+    let volume = |points: &[[f64; 3]]| enclosed_volume(points, &f.triangles);
+    let before = volume(&f.points);
+    let smooth = f.filter(&everywhere(Gains::Preset(Preset::Suppress))).unwrap();
+    let crisp = f.filter(&everywhere(Gains::Preset(Preset::Enhance))).unwrap();
+    assert!((0.5 * before..before).contains(&volume(&smooth)));
+    assert!(volume(&crisp) > before);
+    let moved = displacement(&f.points, &smooth);
+    assert!(moved.rms > 0.0 && moved.rms < moved.max && moved.max < 0.2 * f.decomposer.diagonal());
+}
+
+#[test]
+fn what_does_not_fit_is_named() {
+    let f = fixture("sphere", 100);
+    let edit = |gains: Vec<f64>, region: &str| {
+        f.filter(&[Layer { gains: Gains::Gains(gains), region: parse_region(region).unwrap() }]).unwrap_err()
+    };
+    assert_eq!(edit(vec![1.0; 5], "all"), FilterError::WrongNumberOfGains { n_gains: 5, n_levels: 6 });
+    assert!(matches!(edit(vec![f64::NAN; 6], "all"), FilterError::BadGain { level: 1, .. }));
+    let region = |text: &str| match edit(vec![1.0; 6], text) {
+        FilterError::Region { layer: 1, source } => source,
+        other => panic!("{text}: {other}"),
+    };
+    assert_eq!(
+        region("ball:vertex=100,radius=1"),
+        RegionError::NoSuchVertex { vertex: 100, n_vertices: 100 }
+    );
+    assert!(matches!(region("field:name=heat"), RegionError::NoSuchField { .. }));
+    assert!(region("field:name=heat").to_string().contains("height"));
+    assert!(matches!(region("ball:vertex=1,radius=0"), RegionError::BadNumber { .. }));
+    assert!(matches!(region("half-space:point=0 0 0,normal=0 0 0"), RegionError::BadNumber { .. }));
+}
