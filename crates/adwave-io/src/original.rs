@@ -66,6 +66,16 @@ fn is_same(word: &[u8], x: f64, precision: Precision) -> bool {
 }
 
 impl TextRows {
+    /// Writes the whole original with the rows in it changed.
+    pub(crate) fn write_all(
+        &self,
+        shape: &ShapeFile,
+        edit: &RowEdit<'_>,
+        out: &mut dyn std::io::Write,
+    ) -> std::io::Result<()> {
+        self.write_range((0, self.bytes.len()), shape, edit, out)
+    }
+
     /// Writes bytes `from..to` of the original with the rows in it changed.
     pub(crate) fn write_range(
         &self,

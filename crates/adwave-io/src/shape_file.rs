@@ -66,6 +66,8 @@ pub struct ShapeFile {
     /// What only the original bytes hold, named for the report of what another format leaves out.
     pub(crate) extras: Vec<String>,
     pub(crate) original: Option<Arc<Original>>,
+    /// How many vertex fields the original has.
+    pub(crate) n_original_fields: usize,
     /// Vertex fields that are not as in the original.
     pub(crate) edited: Vec<String>,
     /// Whether the points are as in the original.
@@ -85,6 +87,7 @@ impl ShapeFile {
             precision: Precision::F64,
             extras: Vec::new(),
             original: None,
+            n_original_fields: 0,
             edited: Vec::new(),
             moved: false,
         }
