@@ -1,1 +1,57 @@
 //! Readers and writers.
+//!
+//! [`read_path`] and [`read_bytes`] find the format from the content first and from the name second, and give a
+//! [`ShapeFile`]: points, faces, edges and every attribute as a named [`Field`].
+
+mod atomic;
+mod columns_meaning;
+mod columns_read;
+mod columns_write;
+mod error;
+mod field;
+mod format;
+mod grouping;
+mod las_fields;
+mod las_read;
+mod laz_check;
+mod limits;
+mod lines;
+mod lzf;
+mod mtx_read;
+mod mtx_write;
+mod npy_read;
+mod npz_write;
+mod obj_attributes;
+mod obj_line;
+mod obj_read;
+mod obj_write;
+mod off_read;
+mod off_write;
+mod original;
+mod pcd_read;
+mod pcd_write;
+mod ply_again;
+mod ply_body;
+mod ply_header;
+mod ply_read;
+mod ply_write;
+mod read;
+mod shape_file;
+mod sniff;
+mod stl_read;
+mod stl_write;
+mod text;
+mod vtp_write;
+mod write;
+
+pub use atomic::{atomic_write, remove_temporaries};
+pub use error::{ReadError, WriteError};
+pub use field::{Field, FieldValues, ValueType};
+pub use format::Format;
+pub use limits::ReadLimits;
+pub use mtx_write::{CompressedRows, write_matrix_market};
+pub use npy_read::{NpyArray, read_npy, read_npy_bytes};
+pub use npz_write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
+pub use read::{read_bytes, read_path};
+pub use shape_file::{Direction, Edges, Precision, ShapeFile};
+pub use write::{WriteReport, write_bytes, write_path};

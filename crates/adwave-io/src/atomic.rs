@@ -1,0 +1,115 @@
+//! Replacing a file as a whole: whoever reads it sees the old bytes or the new ones, never a part.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use crate::WriteError;
+
+/// The temporary files that exist now.
+static TEMPORARIES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn with_temporaries<T>(change: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
+    change(&mut TEMPORARIES.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+}
+
+/// Deletes the temporary files of all writes under way. A program calls it when it ends before they are done, for
+/// instance from what it does at Ctrl-C; those writes then fail, and the files that they would replace are unchanged.
+pub fn remove_temporaries() {
+    with_temporaries(|paths| {
+        for path in std::mem::take(paths) {
+            let _ = fs::remove_file(path);
+        }
+    });
+}
+
+/// Takes a path off the list when it is renamed or deleted.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        with_temporaries(|paths| paths.remove(&self.0));
+    }
+}
+
+/// Writes a file as a whole: into a temporary file in the same folder, flushed to the disk and renamed. An existing
+/// file keeps its permissions, and a symbolic link its target; what is no regular file (a pipe, `/dev/null`) is
+/// written directly. On an error the old file is as it was and no temporary file is left.
+///
+/// ```
+/// let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("a.txt");
+/// adwave_io::atomic_write(&path, |w| Ok(w.write_all(b"whole")?)).unwrap();
+/// assert_eq!(std::fs::read(&path).unwrap(), b"whole");
+/// ```
+///
+/// # Errors
+/// The folder is missing, a system call fails, or the error of `write`; each with the file's name.
+pub fn atomic_write<T>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
+) -> Result<T, WriteError> {
+    replace(path, write).map_err(|e| e.in_file(path))
+}
+
+fn replace<T>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
+) -> Result<T, WriteError> {
+    // The link stays, its target is replaced; a link to nothing makes the target.
+    let target = resolve(path)?;
+    let old = fs::metadata(&target).ok();
+    if old.as_ref().is_some_and(|m| !m.is_file()) {
+        let file = OpenOptions::new().write(true).open(&target)?;
+        let mut out = BufWriter::with_capacity(1 << 18, file);
+        let result = write(&mut out)?;
+        out.flush()?;
+        return Ok(result);
+    }
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(WriteError::NoFolder { folder: folder.display().to_string() });
+    }
+    // A file that may not be written is not replaced either, though a rename could.
+    if old.is_some() {
+        OpenOptions::new().write(true).open(&target)?;
+    }
+    let mut listed = None;
+    let temporary = tempfile::Builder::new().prefix(".adwave-").suffix(".tmp").make_in(folder, |path| {
+        // On the list before it exists, so that none is missed; and with the permissions of any new file.
+        with_temporaries(|paths| paths.insert(path.to_path_buf()));
+        let entry = Listed(path.to_path_buf());
+        let file = OpenOptions::new().write(true).create_new(true).open(path)?;
+        listed = Some(entry);
+        Ok(file)
+    })?;
+    let (file, temporary) = temporary.into_parts();
+    let mut out = BufWriter::with_capacity(1 << 18, file);
+    let result = write(&mut out)?;
+    out.flush()?;
+    let file: File = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    if let Some(old) = old {
+        file.set_permissions(old.permissions())?;
+    }
+    file.sync_all()?;
+    drop(file);
+    temporary.persist(&target).map_err(|e| e.error)?;
+    drop(listed);
+    Ok(result)
+}
+
+/// The file that symbolic links lead to, which need not exist.
+fn resolve(path: &Path) -> io::Result<PathBuf> {
+    const MOST_LINKS: usize = 40;
+    let mut target = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        if !fs::symlink_metadata(&target).is_ok_and(|m| m.is_symlink()) {
+            return Ok(target);
+        }
+        let link = fs::read_link(&target)?;
+        target = target.parent().map_or_else(|| link.clone(), |folder| folder.join(&link));
+    }
+    Err(io::Error::other("too many symbolic links"))
+}

@@ -1,0 +1,307 @@
+//! Named values at the vertices or faces of a shape, in the number type of the file they came from.
+
+/// Numbers of one type.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // the names are the types
+pub enum FieldValues {
+    U8(Vec<u8>),
+    I8(Vec<i8>),
+    U16(Vec<u16>),
+    I16(Vec<i16>),
+    U32(Vec<u32>),
+    I32(Vec<i32>),
+    U64(Vec<u64>),
+    I64(Vec<i64>),
+    F32(Vec<f32>),
+    F64(Vec<f64>),
+}
+
+/// Runs one expression for whichever type the values have.
+macro_rules! with_values {
+    ($values:expr, $name:ident => $body:expr) => {
+        match $values {
+            $crate::field::FieldValues::U8($name) => $body,
+            $crate::field::FieldValues::I8($name) => $body,
+            $crate::field::FieldValues::U16($name) => $body,
+            $crate::field::FieldValues::I16($name) => $body,
+            $crate::field::FieldValues::U32($name) => $body,
+            $crate::field::FieldValues::I32($name) => $body,
+            $crate::field::FieldValues::U64($name) => $body,
+            $crate::field::FieldValues::I64($name) => $body,
+            $crate::field::FieldValues::F32($name) => $body,
+            $crate::field::FieldValues::F64($name) => $body,
+        }
+    };
+}
+pub(crate) use with_values;
+
+/// The type of one number in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the names are the types
+pub enum ValueType {
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    U64,
+    I64,
+    F32,
+    F64,
+}
+
+impl ValueType {
+    /// Bytes of one number.
+    pub fn n_bytes(self) -> usize {
+        match self {
+            Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::U64 | Self::I64 | Self::F64 => 8,
+        }
+    }
+
+    /// Whether it holds only whole numbers.
+    pub fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// An empty list of numbers of this type.
+    pub(crate) fn empty(self) -> FieldValues {
+        match self {
+            Self::U8 => FieldValues::U8(Vec::new()),
+            Self::I8 => FieldValues::I8(Vec::new()),
+            Self::U16 => FieldValues::U16(Vec::new()),
+            Self::I16 => FieldValues::I16(Vec::new()),
+            Self::U32 => FieldValues::U32(Vec::new()),
+            Self::I32 => FieldValues::I32(Vec::new()),
+            Self::U64 => FieldValues::U64(Vec::new()),
+            Self::I64 => FieldValues::I64(Vec::new()),
+            Self::F32 => FieldValues::F32(Vec::new()),
+            Self::F64 => FieldValues::F64(Vec::new()),
+        }
+    }
+}
+
+/// Where the most significant byte of a number stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ByteOrder {
+    Little,
+    Big,
+}
+
+impl FieldValues {
+    /// How many numbers there are.
+    pub fn len(&self) -> usize {
+        with_values!(self, v => v.len())
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The type of the numbers.
+    pub fn value_type(&self) -> ValueType {
+        match self {
+            Self::U8(_) => ValueType::U8,
+            Self::I8(_) => ValueType::I8,
+            Self::U16(_) => ValueType::U16,
+            Self::I16(_) => ValueType::I16,
+            Self::U32(_) => ValueType::U32,
+            Self::I32(_) => ValueType::I32,
+            Self::U64(_) => ValueType::U64,
+            Self::I64(_) => ValueType::I64,
+            Self::F32(_) => ValueType::F32,
+            Self::F64(_) => ValueType::F64,
+        }
+    }
+
+    /// Number `i` as `f64` (64-bit integers beyond 2⁵³ are rounded).
+    ///
+    /// # Panics
+    /// When `i` is not below [`len`](Self::len).
+    pub fn get(&self, i: usize) -> f64 {
+        match self {
+            Self::U8(v) => v[i].into(),
+            Self::I8(v) => v[i].into(),
+            Self::U16(v) => v[i].into(),
+            Self::I16(v) => v[i].into(),
+            Self::U32(v) => v[i].into(),
+            Self::I32(v) => v[i].into(),
+            Self::U64(v) => v[i] as f64,
+            Self::I64(v) => v[i] as f64,
+            Self::F32(v) => v[i].into(),
+            Self::F64(v) => v[i],
+        }
+    }
+
+    /// All numbers as `f64` (64-bit integers beyond 2⁵³ are rounded).
+    pub fn to_f64(&self) -> Vec<f64> {
+        (0..self.len()).map(|i| self.get(i)).collect()
+    }
+
+    /// Adds a number; `false` when it is a whole-number type that cannot hold the value (nothing is added then).
+    pub(crate) fn push_f64(&mut self, x: f64) -> bool {
+        macro_rules! push_integer {
+            ($v:expr, $t:ty) => {{
+                let whole = x as $t;
+                if whole as f64 != x {
+                    return false;
+                }
+                $v.push(whole);
+            }};
+        }
+        match self {
+            Self::U8(v) => push_integer!(v, u8),
+            Self::I8(v) => push_integer!(v, i8),
+            Self::U16(v) => push_integer!(v, u16),
+            Self::I16(v) => push_integer!(v, i16),
+            Self::U32(v) => push_integer!(v, u32),
+            Self::I32(v) => push_integer!(v, i32),
+            Self::U64(v) => push_integer!(v, u64),
+            Self::I64(v) => push_integer!(v, i64),
+            Self::F32(v) => v.push(x as f32),
+            Self::F64(v) => v.push(x),
+        }
+        true
+    }
+
+    /// Adds the number that `bytes` begin with.
+    ///
+    /// # Panics
+    /// When there are fewer bytes than the type needs.
+    pub(crate) fn push_bytes(&mut self, bytes: &[u8], order: ByteOrder) {
+        with_values!(self, v => v.push(Number::from_bytes(bytes, order)));
+    }
+
+    /// Writes number `i` in the given byte order.
+    pub(crate) fn write_bytes(&self, i: usize, order: ByteOrder, out: &mut Vec<u8>) {
+        with_values!(self, v => v[i].write_bytes(order, out));
+    }
+
+    /// Writes number `i` as text: the shortest decimal that reads back to the same value of its type.
+    pub(crate) fn write_text(&self, i: usize, out: &mut Vec<u8>) {
+        match self {
+            Self::F32(v) => crate::text::push_f32(out, v[i]),
+            Self::F64(v) => crate::text::push_f64(out, v[i]),
+            Self::U64(v) => out.extend_from_slice(v[i].to_string().as_bytes()),
+            Self::I64(v) => out.extend_from_slice(v[i].to_string().as_bytes()),
+            _ => out.extend_from_slice((self.get(i) as i64).to_string().as_bytes()),
+        }
+    }
+
+    /// Numbers of several lists of one type, interleaved: first of each list, second of each list, and so on.
+    pub(crate) fn interleave(channels: &[&Self]) -> Option<Self> {
+        let first = channels.first()?;
+        if channels.iter().any(|c| c.len() != first.len() || c.value_type() != first.value_type()) {
+            return None;
+        }
+        macro_rules! interleave {
+            ($variant:ident) => {{
+                let lists: Vec<_> = channels
+                    .iter()
+                    .filter_map(|c| if let Self::$variant(v) = c { Some(v.as_slice()) } else { None })
+                    .collect();
+                let mut all = Vec::with_capacity(first.len() * lists.len());
+                for i in 0..first.len() {
+                    all.extend(lists.iter().map(|list| list[i]));
+                }
+                Self::$variant(all)
+            }};
+        }
+        Some(match first {
+            Self::U8(_) => interleave!(U8),
+            Self::I8(_) => interleave!(I8),
+            Self::U16(_) => interleave!(U16),
+            Self::I16(_) => interleave!(I16),
+            Self::U32(_) => interleave!(U32),
+            Self::I32(_) => interleave!(I32),
+            Self::U64(_) => interleave!(U64),
+            Self::I64(_) => interleave!(I64),
+            Self::F32(_) => interleave!(F32),
+            Self::F64(_) => interleave!(F64),
+        })
+    }
+}
+
+/// A number that has a fixed count of bytes.
+pub(crate) trait Number: Copy {
+    fn from_bytes(bytes: &[u8], order: ByteOrder) -> Self;
+    fn write_bytes(self, order: ByteOrder, out: &mut Vec<u8>);
+}
+
+macro_rules! number {
+    ($($t:ty),*) => {$(
+        impl Number for $t {
+            fn from_bytes(bytes: &[u8], order: ByteOrder) -> Self {
+                let mut own = [0; size_of::<$t>()];
+                own.copy_from_slice(&bytes[..size_of::<$t>()]);
+                match order {
+                    ByteOrder::Little => Self::from_le_bytes(own),
+                    ByteOrder::Big => Self::from_be_bytes(own),
+                }
+            }
+            fn write_bytes(self, order: ByteOrder, out: &mut Vec<u8>) {
+                match order {
+                    ByteOrder::Little => out.extend_from_slice(&self.to_le_bytes()),
+                    ByteOrder::Big => out.extend_from_slice(&self.to_be_bytes()),
+                }
+            }
+        }
+    )*};
+}
+number!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
+
+/// Values at the vertices (or faces) of a shape: `values[i * n_channels + c]` is channel `c` at vertex `i`.
+///
+/// ```
+/// use adwave_io::{Field, FieldValues};
+/// let gaze = Field::new("gaze", 1, FieldValues::F32(vec![0.5, 2.0]));
+/// assert_eq!(gaze.len(), 2);
+/// assert_eq!(gaze.to_f64(), [0.5, 2.0]);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// What the values are called in the file; `normal`, `color` and `texcoord` are the same in every format.
+    pub name: String,
+    /// How many numbers there are at each vertex, at least 1.
+    pub n_channels: usize,
+    /// The numbers, all channels of one vertex together.
+    pub values: FieldValues,
+}
+
+impl Field {
+    /// A field of `values.len() / n_channels` vertices.
+    ///
+    /// # Panics
+    /// When `n_channels` is 0 or does not divide the number of values.
+    pub fn new(name: impl Into<String>, n_channels: usize, values: FieldValues) -> Self {
+        assert!(n_channels > 0 && values.len() % n_channels == 0, "whole rows of at least one channel");
+        Self { name: name.into(), n_channels, values }
+    }
+
+    /// Number of vertices (or faces).
+    pub fn len(&self) -> usize {
+        self.values.len() / self.n_channels
+    }
+
+    /// Whether it has no vertex.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Channel `c` at vertex `i` as `f64`.
+    ///
+    /// # Panics
+    /// When there is no such vertex or channel.
+    pub fn get(&self, i: usize, c: usize) -> f64 {
+        self.values.get(i * self.n_channels + c)
+    }
+
+    /// All numbers as `f64`, all channels of one vertex together.
+    pub fn to_f64(&self) -> Vec<f64> {
+        self.values.to_f64()
+    }
+}

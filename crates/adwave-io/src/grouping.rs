@@ -1,0 +1,144 @@
+//! Columns of a file as fields and back: `nx ny nz` is the field `normal` of three channels.
+
+use crate::{Field, FieldValues};
+
+/// The columns that make one field of a known name.
+const KNOWN: &[(&str, &[&str])] = &[
+    ("normal", &["nx", "ny", "nz"]),
+    ("normal", &["normal_x", "normal_y", "normal_z"]),
+    ("color", &["red", "green", "blue", "alpha"]),
+    ("color", &["red", "green", "blue"]),
+    ("color", &["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"]),
+    ("color", &["diffuse_red", "diffuse_green", "diffuse_blue"]),
+    ("color", &["r", "g", "b", "a"]),
+    ("color", &["r", "g", "b"]),
+    ("texcoord", &["s", "t"]),
+    ("texcoord", &["u", "v"]),
+    ("texcoord", &["texture_u", "texture_v"]),
+];
+
+/// The field's name and the positions of the columns that it is made of.
+pub(crate) type FieldColumns = (String, Vec<usize>);
+
+/// Fields from columns of one number a vertex, and which columns each is made of.
+pub(crate) fn group(columns: Vec<(String, FieldValues)>) -> (Vec<Field>, Vec<FieldColumns>) {
+    let mut fields: Vec<Field> = Vec::new();
+    let mut members = Vec::new();
+    let mut used = vec![false; columns.len()];
+    let mut columns: Vec<_> = columns.into_iter().map(|(name, values)| (name, Some(values))).collect();
+    for i in 0..columns.len() {
+        if used[i] {
+            continue;
+        }
+        let (name, positions) = known(&columns, &used, i)
+            .or_else(|| numbered(&columns, &used, i))
+            .unwrap_or_else(|| (columns[i].0.clone(), vec![i]));
+        for &p in &positions {
+            used[p] = true;
+        }
+        let lists: Vec<FieldValues> = positions.iter().filter_map(|&p| columns[p].1.take()).collect();
+        let values = match <[FieldValues; 1]>::try_from(lists) {
+            Ok([single]) => Some(single),
+            Err(lists) => FieldValues::interleave(&lists.iter().collect::<Vec<_>>()),
+        };
+        let Some(values) = values else { continue };
+        let name = unique(&fields, name);
+        members.push((name.clone(), positions.clone()));
+        fields.push(Field { name, n_channels: positions.len(), values });
+    }
+    (fields, members)
+}
+
+type Columns = [(String, Option<FieldValues>)];
+
+/// The positions of the columns of these names, when all are free and of the type of the first.
+fn find(columns: &Columns, used: &[bool], names: &[String]) -> Option<Vec<usize>> {
+    let mut positions = Vec::with_capacity(names.len());
+    for name in names {
+        let p = (0..columns.len()).find(|&p| !used[p] && columns[p].0.eq_ignore_ascii_case(name))?;
+        positions.push(p);
+    }
+    let value_type = |p: &usize| columns[*p].1.as_ref().map(FieldValues::value_type);
+    positions.iter().all(|p| value_type(p) == value_type(&positions[0])).then_some(positions)
+}
+
+fn known(columns: &Columns, used: &[bool], i: usize) -> Option<FieldColumns> {
+    KNOWN.iter().filter(|(_, names)| names[0].eq_ignore_ascii_case(&columns[i].0)).find_map(
+        |(field, names)| {
+            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+            Some(((*field).to_string(), find(columns, used, &names)?))
+        },
+    )
+}
+
+/// `flow_x flow_y flow_z`, or `flow_0 flow_1 …`.
+fn numbered(columns: &Columns, used: &[bool], i: usize) -> Option<FieldColumns> {
+    let name = &columns[i].0;
+    if let Some(base) = name.strip_suffix("_x").filter(|base| !base.is_empty()) {
+        return Some((base.into(), find(columns, used, &["x", "y", "z"].map(|c| format!("{base}_{c}")))?));
+    }
+    let base = name.strip_suffix("_0").filter(|base| !base.is_empty())?;
+    let mut n = 1;
+    while columns.iter().any(|(other, _)| *other == format!("{base}_{n}")) {
+        n += 1;
+    }
+    let names: Vec<String> = (0..n).map(|c| format!("{base}_{c}")).collect();
+    (n > 1).then(|| find(columns, used, &names).map(|positions| (base.to_string(), positions)))?
+}
+
+fn unique(fields: &[Field], name: String) -> String {
+    let taken = |name: &str| fields.iter().any(|f| f.name == name);
+    if !taken(&name) {
+        return name;
+    }
+    (2_usize..).map(|n| format!("{name}_{n}")).find(|name| !taken(name)).unwrap_or(name)
+}
+
+/// The column names that a field is written with, one a channel; the inverse of [`group`].
+pub(crate) fn column_names(field: &Field) -> Vec<String> {
+    let own = |names: &[&str]| names.iter().map(ToString::to_string).collect();
+    match (field.name.as_str(), field.n_channels) {
+        ("normal", 3) => own(&["nx", "ny", "nz"]),
+        ("color", 3) => own(&["red", "green", "blue"]),
+        ("color", 4) => own(&["red", "green", "blue", "alpha"]),
+        ("texcoord", 2) => own(&["s", "t"]),
+        (name, 1) => vec![one_word(name)],
+        (name, 3) => ["x", "y", "z"].iter().map(|c| format!("{}_{c}", one_word(name))).collect(),
+        (name, n) => (0..n).map(|c| format!("{}_{c}", one_word(name))).collect(),
+    }
+}
+
+/// Column names end at blanks and separators, so these become `_`.
+pub(crate) fn one_word(name: &str) -> String {
+    let bad = |c: char| c.is_whitespace() || c.is_control() || matches!(c, ',' | ';' | '"' | '#');
+    let word: String = name.chars().map(|c| if bad(c) { '_' } else { c }).collect();
+    if word.is_empty() { "_".into() } else { word }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_columns_lead_back_to_the_field() {
+        for (name, n) in [("normal", 3), ("color", 3), ("color", 4), ("texcoord", 2), ("flow", 3), ("hks", 5)]
+        {
+            let field = Field::new(name, n, FieldValues::F32((0..2 * n).map(|i| i as f32).collect()));
+            let columns = column_names(&field)
+                .into_iter()
+                .enumerate()
+                .map(|(c, name)| (name, FieldValues::F32(vec![c as f32, (n + c) as f32])))
+                .collect();
+            let (fields, members) = group(columns);
+            assert_eq!(fields, [field]);
+            assert_eq!(members[0].1, (0..n).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn a_name_that_comes_twice_is_kept_twice() {
+        let column = |x| ("q".to_string(), FieldValues::U8(vec![x]));
+        let (fields, _) = group(vec![column(1), column(2)]);
+        assert_eq!((fields[0].name.as_str(), fields[1].name.as_str()), ("q", "q_2"));
+    }
+}

@@ -1,0 +1,86 @@
+//! How much a file may ask for, and decompression that keeps to it.
+
+use std::io::Read;
+
+use crate::ReadError;
+
+/// Bounds on what is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReadLimits {
+    /// Most bytes of a file, after decompression.
+    pub max_bytes: u64,
+    /// Most vertices, at most 2³² − 1.
+    pub max_points: u64,
+}
+
+impl Default for ReadLimits {
+    /// 4 GiB, and 2³² − 1 vertices.
+    fn default() -> Self {
+        Self { max_bytes: 1 << 32, max_points: u64::from(u32::MAX) }
+    }
+}
+
+impl ReadLimits {
+    /// Checks a number of vertices.
+    pub(crate) fn check_points(&self, n_points: u64) -> Result<(), ReadError> {
+        let limit = self.max_points.min(u64::from(u32::MAX));
+        if n_points > limit {
+            return Err(ReadError::Limit { what: "vertices", found: n_points, limit });
+        }
+        Ok(())
+    }
+
+    /// Checks a number of bytes.
+    pub(crate) fn check_bytes(&self, n_bytes: u64) -> Result<(), ReadError> {
+        if n_bytes > self.max_bytes {
+            return Err(ReadError::Limit { what: "bytes", found: n_bytes, limit: self.max_bytes });
+        }
+        Ok(())
+    }
+}
+
+/// The bytes as they are, or what the gzip members in them hold.
+pub(crate) fn decompress(bytes: Vec<u8>, limits: &ReadLimits) -> Result<Vec<u8>, ReadError> {
+    limits.check_bytes(bytes.len() as u64)?;
+    if !bytes.starts_with(&[0x1f, 0x8b]) {
+        return Ok(bytes);
+    }
+    let mut plain = Vec::new();
+    let mut reader =
+        flate2::read::MultiGzDecoder::new(bytes.as_slice()).take(limits.max_bytes.saturating_add(1));
+    if let Err(error) = reader.read_to_end(&mut plain) {
+        let n = plain.len();
+        let message = format!("the gzip stream breaks after {n} plain bytes ({error}); get the whole file");
+        return Err(ReadError::at_byte(bytes.len(), message));
+    }
+    limits.check_bytes(plain.len() as u64)?;
+    Ok(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn a_bomb_stops_at_the_limit() {
+        let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+        for _ in 0..64 {
+            gz.write_all(&[b' '; 1 << 16]).unwrap();
+        }
+        let bomb = gz.finish().unwrap();
+        let limits = ReadLimits { max_bytes: 1 << 20, ..ReadLimits::default() };
+        assert!(matches!(decompress(bomb.clone(), &limits), Err(ReadError::Limit { .. })));
+        assert_eq!(decompress(bomb, &ReadLimits::default()).unwrap().len(), 64 << 16);
+    }
+
+    #[test]
+    fn a_cut_stream_is_an_error() {
+        let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        gz.write_all(b"OFF\n0 0 0\n").unwrap();
+        let whole = gz.finish().unwrap();
+        for end in 2..whole.len() {
+            assert!(decompress(whole[..end].to_vec(), &ReadLimits::default()).is_err(), "{end}");
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! MatrixMarket coordinate matrices.
+
+use std::io::{self, Write};
+
+use crate::text::push_f64;
+use crate::{Direction, Format, ShapeFile, WriteError, WriteReport, atomic_write};
+
+/// Writes the edges as a matrix, with their weights if they have some.
+pub(crate) fn write_mtx(
+    shape: &ShapeFile,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    let edges = &shape.edges;
+    if edges.pairs.is_empty() && !shape.points.is_empty() {
+        return Err(WriteError::CannotHold {
+            format: Format::Mtx,
+            what: "a shape without edges of its own".into(),
+        });
+    }
+    for (is_there, what) in [(!shape.points.is_empty(), "coordinates"), (!shape.faces.is_empty(), "faces")] {
+        if is_there {
+            report.leave_out(what);
+        }
+    }
+    report.leave_vertex_fields(shape, &[]);
+    report.leave_face_fields(shape, &[]);
+    let kind = if edges.weights.is_empty() { "pattern" } else { "real" };
+    let symmetry = if edges.direction == Direction::Both { "symmetric" } else { "general" };
+    let n = shape.n_vertices;
+    writeln!(out, "%%MatrixMarket matrix coordinate {kind} {symmetry}\n{n} {n} {}", edges.pairs.len())?;
+    for (e, &[a, b]) in edges.pairs.iter().enumerate() {
+        // A symmetric matrix is written by its lower half.
+        let (row, column) = if edges.direction == Direction::Both { (a.max(b), a.min(b)) } else { (a, b) };
+        write_entry(out, row, column, edges.weights.get(e).copied())?;
+    }
+    Ok(())
+}
+
+fn write_entry(out: &mut dyn Write, row: u32, column: u32, value: Option<f64>) -> io::Result<()> {
+    let mut line = format!("{} {}", u64::from(row) + 1, u64::from(column) + 1).into_bytes();
+    if let Some(value) = value {
+        line.push(b' ');
+        push_f64(&mut line, value);
+    }
+    line.push(b'\n');
+    out.write_all(&line)
+}
+
+/// A matrix in compressed rows: row `i` has the columns `indices[offsets[i]..offsets[i + 1]]`.
+#[derive(Clone, Copy, Debug)]
+pub struct CompressedRows<'a> {
+    /// Number of columns.
+    pub n_columns: usize,
+    /// Where each row begins, and the end of the last.
+    pub offsets: &'a [usize],
+    /// The column of each entry.
+    pub indices: &'a [u32],
+    /// The value of each entry.
+    pub values: &'a [f64],
+}
+
+impl CompressedRows<'_> {
+    /// Number of rows.
+    pub fn n_rows(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
+    }
+}
+
+/// Writes a matrix as a MatrixMarket file, `coordinate real general`.
+///
+/// # Errors
+/// As [`atomic_write`].
+pub fn write_matrix_market(path: &std::path::Path, matrix: &CompressedRows<'_>) -> Result<(), WriteError> {
+    atomic_write(path, |out| {
+        let (n_rows, n_columns, n) = (matrix.n_rows(), matrix.n_columns, matrix.values.len());
+        writeln!(out, "%%MatrixMarket matrix coordinate real general\n{n_rows} {n_columns} {n}")?;
+        for row in 0..n_rows {
+            for entry in matrix.offsets[row]..matrix.offsets[row + 1] {
+                write_entry(out, row as u32, matrix.indices[entry], Some(matrix.values[entry]))?;
+            }
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,201 @@
+//! The bytes of the file that a shape came from, kept so that it can be written again with nothing lost: only the
+//! coordinates that changed are replaced, everything else is copied.
+
+use crate::ply_header::PlyOriginal;
+use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
+use crate::{Precision, ShapeFile};
+
+/// What is kept of the original, by format.
+#[derive(Debug)]
+pub(crate) enum Original {
+    /// A text with one row a vertex.
+    Rows(TextRows),
+    /// A PLY, text or binary.
+    Ply(PlyOriginal),
+    /// The header line or 80 bytes of an STL.
+    StlHeader(Vec<u8>),
+    /// The `VIEWPOINT` line and the width and height of a PCD.
+    Pcd(crate::pcd_read::PcdOriginal),
+}
+
+/// What separates the values of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Separator {
+    /// Blanks, any number of them.
+    Blanks,
+    /// This byte, once; there may be blanks around the values.
+    Byte(u8),
+}
+
+/// A text in which every vertex has a row of values.
+#[derive(Debug)]
+pub(crate) struct TextRows {
+    pub(crate) bytes: Vec<u8>,
+    /// Where the first value of each vertex's row begins, increasing.
+    pub(crate) rows: Vec<u64>,
+    /// The position in the row of x, y and z.
+    pub(crate) columns: [usize; 3],
+    pub(crate) separator: Separator,
+    /// The line of names, when new columns need a name there: `start..end` without the line end.
+    pub(crate) names: Option<(usize, usize)>,
+}
+
+/// How the rows differ from the original beside the coordinates.
+#[derive(Default)]
+pub(crate) struct RowEdit<'a> {
+    /// Positions in the row that are left out.
+    pub(crate) dropped: &'a [usize],
+    /// Writes what is added at the end of row `i`, with the separators before each value.
+    pub(crate) append: Option<&'a dyn Fn(usize, &mut Vec<u8>)>,
+}
+
+/// A value as it is written in a text file of that precision.
+pub(crate) fn push_coordinate(out: &mut Vec<u8>, x: f64, precision: Precision) {
+    match precision {
+        Precision::F32 => push_f32(out, x as f32),
+        Precision::F64 => push_f64(out, x),
+    }
+}
+
+fn is_same(word: &[u8], x: f64, precision: Precision) -> bool {
+    let old = match precision {
+        Precision::F32 => parse_f32(word).map(f64::from),
+        Precision::F64 => parse_f64(word),
+    };
+    old.is_some_and(|old| old.to_bits() == x.to_bits() || (old.is_nan() && x.is_nan()))
+}
+
+impl TextRows {
+    /// Writes the whole original with the rows in it changed.
+    pub(crate) fn write_all(
+        &self,
+        shape: &ShapeFile,
+        edit: &RowEdit<'_>,
+        out: &mut dyn std::io::Write,
+    ) -> std::io::Result<()> {
+        self.write_range((0, self.bytes.len()), shape, edit, out)
+    }
+
+    /// Writes bytes `from..to` of the original with the rows in it changed.
+    pub(crate) fn write_range(
+        &self,
+        (from, to): (usize, usize),
+        shape: &ShapeFile,
+        edit: &RowEdit<'_>,
+        out: &mut dyn std::io::Write,
+    ) -> std::io::Result<()> {
+        const FLUSH: usize = 1 << 18;
+        let mut buffer = Vec::with_capacity(FLUSH + 1024);
+        let mut copied = from;
+        for (i, &row) in self.rows.iter().enumerate() {
+            let row = row as usize;
+            self.copy(copied, row, &mut buffer, out)?;
+            copied = self.write_row(row, i, shape, edit, &mut buffer);
+            if buffer.len() > FLUSH {
+                out.write_all(&buffer)?;
+                buffer.clear();
+            }
+        }
+        self.copy(copied, to, &mut buffer, out)?;
+        out.write_all(&buffer)
+    }
+
+    /// Copies original bytes: small pieces by way of the buffer, large ones directly.
+    fn copy(
+        &self,
+        from: usize,
+        to: usize,
+        buffer: &mut Vec<u8>,
+        out: &mut dyn std::io::Write,
+    ) -> std::io::Result<()> {
+        let piece = &self.bytes[from..to.max(from)];
+        if piece.len() > 1 << 16 {
+            out.write_all(buffer)?;
+            buffer.clear();
+            out.write_all(piece)
+        } else {
+            buffer.extend_from_slice(piece);
+            Ok(())
+        }
+    }
+
+    /// Writes row `i` that begins at `start`, and gives the position after its last value.
+    fn write_row(
+        &self,
+        start: usize,
+        i: usize,
+        shape: &ShapeFile,
+        edit: &RowEdit<'_>,
+        out: &mut Vec<u8>,
+    ) -> usize {
+        let mut copied = start;
+        let mut position = start;
+        let mut column = 0;
+        while let Some((begin, end)) = self.next_value(position, column) {
+            if let Some(axis) = self.columns.iter().position(|&c| c == column) {
+                let x = shape.points[i][axis];
+                out.extend_from_slice(&self.bytes[copied..begin]);
+                if is_same(&self.bytes[begin..end], x, shape.precision) {
+                    out.extend_from_slice(&self.bytes[begin..end]);
+                } else {
+                    push_coordinate(out, x, shape.precision);
+                }
+            } else if !edit.dropped.contains(&column) {
+                out.extend_from_slice(&self.bytes[copied..end]);
+            }
+            copied = end;
+            position = end;
+            column += 1;
+        }
+        if let Some(append) = edit.append {
+            append(i, out);
+        }
+        copied
+    }
+
+    /// The bytes of the value at or after `position`, or `None` at the end of the row.
+    fn next_value(&self, position: usize, column: usize) -> Option<(usize, usize)> {
+        let bytes = &self.bytes;
+        let mut begin = position;
+        match self.separator {
+            Separator::Byte(separator) => {
+                if column > 0 {
+                    if bytes.get(begin) != Some(&separator) {
+                        return None;
+                    }
+                    begin += 1;
+                }
+                while bytes.get(begin).is_some_and(|&b| is_blank(b) && b != separator) {
+                    begin += 1;
+                }
+                let end = bytes[begin..]
+                    .iter()
+                    .position(|&b| b == separator || b == b'\n' || b == b'\r')
+                    .map_or(bytes.len(), |n| begin + n);
+                if column > 0 || end > begin { Some((begin, end)) } else { None }
+            }
+            Separator::Blanks => {
+                loop {
+                    match bytes.get(begin) {
+                        Some(b'\n') => return None,
+                        Some(b'\\') => {
+                            // A continued line: its end counts as a blank.
+                            begin += 1;
+                            while bytes.get(begin) == Some(&b'\r') {
+                                begin += 1;
+                            }
+                            begin += usize::from(bytes.get(begin) == Some(&b'\n'));
+                        }
+                        Some(b'#') => return None,
+                        Some(&b) if is_space(b) => begin += 1,
+                        Some(_) => break,
+                        None => return None,
+                    }
+                }
+                let stop = |b: u8| is_space(b) || b == b'\\';
+                let end = bytes[begin..].iter().position(|&b| stop(b)).map_or(bytes.len(), |n| begin + n);
+                Some((begin, end))
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Writing a shape to a file or to bytes.
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::original::Original;
+use crate::{Format, ShapeFile, WriteError, atomic_write};
+
+/// What writing has left out because the format cannot hold it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WriteReport {
+    /// One phrase each, such as ``vertex field `gaze` ``.
+    pub left_out: Vec<String>,
+}
+
+impl WriteReport {
+    pub(crate) fn leave_out(&mut self, what: impl Into<String>) {
+        let what = what.into();
+        if !self.left_out.contains(&what) {
+            self.left_out.push(what);
+        }
+    }
+
+    /// Names all vertex fields but those that are held.
+    pub(crate) fn leave_vertex_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
+        for field in shape.vertex_fields.iter().filter(|f| !held.contains(&f.name.as_str())) {
+            self.leave_out(format!("vertex field `{}`", field.name));
+        }
+    }
+
+    /// Names all face fields but those that are held.
+    pub(crate) fn leave_face_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
+        for field in shape.face_fields.iter().filter(|f| !held.contains(&f.name.as_str())) {
+            self.leave_out(format!("face field `{}`", field.name));
+        }
+    }
+}
+
+/// Writes the shape as a whole file (see [`atomic_write`]). Without a format the name's ending decides; a shape read
+/// from the text (or binary) form of that ending is written in the same form. `.gz` after the ending compresses.
+///
+/// A shape that is written in the format that it was read from keeps everything else that the file had.
+///
+/// # Errors
+/// One line that begins with the file's name; an older file of that name is unchanged then.
+pub fn write_path(shape: &ShapeFile, path: &Path, format: Option<Format>) -> Result<WriteReport, WriteError> {
+    let by_name = || {
+        let named = Format::from_path(path)?;
+        Some(shape.format.filter(|own| own.family() == named).unwrap_or(named))
+    };
+    let Some(format) = format.or_else(by_name) else {
+        return Err(WriteError::UnknownFormat.in_file(path));
+    };
+    let compress = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+    atomic_write(path, |out| {
+        if !compress {
+            return write_bytes(shape, format, out);
+        }
+        let mut gz = flate2::write::GzEncoder::new(out, flate2::Compression::default());
+        let report = write_bytes(shape, format, &mut gz)?;
+        gz.finish()?;
+        Ok(report)
+    })
+}
+
+/// Writes the shape in a format.
+///
+/// # Errors
+/// Writing fails, or the format can be read but not written, or can hold nothing of the shape.
+pub fn write_bytes(
+    shape: &ShapeFile,
+    format: Format,
+    out: &mut dyn Write,
+) -> Result<WriteReport, WriteError> {
+    if shape.points.len() != shape.n_vertices && format != Format::Mtx {
+        let what = "a graph without coordinates".into();
+        return Err(WriteError::CannotHold { format, what });
+    }
+    if shape.format == Some(format)
+        && let Some(report) = write_again(shape, format, out)?
+    {
+        return Ok(report);
+    }
+    let mut report = WriteReport::default();
+    for extra in &shape.extras {
+        report.leave_out(extra.clone());
+    }
+    match format {
+        Format::Obj => crate::obj_write::write_obj(shape, &mut report, out)?,
+        Format::Ply | Format::PlyAscii => crate::ply_write::write_ply(shape, format, &mut report, out)?,
+        Format::Off => crate::off_write::write_off(shape, &mut report, out)?,
+        Format::Stl | Format::StlAscii => crate::stl_write::write_stl(shape, format, &mut report, out)?,
+        Format::Xyz | Format::Pts | Format::Csv => {
+            crate::columns_write::write_columns(shape, format, &mut report, out)?;
+        }
+        Format::Pcd | Format::PcdAscii => crate::pcd_write::write_pcd(shape, format, &mut report, out)?,
+        Format::Mtx => crate::mtx_write::write_mtx(shape, &mut report, out)?,
+        Format::Vtp => crate::vtp_write::write_vtp(shape, &mut report, out)?,
+        Format::Las | Format::Laz => return Err(WriteError::NotWritable { format }),
+    }
+    Ok(report)
+}
+
+/// Writes the original with the changes, where the changes allow that.
+fn write_again(
+    shape: &ShapeFile,
+    format: Format,
+    out: &mut dyn Write,
+) -> Result<Option<WriteReport>, WriteError> {
+    let Some(original) = &shape.original else { return Ok(None) };
+    match &**original {
+        Original::Rows(rows) if format == Format::Obj => {
+            crate::obj_write::write_obj_again(shape, rows, out).map(Some)
+        }
+        Original::Rows(rows) if format == Format::Off && shape.edited.is_empty() => {
+            rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
+            Ok(Some(WriteReport::default()))
+        }
+        Original::Rows(rows) if matches!(format, Format::Xyz | Format::Csv) => {
+            crate::columns_write::write_columns_again(shape, rows, out)
+        }
+        Original::Rows(rows) if format == Format::Pts && shape.edited.is_empty() => {
+            rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
+            Ok(Some(WriteReport::default()))
+        }
+        Original::Pcd(pcd) if shape.edited.is_empty() => {
+            let Some(rows) = &pcd.rows else { return Ok(None) };
+            rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
+            Ok(Some(WriteReport::default()))
+        }
+        Original::Ply(ply) => crate::ply_again::write_ply_again(shape, ply, out).map(Some),
+        _ => Ok(None),
+    }
+}

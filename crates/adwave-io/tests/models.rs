@@ -1,0 +1,39 @@
+//! The published models have the numbers of vertices and faces that their sources state.
+
+mod common;
+
+use adwave_io::{Precision, ReadLimits, read_path};
+
+/// `(file, vertices, faces)`.
+const MODELS: &[(&str, usize, usize)] = &[
+    ("paper/common-3d-test-models/fandisk.obj", 6475, 12946),
+    ("paper/common-3d-test-models/horse.ply", 48485, 96966),
+    ("paper/common-3d-test-models/stanford-bunny.obj", 35947, 69451),
+    ("paper/libigl-tutorial-data/armadillo.obj", 43243, 86482),
+    ("paper/libigl-tutorial-data/face.obj", 25905, 51712),
+    ("paper/COMP5411/dinosaur.obj", 14000, 27996),
+    ("paper/mesh_saliency_simplification/kitten.obj", 24956, 49912),
+    ("fields/spot-textured/spot.obj", 2930, 5856),
+    ("benchmarks/FandosA-gaze-saliency/gaze_ply/bunny.ply", 20000, 39996),
+    ("benchmarks/FandosA-gaze-saliency/gaze_ply/octopus.ply", 20000, 39984),
+];
+
+#[test]
+fn models_have_their_stated_sizes() {
+    let Some(root) = common::test_inputs() else { return };
+    for &(file, n_vertices, n_faces) in MODELS {
+        let shape = read_path(&root.join(file), &ReadLimits::default()).unwrap();
+        assert_eq!((shape.n_vertices(), shape.faces().len()), (n_vertices, n_faces), "{file}");
+    }
+}
+
+#[test]
+fn the_gaze_field_keeps_its_type() {
+    let Some(root) = common::test_inputs() else { return };
+    let file = root.join("benchmarks/FandosA-gaze-saliency/gaze_ply/bunny.ply");
+    let shape = read_path(&file, &ReadLimits::default()).unwrap();
+    assert_eq!(shape.field_names(), ["gaze", "bin"]);
+    assert_eq!(shape.precision(), Precision::F32);
+    assert!(matches!(shape.field("gaze").unwrap().values, adwave_io::FieldValues::F32(_)));
+    assert!(matches!(shape.field("bin").unwrap().values, adwave_io::FieldValues::U8(_)));
+}
