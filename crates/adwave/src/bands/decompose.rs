@@ -1,6 +1,6 @@
 //! Scaling and wavelet coefficients of a signal, and back (eq. 11 and 15).
 
-use super::{Schedule, smooth};
+use super::{BandsInfo, BandsParams, Schedule, Transform};
 use crate::operator::Diffusion;
 use crate::shape::Weld;
 use crate::{Cancelled, Progress};
@@ -32,6 +32,25 @@ pub enum BandsError {
         /// The value.
         value: f64,
     },
+    /// An accuracy that cannot be promised.
+    #[error(
+        "the accuracy {accuracy} of the bands is not between {} and 0.1; double precision promises no less, and more is no result",
+        super::FINEST_ACCURACY
+    )]
+    Accuracy {
+        /// The accuracy asked for.
+        accuracy: f64,
+    },
+    /// The call would take more memory than it may.
+    #[error(
+        "the bands need {needed} bytes of memory and {available} may be used; ask for fewer levels or channels"
+    )]
+    TooLarge {
+        /// Bytes needed, the result included.
+        needed: u64,
+        /// Bytes that may be used.
+        available: u64,
+    },
     /// The call was told to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -52,6 +71,8 @@ pub struct Bands {
     pub scaling: Vec<Vec<f64>>,
     /// W_f(j), j = 1 … J, at index j − 1.
     pub wavelet: Vec<Vec<f64>>,
+    /// How they were computed.
+    pub info: BandsInfo,
 }
 
 impl Bands {
@@ -104,43 +125,87 @@ pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize)
     Ok(())
 }
 
+/// Bytes of memory that [`decompose`] will take, the bands included and the signal and the diffusion not.
+pub fn forecast_bytes(diffusion: &Diffusion, weld: &Weld, n_channels: usize, schedule: &Schedule) -> u64 {
+    let result = (2 * schedule.n_levels() as u64 + 1) * (weld.n_vertices() * n_channels * 8) as u64;
+    let welded = (weld.n_classes() * n_channels * 8) as u64;
+    result + welded + Transform::forecast_bytes(diffusion, n_channels)
+}
+
 /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into the bands of `schedule`.
 ///
 /// `S_f(0) = f`, `S_f(j) = Φ₁^{n_j} f`, `W_f(j) = S_f(j−1) − S_f(j)` (eq. 11). A signal that differs at welded vertices is
-/// averaged for S_f(1..J) only: what differs is in W_f(1), so that the bands still sum to the signal.
+/// averaged for S_f(1..J) only: what differs is in W_f(1), so that the bands still sum to the signal. Each W_f(j) has a
+/// relative error of at most [`BandsParams::accuracy`]; S_f(j) is `f − W_f(1) − … − W_f(j)`.
+///
+/// About `√(n_J·ln(1/accuracy))` products with Φ₁, or n_J where the walk is not reversible.
 ///
 /// # Errors
-/// [`BandsError`] when the signal has the wrong length or a value that is not finite, or when cancelled.
+/// [`BandsError`] when the signal has the wrong length or a value that is not finite, the accuracy cannot be promised, the
+/// memory does not suffice, or when cancelled.
 pub fn decompose(
     diffusion: &Diffusion,
     weld: &Weld,
     signal: &[f64],
     n_channels: usize,
     schedule: &Schedule,
+    params: &BandsParams,
     progress: Progress<'_>,
 ) -> Result<Bands, BandsError> {
-    let n_vertices = weld.n_vertices();
-    check_signal(signal, n_vertices, n_channels)?;
-    let smoothed = smooth(diffusion, &weld.mean(signal, n_channels), n_channels, schedule.steps(), progress)?;
-    let mut scaling = vec![signal.to_vec()];
-    scaling.extend(smoothed.into_iter().map(|level| weld.scatter(&level, n_channels)));
-    let wavelet = scaling
-        .windows(2)
-        .map(|pair| {
-            pair[0]
-                .par_iter()
-                .zip(&pair[1])
-                .with_min_len(1 << 14)
-                .map(|(fine, coarse)| fine - coarse)
-                .collect()
-        })
-        .collect();
-    Ok(Bands {
-        n_vertices,
-        n_channels,
-        steps: schedule.steps_from_zero(),
-        sigma: schedule.sigma(diffusion.step_length()),
-        scaling,
-        wavelet,
-    })
+    params.check()?;
+    check_signal(signal, weld.n_vertices(), n_channels)?;
+    check_memory(forecast_bytes(diffusion, weld, n_channels, schedule), params)?;
+    Transform::new(diffusion, params)?.decompose(weld, signal, n_channels, schedule, progress)
+}
+
+/// `Σ_j factors[j−1]·W_f(j)` (n_vertices × n_channels, in the order of the shape) by a single polynomial of Φ₁: much
+/// cheaper than the bands one by one. `f + Σ_j (gain_j − 1)·W_f(j)` is the filter of eq. 18 with one gain a band.
+///
+/// The relative error of the result is at most [`BandsParams::accuracy`].
+///
+/// # Errors
+/// As for [`decompose`].
+///
+/// # Panics
+/// Unless there is one finite factor a level.
+pub fn weighted_bands(
+    diffusion: &Diffusion,
+    weld: &Weld,
+    signal: &[f64],
+    n_channels: usize,
+    schedule: &Schedule,
+    factors: &[f64],
+    params: &BandsParams,
+    progress: Progress<'_>,
+) -> Result<(Vec<f64>, BandsInfo), BandsError> {
+    params.check()?;
+    check_signal(signal, weld.n_vertices(), n_channels)?;
+    let needed =
+        (weld.n_vertices() * n_channels * 3 * 8) as u64 + Transform::forecast_bytes(diffusion, n_channels);
+    check_memory(needed, params)?;
+    let transform = Transform::new(diffusion, params)?;
+    let mean = weld.mean(signal, n_channels);
+    let mut out = vec![0.0; mean.len()];
+    let info = transform.weighted_into(&mean, n_channels, schedule, factors, &mut out, progress)?;
+    let mut sum = weld.scatter(&out, n_channels);
+    if weld.n_classes() < weld.n_vertices() {
+        // What differs from the mean at welded vertices is part of W_f(1).
+        let first = factors[0];
+        sum.par_chunks_exact_mut(n_channels).zip(signal.par_chunks_exact(n_channels)).enumerate().for_each(
+            |(x, (sum, signal))| {
+                let mean = &mean[weld.class_of(x) * n_channels..][..n_channels];
+                for ((sum, f), m) in sum.iter_mut().zip(signal).zip(mean) {
+                    *sum += first * (f - m);
+                }
+            },
+        );
+    }
+    Ok((sum, info))
+}
+
+fn check_memory(needed: u64, params: &BandsParams) -> Result<(), BandsError> {
+    match params.max_bytes {
+        Some(available) if needed > available => Err(BandsError::TooLarge { needed, available }),
+        _ => Ok(()),
+    }
 }

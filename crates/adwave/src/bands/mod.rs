@@ -1,9 +1,15 @@
 //! Bands of a signal: schedules of levels, scaling and wavelet coefficients, reconstruction.
 
+mod chebyshev;
 mod decompose;
+mod params;
 mod powers;
 mod schedule;
+mod series;
+mod transform;
 
-pub use decompose::{Bands, BandsError, decompose};
+pub use decompose::{Bands, BandsError, decompose, forecast_bytes, weighted_bands};
+pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
 pub use powers::smooth;
 pub use schedule::{MAX_STEPS, Schedule, ScheduleError, default_levels};
+pub use transform::Transform;

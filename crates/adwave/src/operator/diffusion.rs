@@ -192,6 +192,13 @@ impl Diffusion {
         self.step_length
     }
 
+    /// Bytes of memory that the walk takes.
+    pub fn bytes(&self) -> u64 {
+        let index = size_of::<usize>() * self.neighbours.offsets.len();
+        (index + 4 * self.neighbours.neighbours.len() + 8 * (self.weights.len() + self.stationary.len()))
+            as u64
+    }
+
     /// Whether `π(x)Φ₁(x,y) = π(y)Φ₁(y,x)`, so that the spectrum is real and in [0, 1].
     pub fn is_reversible(&self) -> bool {
         self.is_reversible

@@ -1,0 +1,238 @@
+//! Chebyshev series of the bands: which polynomial of Φ₁ turns W_f(1)-like differences into W_f(j).
+//!
+//! With `u = (I − Φ₁)f`, a band between n_{j−1} = a and n_j = b steps is `W = Σ_{i=a}^{b−1} Φ₁ⁱ u = q(Φ₁)u`. In
+//! `y = 2λ − 1 ∈ [−1, 1]` the powers are `λⁿ = Σ_k c_k T_k(y)`, `c_0 = C(2n,n)/4ⁿ`, `c_k = 2C(2n,n−k)/4ⁿ`: the law of a
+//! symmetric walk of 2n half steps. Dividing `λᵃ − λᵇ` by `1 − λ` sums that law's tails twice, so all coefficients of q
+//! are positive, sum to `q(1) = b − a`, and what is cut off is known exactly. Starting from u instead of f makes every
+//! error one of W itself: on a fine mesh W_f(1) is a millionth of the coordinates.
+//!
+//! Source: Carne, "A transmutation formula for Markov chains", 1985, for the coefficients of λⁿ.
+
+/// Probabilities below this are no longer computed: far below the rounding of any sum they enter.
+const NEGLIGIBLE: f64 = 1e-40;
+
+/// Bands of at most so many steps are summed power by power, because tails of nearly equal powers cancel.
+const SUMMED_DIRECTLY: u64 = 64;
+
+/// Terms are kept while the rest of the series is above this part of its value at λ = 1: what rounding leaves anyway.
+const FLOOR: f64 = 1e-19;
+
+/// How far `‖T_k(Y)‖` may grow with k, in the norm that errors are measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Growth {
+    /// At most 1: the walk is reversible under a law that is positive everywhere.
+    Bounded,
+    /// At most 2 + 1.2k: some vertices are only left and never entered.
+    Linear,
+}
+
+impl Growth {
+    fn bound(self, k: usize) -> f64 {
+        match self {
+            Self::Bounded => 1.0,
+            Self::Linear => 2.0 + 1.2 * k as f64,
+        }
+    }
+}
+
+/// A polynomial `Σ_k a_k T_k(2λ − 1)` and how much each cut costs.
+#[derive(Clone, Debug)]
+pub(crate) struct Series {
+    /// a_0 … a_d.
+    pub(crate) coefficients: Vec<f64>,
+    /// `tail[k] ≥ ‖Σ_{m>k} a_m T_m(Y)‖`; the last one covers the terms that are not stored.
+    pub(crate) tail: Vec<f64>,
+    /// `Σ|a_k|`, for a band its number of steps b − a.
+    pub(crate) total: f64,
+}
+
+impl Series {
+    fn new(mut coefficients: Vec<f64>, growth: Growth) -> Self {
+        let total: f64 = coefficients.iter().rev().map(|a| a.abs()).sum();
+        let mut tail = vec![0.0; coefficients.len()];
+        for k in (1..coefficients.len()).rev() {
+            tail[k - 1] = tail[k] + coefficients[k].abs() * growth.bound(k);
+        }
+        let kept = tail.partition_point(|&t| t > FLOOR * total) + 1;
+        coefficients.truncate(kept);
+        tail.truncate(kept);
+        Self { coefficients, tail, total }
+    }
+
+    /// The series of `q(λ) = Σ_{i=a}^{b−1} λⁱ`, `a < b`. O(√b) terms.
+    pub(crate) fn band(a: u64, b: u64, growth: Growth) -> Self {
+        let mut q: Vec<f64> = Vec::new();
+        if b - a <= SUMMED_DIRECTLY {
+            for n in a..b {
+                let law = walk_law(n);
+                q.resize(q.len().max(law.len()), 0.0);
+                for (q, p) in q.iter_mut().zip(law) {
+                    *q += p;
+                }
+            }
+        } else {
+            q = double_tails(&walk_law(b));
+            for (q, less) in q.iter_mut().zip(double_tails(&walk_law(a))) {
+                *q -= less;
+            }
+            for q in &mut q {
+                *q *= 4.0;
+            }
+        }
+        for q in &mut q[1..] {
+            *q *= 2.0;
+        }
+        Self::new(q, growth)
+    }
+
+    /// `Σ_j factors[j]·series[j]`.
+    pub(crate) fn combination(bands: &[Self], factors: &[f64], growth: Growth) -> Self {
+        let n_terms = bands.iter().map(|s| s.coefficients.len()).max().unwrap_or(1);
+        let mut sum = vec![0.0; n_terms];
+        for (series, factor) in bands.iter().zip(factors) {
+            for (s, a) in sum.iter_mut().zip(&series.coefficients) {
+                *s += factor * a;
+            }
+        }
+        Self::new(sum, growth)
+    }
+
+    /// The highest term that is stored.
+    pub(crate) fn degree(&self) -> usize {
+        self.coefficients.len() - 1
+    }
+
+    /// The lowest degree, not below `from`, whose cut costs at most `budget`; the whole degree where none does.
+    pub(crate) fn degree_within(&self, budget: f64, from: usize) -> usize {
+        self.tail.partition_point(|&t| t > budget).max(from).min(self.degree())
+    }
+}
+
+/// `C(2n, n−k)/4ⁿ` for k = 0, 1, … until it no longer matters. Relative error a few roundings times √k.
+fn walk_law(n: u64) -> Vec<f64> {
+    let mut law = vec![1.0];
+    let mut p = 1.0;
+    for k in 0..n {
+        p *= (n - k) as f64 / (n + k + 1) as f64;
+        if p < NEGLIGIBLE {
+            break;
+        }
+        law.push(p);
+    }
+    // Both sides of the law sum to 1; the small terms first, so that none is lost.
+    let one_side: f64 = law[1..].iter().rev().sum();
+    let total = 1.0 + 2.0 * one_side;
+    for p in &mut law {
+        *p /= total;
+    }
+    law
+}
+
+/// `Σ_{m>k} (m − k)·law[m]` for each k.
+fn double_tails(law: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; law.len()];
+    let (mut tail, mut double) = (0.0, 0.0);
+    for k in (0..law.len() - 1).rev() {
+        tail += law[k + 1];
+        double += tail;
+        sums[k] = double;
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative rounding of sums over thousands of terms.
+    const ROUNDING: f64 = 1e-12;
+
+    fn value(series: &Series, lambda: f64) -> f64 {
+        let theta = (2.0 * lambda - 1.0).clamp(-1.0, 1.0).acos();
+        series.coefficients.iter().zip(0..).map(|(a, k)| a * (f64::from(k) * theta).cos()).sum()
+    }
+
+    fn band_value(a: u64, b: u64, lambda: f64) -> f64 {
+        (a..b).map(|i| lambda.powf(i as f64)).sum()
+    }
+
+    #[test]
+    fn the_law_is_that_of_the_binomials() {
+        for n in 0_u64..=20 {
+            let law = walk_law(n);
+            assert_eq!(law.len() as u64, n + 1);
+            let mut binomial = 1_u64; // C(2n, i), i rising to n
+            let mut exact = vec![0.0; n as usize + 1];
+            for i in 0..=n {
+                exact[(n - i) as usize] = binomial as f64 / 4.0_f64.powi(n as i32);
+                binomial = binomial * (2 * n - i) / (i + 1);
+            }
+            for (p, e) in law.iter().zip(&exact) {
+                assert!((p - e).abs() <= 1e-14 * e, "n = {n}: {p} for {e}");
+            }
+        }
+    }
+
+    #[test]
+    fn coefficients_are_positive_and_sum_to_the_number_of_steps() {
+        let bands =
+            [(0, 1), (1, 2), (2, 4), (64, 128), (7, 300), (100, 101), (1 << 19, 1 << 20), (1 << 30, 1 << 31)];
+        for (a, b) in bands {
+            let series = Series::band(a, b, Growth::Bounded);
+            assert!(series.coefficients.iter().all(|&c| c > 0.0), "{a}..{b}");
+            let sum: f64 = series.coefficients.iter().rev().sum();
+            let steps = (b - a) as f64;
+            assert!((sum - steps).abs() <= ROUNDING * b as f64, "{a}..{b}: {sum} for {steps}");
+            assert!(series.degree() < b as usize);
+        }
+    }
+
+    #[test]
+    fn the_series_is_the_geometric_sum() {
+        for (a, b) in [(0, 1), (1, 2), (2, 4), (4, 8), (5, 90), (64, 128), (0, 200), (128, 256)] {
+            let series = Series::band(a, b, Growth::Bounded);
+            for i in 0..=50 {
+                let lambda = f64::from(i) / 50.0;
+                let (found, exact) = (value(&series, lambda), band_value(a, b, lambda));
+                assert!(
+                    (found - exact).abs() <= ROUNDING * b as f64,
+                    "{a}..{b} at {lambda}: {found}, {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn close_powers_by_sums_and_by_tails_agree() {
+        let n = 1000;
+        let summed = Series::band(n, n + SUMMED_DIRECTLY, Growth::Bounded);
+        let mut tails = double_tails(&walk_law(n + SUMMED_DIRECTLY));
+        for (t, less) in tails.iter_mut().zip(double_tails(&walk_law(n))) {
+            *t -= less;
+        }
+        assert!((summed.coefficients[0] - 4.0 * tails[0]).abs() <= 1e-10 * summed.coefficients[0]);
+        assert!((summed.coefficients[30] - 8.0 * tails[30]).abs() <= 1e-10 * summed.coefficients[30]);
+    }
+
+    #[test]
+    fn the_tail_bounds_what_is_cut_off() {
+        let series = Series::band(64, 128, Growth::Bounded);
+        for degree in [5, 20, 35] {
+            let cut = Series {
+                coefficients: series.coefficients[..=degree].to_vec(),
+                tail: series.tail[..=degree].to_vec(),
+                total: 64.0,
+            };
+            // At λ = 1 every T_k is 1: the bound is attained.
+            let missing = 64.0 - value(&cut, 1.0);
+            assert!((missing / series.tail[degree] - 1.0).abs() < 1e-6, "{missing} {}", series.tail[degree]);
+            for i in 0..=100 {
+                let lambda = f64::from(i) / 100.0;
+                let error = (value(&cut, lambda) - band_value(64, 128, lambda)).abs();
+                assert!(error <= series.tail[degree] * (1.0 + 1e-9) + ROUNDING, "{error} at {lambda}");
+            }
+        }
+        let degree = series.degree_within(1e-6, 0);
+        assert!(series.tail[degree] <= 1e-6 && series.tail[degree - 1] > 1e-6);
+    }
+}

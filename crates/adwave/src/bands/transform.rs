@@ -1,0 +1,300 @@
+//! The walk prepared once, for the bands of many signals.
+
+use super::chebyshev::{Outcome, evaluate, norm_weights};
+use super::series::{Growth, Series};
+use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
+use crate::operator::Diffusion;
+use crate::shape::Weld;
+use crate::sparse::{MAX_CHANNELS, Walk, apply};
+use crate::{Cancelled, Progress};
+use rayon::prelude::*;
+
+/// A walk made ready to split signals into bands, in the order of the analysis (the order of the diffusion's rows).
+///
+/// ```
+/// use adwave::bands::{BandsParams, Schedule, Transform};
+/// use adwave::{Progress, operator::Diffusion};
+/// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.5, 0.5])?;
+/// let transform = Transform::new(&walk, &BandsParams::default())?;
+/// let (mut first, mut second) = ([0.0; 2], [0.0; 2]);
+/// let schedule = Schedule::dyadic(2)?;
+/// transform.wavelets_into(&[1.0, 3.0], 1, &schedule, &mut [&mut first, &mut second], Progress::none())?;
+/// assert_eq!((first, second), ([-1.0, 1.0], [0.0, 0.0])); // one step already takes the mean
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Transform<'a> {
+    diffusion: &'a Diffusion,
+    params: BandsParams,
+    engine: Engine,
+    /// What the Chebyshev recurrence needs; none where powers are used.
+    prepared: Option<Prepared<'a>>,
+}
+
+#[derive(Debug)]
+struct Prepared<'a> {
+    walk: Walk<'a>,
+    weights: Vec<f64>,
+    growth: Growth,
+}
+
+impl<'a> Transform<'a> {
+    /// Prepares `diffusion`. O(entries).
+    ///
+    /// # Errors
+    /// [`BandsError::Accuracy`] when the accuracy cannot be promised.
+    pub fn new(diffusion: &'a Diffusion, params: &BandsParams) -> Result<Self, BandsError> {
+        params.check()?;
+        let engine = if diffusion.is_reversible() && params.engine != Engine::Powers {
+            Engine::Chebyshev
+        } else {
+            Engine::Powers
+        };
+        let prepared = (engine == Engine::Chebyshev).then(|| {
+            let (weights, growth) = norm_weights(diffusion);
+            Prepared { walk: Walk::new(diffusion), weights, growth }
+        });
+        Ok(Self { diffusion, params: *params, engine, prepared })
+    }
+
+    /// The walk.
+    pub fn diffusion(&self) -> &'a Diffusion {
+        self.diffusion
+    }
+
+    /// `W_f(j) = (Φ₁^{n_{j−1}} − Φ₁^{n_j}) f`, j = 1 … J, into `wavelets[j − 1]`; all n_vertices × n_channels, row-major.
+    ///
+    /// Each within [`BandsParams::accuracy`] of its own norm. Constants give exact zeros.
+    ///
+    /// # Errors
+    /// [`BandsError`] when the signal has the wrong length or a value that is not finite, or when cancelled.
+    ///
+    /// # Panics
+    /// Unless there is one output of the signal's length a level.
+    pub fn wavelets_into(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        wavelets: &mut [&mut [f64]],
+        progress: Progress<'_>,
+    ) -> Result<BandsInfo, BandsError> {
+        super::decompose::check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
+        assert_eq!(wavelets.len(), schedule.n_levels(), "one output a level");
+        assert!(wavelets.iter().all(|w| w.len() == signal.len()), "outputs as long as the signal");
+        let steps = schedule.steps_from_zero();
+        let outcome = match &self.prepared {
+            Some(prepared) => {
+                let series = bands(&steps, prepared.growth);
+                self.evaluate(prepared, signal, n_channels, &series, wavelets, progress)?
+            }
+            None => {
+                wavelets.iter_mut().for_each(|w| w.fill(0.0));
+                self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
+                    add(1.0, now, wavelets[level]);
+                })?
+            }
+        };
+        Ok(self.info(outcome, n_channels))
+    }
+
+    /// `Σ_j factors[j−1]·W_f(j)` into `out`, n_vertices × n_channels, by a single polynomial of Φ₁. A filter with one gain a
+    /// band is `f + Σ_j (gain_j − 1)·W_f(j)` (eq. 18).
+    ///
+    /// Within [`BandsParams::accuracy`] of its own norm.
+    ///
+    /// # Errors
+    /// [`BandsError`] when the signal has the wrong length or a value that is not finite, or when cancelled.
+    ///
+    /// # Panics
+    /// Unless there is one finite factor a level and `out` is as long as the signal.
+    pub fn weighted_into(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        factors: &[f64],
+        out: &mut [f64],
+        progress: Progress<'_>,
+    ) -> Result<BandsInfo, BandsError> {
+        super::decompose::check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
+        assert_eq!(factors.len(), schedule.n_levels(), "one factor a level");
+        assert!(factors.iter().all(|g| g.is_finite()), "finite factors");
+        assert_eq!(out.len(), signal.len(), "an output as long as the signal");
+        let steps = schedule.steps_from_zero();
+        let outcome = match &self.prepared {
+            Some(prepared) => {
+                let series = Series::combination(&bands(&steps, prepared.growth), factors, prepared.growth);
+                self.evaluate(prepared, signal, n_channels, &[series], &mut [out], progress)?
+            }
+            None => {
+                out.fill(0.0);
+                self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
+                    add(factors[level], now, out);
+                })?
+            }
+        };
+        Ok(self.info(outcome, n_channels))
+    }
+
+    fn evaluate(
+        &self,
+        prepared: &Prepared<'a>,
+        signal: &[f64],
+        n_channels: usize,
+        series: &[Series],
+        outs: &mut [&mut [f64]],
+        progress: Progress<'_>,
+    ) -> Result<Outcome, Cancelled> {
+        let Prepared { walk, weights, .. } = prepared;
+        evaluate(walk, weights, signal, n_channels, series, self.params.accuracy, outs, progress)
+    }
+
+    /// All bands of a signal in the order of the shape; see [`decompose`](super::decompose).
+    ///
+    /// # Errors
+    /// As for [`wavelets_into`](Self::wavelets_into).
+    pub fn decompose(
+        &self,
+        weld: &Weld,
+        signal: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<Bands, BandsError> {
+        let (n_vertices, n_levels) = (weld.n_vertices(), schedule.n_levels());
+        super::decompose::check_signal(signal, n_vertices, n_channels)?;
+        let mean = weld.mean(signal, n_channels);
+        let mut scaling = vec![signal.to_vec()];
+        scaling.extend((0..n_levels).map(|_| vec![0.0; signal.len()]));
+        // The wavelets come in the order of the analysis into what will hold the scaling coefficients.
+        let mut outs: Vec<&mut [f64]> = scaling[1..].iter_mut().map(|s| &mut s[..mean.len()]).collect();
+        let info = self.wavelets_into(&mean, n_channels, schedule, &mut outs, progress)?;
+        let is_welded = weld.n_classes() < n_vertices;
+        let mut wavelet = Vec::with_capacity(n_levels);
+        for level in 1..=n_levels {
+            let (finer, rest) = scaling.split_at_mut(level);
+            let (fine, coarse) = (&finer[level - 1], &mut rest[0]);
+            let mut band = vec![0.0; signal.len()];
+            band.par_chunks_exact_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, band)| {
+                band.copy_from_slice(&coarse[weld.class_of(x) * n_channels..][..n_channels]);
+            });
+            if level == 1 && is_welded {
+                self.finish_welded(weld, &mean, signal, n_channels, coarse, &mut band);
+            } else {
+                coarse
+                    .par_iter_mut()
+                    .zip(fine)
+                    .zip(&band)
+                    .with_min_len(1 << 14)
+                    .for_each(|((s, fine), w)| *s = fine - w);
+            }
+            wavelet.push(band);
+        }
+        Ok(Bands {
+            n_vertices,
+            n_channels,
+            steps: schedule.steps_from_zero(),
+            sigma: schedule.sigma(self.diffusion.step_length()),
+            scaling,
+            wavelet,
+            info,
+        })
+    }
+
+    /// S_f(1) and W_f(1) where vertices are welded: S_f(1) is one value for all of them, and what tells them apart is in
+    /// W_f(1).
+    fn finish_welded(
+        &self,
+        weld: &Weld,
+        mean: &[f64],
+        signal: &[f64],
+        n_channels: usize,
+        scaling: &mut [f64],
+        wavelet: &mut [f64],
+    ) {
+        scaling
+            .par_chunks_exact_mut(n_channels)
+            .zip(wavelet.par_chunks_exact_mut(n_channels))
+            .zip(signal.par_chunks_exact(n_channels))
+            .with_min_len(1 << 12)
+            .enumerate()
+            .for_each(|(x, ((scaling, wavelet), signal))| {
+                let mean = &mean[weld.class_of(x) * n_channels..][..n_channels];
+                for (((s, w), f), m) in scaling.iter_mut().zip(wavelet).zip(signal).zip(mean) {
+                    *s = m - *w;
+                    *w += f - m;
+                }
+            });
+    }
+
+    /// Calls `each(level, Φ₁ⁱu)` for i = 0 … n_J − 1, level counted from 0. As `W_f(j)` is a sum of these, it has the
+    /// relative accuracy of u, which a difference of two S_f would not have.
+    fn sum_powers(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        steps: &[u64],
+        progress: Progress<'_>,
+        mut each: impl FnMut(usize, &[f64]),
+    ) -> Result<Outcome, Cancelled> {
+        let total = steps[steps.len() - 1];
+        let mut now = vec![0.0; signal.len()];
+        let mut next = vec![0.0; signal.len()];
+        Walk::new(self.diffusion).difference(signal, n_channels, 0, n_channels, &mut now);
+        for (level, range) in steps.windows(2).enumerate() {
+            for i in range[0]..range[1] {
+                progress.step(i, total)?;
+                if i > 0 {
+                    apply(self.diffusion, &now, &mut next, n_channels);
+                    std::mem::swap(&mut now, &mut next);
+                }
+                each(level, &now);
+            }
+        }
+        progress.step(total, total)?;
+        Ok(Outcome { degree: total - 1, products: total, error_bound: 0.0 })
+    }
+
+    fn info(&self, outcome: Outcome, n_channels: usize) -> BandsInfo {
+        let Outcome { degree, products, error_bound } = outcome;
+        BandsInfo {
+            engine: self.engine,
+            degree,
+            products,
+            error_bound,
+            bytes: self.working_bytes(n_channels),
+        }
+    }
+
+    /// Bytes that a transform of `diffusion` will take at most, beyond the signal, its bands and the diffusion.
+    pub fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
+        let n = diffusion.n_vertices() as u64;
+        if diffusion.is_reversible() {
+            Walk::forecast_bytes(diffusion) + 8 * n + 4 * 8 * n * n_channels.min(MAX_CHANNELS) as u64
+        } else {
+            2 * 8 * n * n_channels as u64
+        }
+    }
+
+    /// Bytes that a call takes beyond the signal and its bands, what is prepared here and the diffusion included.
+    pub fn working_bytes(&self, n_channels: usize) -> u64 {
+        let n = self.diffusion.n_vertices() as u64;
+        let diffusion = self.diffusion.bytes();
+        match &self.prepared {
+            Some(prepared) => {
+                let width = n_channels.min(MAX_CHANNELS) as u64;
+                diffusion + prepared.walk.bytes() + 8 * n + 2 * 8 * n * width
+            }
+            None => diffusion + 2 * 8 * n * n_channels as u64,
+        }
+    }
+}
+
+fn bands(steps: &[u64], growth: Growth) -> Vec<Series> {
+    steps.par_windows(2).map(|pair| Series::band(pair[0], pair[1], growth)).collect()
+}
+
+fn add(factor: f64, now: &[f64], out: &mut [f64]) {
+    out.par_iter_mut().zip(now).with_min_len(1 << 14).for_each(|(out, v)| *out += factor * v);
+}
