@@ -1,22 +1,24 @@
 //! The prepared object: a shape with its walk, ready to split any number of signals.
 
 use crate::Progress;
-use crate::bands::{Bands, BandsError, Schedule, decompose, default_levels};
-use crate::filter::{FilterError, Layer};
+use crate::bands::{
+    Bands, BandsError, BandsParams, Schedule, check_signal, decompose, default_levels, weighted_bands,
+};
+use crate::filter::{Edit, FilterError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
-use crate::region::FieldLookup;
 use crate::shape::{Adjacency, Domain, Health, Shape, health};
 use rayon::prelude::*;
 
 /// A shape with its walk. Preparing costs O(n log n) once; each signal then costs its products only.
 ///
 /// ```
-/// use adwave::{Decomposer, Progress, bands::Schedule, operator::OperatorParams};
+/// use adwave::bands::{BandsParams, Schedule};
+/// use adwave::{Decomposer, Progress, operator::OperatorParams};
 /// use adwave::shape::{PointCloud, Shape};
 /// let points: Vec<_> = (0..100).map(|i| [f64::from(i), 0.0, 0.0]).collect();
 /// let shape = Shape::Cloud(PointCloud::new(points.clone())?);
 /// let decomposer = Decomposer::new(&shape, &OperatorParams::default());
-/// let bands = decomposer.decompose(points.as_flattened(), 3, &Schedule::dyadic(4)?, Progress::none())?;
+/// let bands = decomposer.decompose(points.as_flattened(), 3, &Schedule::dyadic(4)?, &BandsParams::default(), Progress::none())?;
 /// assert_eq!(bands.steps, [0, 1, 2, 4, 8]);
 /// let rebuilt = bands.reconstruct();
 /// assert!(rebuilt.iter().zip(points.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-12));
@@ -100,9 +102,10 @@ impl Decomposer {
         signal: &[f64],
         n_channels: usize,
         schedule: &Schedule,
+        params: &BandsParams,
         progress: Progress<'_>,
     ) -> Result<Bands, BandsError> {
-        decompose(&self.diffusion, &self.domain.weld, signal, n_channels, schedule, progress)
+        decompose(&self.diffusion, &self.domain.weld, signal, n_channels, schedule, params, progress)
     }
 
     /// Edits a signal: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` with `Γ(j,x) = Π_layers (1 + r(x)·(g_j − 1))`.
@@ -110,36 +113,45 @@ impl Decomposer {
     /// The same as eq. 18, since `f = S_f(J) + Σ_j W_f(j)`, and exact where nothing is edited: a vertex outside all regions
     /// keeps its value to the last bit. The order of the layers does not matter.
     ///
-    /// `field` gives the fields that regions may name, `field_names` is what an error lists.
+    /// One layer by itself costs about as much as its coarsest band; several cost all bands.
     ///
     /// # Errors
     /// [`FilterError`] when gains or regions do not fit, or the bands cannot be computed.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the signal, its layout, the edit, and what the edit refers to"
-    )]
     pub fn filter(
         &self,
         signal: &[f64],
         n_channels: usize,
         schedule: &Schedule,
-        layers: &[Layer],
-        field: &FieldLookup<'_>,
-        field_names: &[String],
+        edit: &Edit<'_>,
+        params: &BandsParams,
         progress: Progress<'_>,
     ) -> Result<Vec<f64>, FilterError> {
         let n_levels = schedule.n_levels();
-        let mut resolved = Vec::with_capacity(layers.len());
-        for (k, layer) in layers.iter().enumerate() {
+        let mut resolved = Vec::with_capacity(edit.layers.len());
+        for (k, layer) in edit.layers.iter().enumerate() {
             let gains = layer.gains.resolve(n_levels)?;
             let weights = layer
                 .region
-                .weights(self, field, field_names)
+                .weights(self, edit.field, edit.field_names)
                 .map_err(|source| FilterError::Region { layer: k + 1, source })?;
             resolved.push((gains, weights));
         }
-        let bands = self.decompose(signal, n_channels, schedule, progress)?;
+        check_signal(signal, self.n_vertices(), n_channels)?;
         let mut edited = signal.to_vec();
+        if let [(gains, weights)] = resolved.as_slice() {
+            // Γ − 1 = r·(g − 1): the region's weight stands before the sum over the bands, which is one polynomial of Φ₁.
+            let factors: Vec<f64> = gains.iter().map(|g| g - 1.0).collect();
+            let (weld, diffusion) = (&self.domain.weld, &self.diffusion);
+            let (change, _) =
+                weighted_bands(diffusion, weld, signal, n_channels, schedule, &factors, params, progress)?;
+            edited.par_chunks_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, row)| {
+                for (value, change) in row.iter_mut().zip(&change[x * n_channels..]) {
+                    *value += weights[x] * change;
+                }
+            });
+            return Ok(edited);
+        }
+        let bands = self.decompose(signal, n_channels, schedule, params, progress)?;
         edited.par_chunks_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, row)| {
             for (j, band) in bands.wavelet.iter().enumerate() {
                 let gamma: f64 = resolved.iter().map(|(gains, r)| 1.0 + r[x] * (gains[j] - 1.0)).product();

@@ -1,6 +1,6 @@
 //! Space-frequency filters (eq. 18): keep, drop, weaken or strengthen each band, everywhere or by region.
 
-use crate::region::{Region, RegionError, parse_region};
+use crate::region::{FieldLookup, Region, RegionError, parse_region};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
@@ -115,6 +115,30 @@ fn everywhere() -> Region {
 
 fn is_everywhere(region: &Region) -> bool {
     *region == Region::Everywhere {}
+}
+
+/// An edit: layers in any order, and the fields that their regions may name.
+#[derive(Clone, Copy)]
+pub struct Edit<'a> {
+    /// What is changed where.
+    pub layers: &'a [Layer],
+    /// Gives a vertex field of the shape by its name.
+    pub field: &'a FieldLookup<'a>,
+    /// The names that an error lists.
+    pub field_names: &'a [String],
+}
+
+impl<'a> Edit<'a> {
+    /// An edit whose regions name no fields.
+    pub fn new(layers: &'a [Layer]) -> Self {
+        Self { layers, field: &|_| None, field_names: &[] }
+    }
+
+    /// The same edit with fields that its regions may name.
+    #[must_use]
+    pub fn with_fields(self, field: &'a FieldLookup<'a>, field_names: &'a [String]) -> Self {
+        Self { field, field_names, ..self }
+    }
 }
 
 /// A region as a table, or as a text as on a command line.

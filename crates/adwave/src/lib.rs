@@ -2,6 +2,7 @@
 //! from fine to coarse, measure and edit the bands, and put the shape back together without loss.
 
 pub mod bands;
+pub mod basis;
 mod decomposer;
 pub mod filter;
 pub mod operator;

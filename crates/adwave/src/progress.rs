@@ -41,6 +41,11 @@ impl<'a> Progress<'a> {
         Self { cancel: Some(cancel), ..self }
     }
 
+    /// Whether the call is to stop; for threads that do not report.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+    }
+
     /// Reports that `done` of `total` parts are done.
     ///
     /// # Errors
@@ -49,7 +54,7 @@ impl<'a> Progress<'a> {
         if let Some(report) = self.report {
             report(done, total);
         }
-        if self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) { Err(Cancelled) } else { Ok(()) }
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 }
 

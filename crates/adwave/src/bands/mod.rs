@@ -8,6 +8,7 @@ mod schedule;
 mod series;
 mod transform;
 
+pub(crate) use decompose::check_signal;
 pub use decompose::{Bands, BandsError, decompose, forecast_bytes, weighted_bands};
 pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
 pub use powers::smooth;

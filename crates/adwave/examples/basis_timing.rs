@@ -1,0 +1,107 @@
+//! Times the explicit basis of a mesh: `cargo run --release --example basis_timing -- SHAPE.obj [LEVELS] [REPEATS]`.
+//!
+//! Prints one JSON object a line: the fast method, Algorithm 1, how far they differ, and one wavelet on a sphere of
+//! 50 000 vertices.
+
+use adwave::Progress;
+use adwave::bands::Schedule;
+use adwave::basis::{Basis, BasisParams, Value, basis, basis_by_squaring};
+use adwave::operator::{Diffusion, OperatorParams, local_operator};
+use adwave::shape::{Domain, Mesh, Polygons, Shape, WeldMode};
+use std::error::Error;
+use std::time::Instant;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let path = arguments.next().ok_or("usage: basis_timing SHAPE.obj [LEVELS] [REPEATS]")?;
+    let n_levels: usize = arguments.next().map_or(Ok(6), |a| a.parse())?;
+    let repeats: usize = arguments.next().map_or(Ok(5), |a| a.parse())?;
+    let squaring = arguments.next().is_none_or(|a| a != "fast-only");
+
+    let walk = diffusion(&Shape::Mesh(read_obj(&path)?));
+    let params = BasisParams::new(Schedule::dyadic(n_levels)?);
+    let (seconds, fast) = fastest(repeats, || basis(&walk, &params, Progress::none()))?;
+    report("fast", seconds, &fast);
+    if squaring {
+        let (seconds, reference) = fastest(1, || basis_by_squaring(&walk, &params, Progress::none()))?;
+        report("squaring", seconds, &reference);
+        let differences: Vec<f64> = fast
+            .scaling
+            .iter()
+            .zip(&reference.scaling)
+            .map(|(a, b)| (0..a.n_rows()).map(|x| row_difference(a.row(x), b.row(x))).fold(0.0, f64::max))
+            .collect();
+        println!("{{\"method\": \"fast − squaring\", \"max_difference\": {differences:?}}}");
+    }
+    Ok(())
+}
+
+/// The shortest of several runs, and the result of the last.
+fn fastest<T, E>(repeats: usize, run: impl Fn() -> Result<T, E>) -> Result<(f64, T), E> {
+    let mut best = f64::INFINITY;
+    let mut last = None;
+    for _ in 0..repeats.max(1) {
+        drop(last.take());
+        let start = Instant::now();
+        last = Some(run()?);
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    Ok((best, last.expect("at least one run")))
+}
+
+fn report<V: Value>(method: &str, seconds: f64, basis: &Basis<V>) {
+    println!(
+        "{{\"method\": \"{method}\", \"n_vertices\": {}, \"seconds\": {seconds:.4}, \"nnz\": {:?}, \"bytes\": {}, \"forecast\": {}, \"largest_dropped\": {:?}}}",
+        basis.n_vertices(),
+        basis.info.nnz,
+        basis.info.bytes.iter().sum::<u64>(),
+        basis.info.forecast,
+        basis.info.largest_dropped,
+    );
+}
+
+fn diffusion(shape: &Shape) -> Diffusion {
+    let domain = Domain::new(shape, WeldMode::Off);
+    Diffusion::new(local_operator(shape, &domain, &OperatorParams::default()))
+}
+
+/// The largest difference of two sparse rows.
+fn row_difference(a: (&[u32], &[f32]), b: (&[u32], &[f64])) -> f64 {
+    let value_in_b = |y: &u32| b.0.binary_search(y).map_or(0.0, |k| b.1[k]);
+    let value_in_a = |y: &u32| a.0.binary_search(y).map_or(0.0, |k| f64::from(a.1[k]));
+    let of_a = a.0.iter().zip(a.1).map(|(y, &v)| (f64::from(v) - value_in_b(y)).abs());
+    let of_b = b.0.iter().zip(b.1).map(|(y, &v)| (v - value_in_a(y)).abs());
+    of_a.chain(of_b).fold(0.0, f64::max)
+}
+
+/// Vertices and triangles of an OBJ file, without the vertices that no face names.
+fn read_obj(path: &str) -> Result<Mesh, Box<dyn Error>> {
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for line in std::fs::read_to_string(path)?.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let c: Vec<f64> = words.take(3).map(str::parse).collect::<Result<_, _>>()?;
+                points.push(c.try_into().map_err(|_| "a vertex has fewer than three coordinates")?);
+            }
+            Some("f") => {
+                let corner = |word: &str| word.split('/').next().unwrap_or("").parse::<u32>().map(|i| i - 1);
+                let c: Vec<u32> = words.take(3).map(corner).collect::<Result<_, _>>()?;
+                triangles.push(c.try_into().map_err(|_| "a face has fewer than three corners")?);
+            }
+            _ => {}
+        }
+    }
+    let mut number = vec![u32::MAX; points.len()];
+    let mut used = Vec::new();
+    for corner in triangles.as_flattened_mut() {
+        let n = &mut number[*corner as usize];
+        if *n == u32::MAX {
+            *n = used.len() as u32;
+            used.push(points[*corner as usize]);
+        }
+        *corner = *n;
+    }
+    Ok(Mesh::new(used, Polygons::from_triangles(&triangles))?)
+}

@@ -1,0 +1,208 @@
+//! Rows of Φ₁ⁿ for a block of vertices at once, as dense columns over the vertices that the walks have reached.
+//!
+//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`, so `v ← Φ₁ᵀv` from `v = e_x`. The walks of neighbouring vertices reach nearly the same
+//! vertices: they share one list of active vertices and one small local matrix, and each product treats them as the
+//! lanes of a vector. Once in a few products the list is built anew: vertices where every lane is small are left out,
+//! and those within a few steps of the rest are taken in.
+
+use super::arriving::Arriving;
+use super::marks::Marks;
+use crate::operator::Diffusion;
+
+/// Rows that are computed side by side.
+pub(super) const LANES: usize = 32;
+
+/// One value of each lane.
+pub(super) type Lanes = [f32; LANES];
+
+/// Entries of a local row come in groups of this many, so that the length of a row is easy to predict for a processor.
+const GROUP: usize = 2;
+
+/// No local number.
+const ABSENT: u32 = u32::MAX;
+
+/// The walks of a block of vertices.
+#[derive(Debug)]
+pub(super) struct LocalColumns {
+    /// Active vertices by rising index.
+    pub(super) active: Vec<u32>,
+    /// `now[k][l]`: what lane `l` has at vertex `active[k]`.
+    pub(super) now: Vec<Lanes>,
+    next: Vec<Lanes>,
+    /// Local matrix: entries of row `k` are the groups `starts[k]..starts[k + 1]`, the diagonal among them.
+    starts: Vec<u32>,
+    groups: Vec<[(u32, f32); GROUP]>,
+    /// Local number of each vertex of the shape.
+    number: Vec<u32>,
+    marks: Marks,
+    front: Vec<u32>,
+    next_front: Vec<u32>,
+    before: Vec<u32>,
+}
+
+impl LocalColumns {
+    /// Room for walks over `n` vertices.
+    pub(super) fn new(n: usize) -> Self {
+        Self {
+            active: Vec::new(),
+            now: Vec::new(),
+            next: Vec::new(),
+            starts: Vec::new(),
+            groups: Vec::new(),
+            number: vec![ABSENT; n],
+            marks: Marks::new(n),
+            front: Vec::new(),
+            next_front: Vec::new(),
+            before: Vec::new(),
+        }
+    }
+
+    /// Starts lane `l` at vertex `first + l`, for all vertices before `end`.
+    pub(super) fn start(&mut self, first: usize, end: usize) {
+        self.forget_numbers();
+        self.active.clear();
+        self.active.extend(first as u32..end as u32);
+        self.now.clear();
+        self.now.resize(end - first, [0.0; LANES]);
+        for (l, row) in self.now.iter_mut().enumerate() {
+            row[l] = 1.0;
+        }
+    }
+
+    fn forget_numbers(&mut self) {
+        for &x in &self.active {
+            self.number[x as usize] = ABSENT;
+        }
+    }
+
+    /// Leaves out vertices where no lane exceeds `floor`, takes in those within `rings` steps of the others, and builds
+    /// the local matrix. With `floor` 0 nothing that any walk has reached is left out.
+    pub(super) fn regrow(&mut self, diffusion: &Diffusion, arriving: &Arriving, floor: f32, rings: u64) {
+        self.forget_numbers();
+        self.front.clear();
+        for (&x, lanes) in self.active.iter().zip(&self.now) {
+            if largest(lanes) > floor {
+                self.marks.insert(x);
+                self.front.push(x);
+            }
+        }
+        for _ in 0..rings {
+            if self.front.is_empty() {
+                break;
+            }
+            self.next_front.clear();
+            for &x in &self.front {
+                for &y in diffusion.row(x as usize).0 {
+                    if self.marks.insert(y) {
+                        self.next_front.push(y);
+                    }
+                }
+            }
+            std::mem::swap(&mut self.front, &mut self.next_front);
+        }
+        std::mem::swap(&mut self.active, &mut self.before);
+        self.active.clear();
+        self.marks.drain_sorted(&mut self.active);
+        self.carry_over();
+        self.build_matrix(arriving);
+    }
+
+    /// Moves the values from the old list of active vertices to the new one.
+    fn carry_over(&mut self) {
+        self.next.clear();
+        self.next.reserve(self.active.len());
+        let mut k = 0;
+        for &x in &self.active {
+            while k < self.before.len() && self.before[k] < x {
+                k += 1;
+            }
+            let known = k < self.before.len() && self.before[k] == x;
+            self.next.push(if known { self.now[k] } else { [0.0; LANES] });
+        }
+        std::mem::swap(&mut self.now, &mut self.next);
+        self.next.clear();
+        self.next.resize(self.active.len(), [0.0; LANES]);
+    }
+
+    fn build_matrix(&mut self, arriving: &Arriving) {
+        for (&x, k) in self.active.iter().zip(0..) {
+            self.number[x as usize] = k;
+        }
+        self.starts.clear();
+        self.starts.push(0);
+        self.groups.clear();
+        for (&y, k) in self.active.iter().zip(0_u32..) {
+            // Entries that fill up the last group have weight 0 and name this row, which is in the cache.
+            let mut group = [(k, 0.0); GROUP];
+            group[0].1 = arriving.diagonal(y);
+            let mut filled = 1;
+            for (x, w) in arriving.column(y) {
+                let source = self.number[x as usize];
+                if source == ABSENT {
+                    continue;
+                }
+                if filled == GROUP {
+                    self.groups.push(std::mem::replace(&mut group, [(k, 0.0); GROUP]));
+                    filled = 0;
+                }
+                group[filled] = (source, w);
+                filled += 1;
+            }
+            self.groups.push(group);
+            self.starts.push(self.groups.len() as u32);
+        }
+    }
+
+    /// One step of every walk: `v ← Φ₁ᵀv`.
+    pub(super) fn advance(&mut self, arch: pulp::Arch) {
+        arch.dispatch(Product {
+            starts: &self.starts,
+            groups: &self.groups,
+            now: &self.now,
+            next: &mut self.next,
+        });
+        std::mem::swap(&mut self.now, &mut self.next);
+    }
+}
+
+/// The largest of the lanes.
+#[inline(always)]
+fn largest(lanes: &Lanes) -> f32 {
+    let mut wide = [0.0_f32; 8];
+    for part in lanes.as_chunks::<8>().0 {
+        for (w, &v) in wide.iter_mut().zip(part) {
+            *w = if v > *w { v } else { *w };
+        }
+    }
+    wide.into_iter().fold(0.0, f32::max)
+}
+
+/// `next = A·now` for the local matrix, compiled for every instruction set and picked at run time.
+struct Product<'a> {
+    starts: &'a [u32],
+    groups: &'a [[(u32, f32); GROUP]],
+    now: &'a [Lanes],
+    next: &'a mut [Lanes],
+}
+
+impl pulp::NullaryFnOnce for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { starts, groups, now, next } = self;
+        for (row, range) in next.iter_mut().zip(starts.windows(2)) {
+            let mut sum = [0.0_f32; LANES];
+            for group in &groups[range[0] as usize..range[1] as usize] {
+                for &(source, w) in group {
+                    let from = &now[source as usize];
+                    // Products and sums are rounded apart, so that every instruction set gives the same bits.
+                    for l in 0..LANES {
+                        sum[l] += w * from[l];
+                    }
+                }
+            }
+            *row = sum;
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The scaling functions and wavelets themselves: the matrices Φ_j and Ψ_j, and single rows of them.
+//!
+//! `Φ_j = Φ₁^{n_j}`, `Ψ_j = Φ_{j−1} − Φ_j` (eq. 6–9), with `n_j = 2^(j−1)` on the dyadic levels of the paper. Row x of
+//! Φ_j is the scaling function φ_{j,x}, row x of Ψ_j the wavelet ψ_{j,x}. Entries below a tolerance are dropped and the
+//! rest of each row of Φ_j divided by its sum, so that rows of Φ_j still sum to 1 and rows of Ψ_j to 0.
+//!
+//! * [`basis`]: all levels at once, in single precision, by walking from 32 neighbouring vertices together
+//!   (`local_columns.rs`: the walk, `pack.rs`: dropping and packing, `sweep.rs`: how the active set grows).
+//! * [`basis_by_squaring`]: the paper's Algorithm 1 to the letter, in double precision; the reference.
+//! * [`one_vertex`]: φ and ψ of one vertex at any level, without a matrix.
+//!
+//! All of it counts vertices as [`Diffusion`](crate::operator::Diffusion) does: in the numbering of the
+//! [`Domain`](crate::shape::Domain). [`Basis::in_shape_order`] renumbers where that is a permutation of the shape's vertices.
+
+mod arriving;
+//ONE mod binomial;
+mod fast;
+mod forecast;
+mod local_columns;
+mod marks;
+//ONE mod one_vertex;
+mod pack;
+mod rows;
+mod squaring;
+mod sweep;
+
+pub use fast::basis;
+//ONE pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
+pub use rows::{CompressedRows, Value};
+pub use squaring::basis_by_squaring;
+
+use crate::Cancelled;
+use crate::bands::Schedule;
+use crate::shape::Weld;
+use thiserror::Error;
+
+/// What to compute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BasisParams {
+    /// The levels.
+    pub schedule: Schedule,
+    /// ε: entries below it are dropped. At least 0 and below 1; with 0 every positive entry is kept.
+    pub drop_tolerance: f64,
+    /// The most bytes that the result and the work on it may take, by the forecast.
+    pub memory_limit: u64,
+}
+
+impl BasisParams {
+    /// The paper's ε.
+    pub const DROP_TOLERANCE: f64 = 1e-6;
+    /// 8 GiB: what a common machine has to spare.
+    pub const MEMORY_LIMIT: u64 = 8 << 30;
+
+    /// The levels of `schedule`, ε = 1e-6, at most 8 GiB.
+    pub fn new(schedule: Schedule) -> Self {
+        Self { schedule, drop_tolerance: Self::DROP_TOLERANCE, memory_limit: Self::MEMORY_LIMIT }
+    }
+
+    /// With another ε.
+    #[must_use]
+    pub fn with_drop_tolerance(self, drop_tolerance: f64) -> Self {
+        Self { drop_tolerance, ..self }
+    }
+
+    /// With another limit, in bytes.
+    #[must_use]
+    pub fn with_memory_limit(self, memory_limit: u64) -> Self {
+        Self { memory_limit, ..self }
+    }
+
+    fn check(&self) -> Result<(), BasisError> {
+        check_tolerance(self.drop_tolerance)
+    }
+}
+
+fn check_tolerance(tolerance: f64) -> Result<(), BasisError> {
+    if (0.0..1.0).contains(&tolerance) { Ok(()) } else { Err(BasisError::BadTolerance(tolerance)) }
+}
+
+/// Why there is no basis.
+#[derive(Debug, Error, PartialEq)]
+pub enum BasisError {
+    /// The tolerance is negative, not a number, or drops everything.
+    #[error("a drop tolerance of {0} makes no sense; give one of at least 0 and below 1, such as 1e-6")]
+    BadTolerance(f64),
+    /// Squaring reaches only powers of two.
+    #[error(
+        "level {level} has {steps} steps; squaring needs the dyadic levels 1, 2, 4, …: choose them, or the fast method"
+    )]
+    NotDyadic {
+        /// The level, from 1.
+        level: usize,
+        /// Its steps.
+        steps: u64,
+    },
+    /// The matrices would not fit.
+    #[error(
+        "level {n_levels} of {n_vertices} vertices needs about {needed} bytes with all levels before it, more than the limit of {limit}; ask for fewer levels, for single vertices, for bands of a signal in place of the functions, or raise the limit"
+    )]
+    TooLarge {
+        /// Number of levels asked for.
+        n_levels: usize,
+        /// Number of vertices.
+        n_vertices: usize,
+        /// The forecast in bytes.
+        needed: u64,
+        /// The limit in bytes.
+        limit: u64,
+    },
+    /// Every entry of a row is below the tolerance.
+    #[error(
+        "all entries of row {row} of level {level} are below the drop tolerance of {tolerance}; lower it or ask for fewer levels"
+    )]
+    EmptyRow {
+        /// The row.
+        row: usize,
+        /// The level, from 1.
+        level: usize,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// There is no such vertex.
+    #[error("there is no vertex {vertex}; the walk has {n_vertices}")]
+    NoVertex {
+        /// The vertex, from 0.
+        vertex: usize,
+        /// Number of vertices.
+        n_vertices: usize,
+    },
+    /// The coarse function of a wavelet must have taken more steps than the fine one.
+    #[error("a wavelet from {fine} to {coarse} steps is none: the second must be larger and at most 2^31")]
+    BadSteps {
+        /// Steps of the finer scaling function.
+        fine: u64,
+        /// Steps of the coarser one.
+        coarse: u64,
+    },
+    /// Welded vertices share a row, so no permutation leads to the shape's order.
+    #[error(
+        "{n_vertices} vertices of the shape are {n_classes} of the walk; row and column of vertex x are those of its class `weld.class_of(x)`"
+    )]
+    Welded {
+        /// Number of vertices of the shape.
+        n_vertices: usize,
+        /// Number of vertices of the walk.
+        n_classes: usize,
+    },
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// What a basis took.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BasisInfo {
+    /// Entries of Φ_1 … Φ_J.
+    pub nnz: Vec<u64>,
+    /// Bytes of Φ_1 … Φ_J.
+    pub bytes: Vec<u64>,
+    /// The largest share of a row's sum that was dropped, for Φ_1 … Φ_J.
+    pub largest_dropped: Vec<f64>,
+    /// Bytes that were forecast before any of it was computed, the work space included.
+    pub forecast: u64,
+}
+
+/// Φ_1 … Φ_J as sparse matrices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basis<V = f32> {
+    /// The steps n_1 … n_J of the levels.
+    pub steps: Vec<u64>,
+    /// `scaling[j − 1]` is Φ_j: n_vertices rows, each ≥ 0 and of sum 1.
+    pub scaling: Vec<CompressedRows<V>>,
+    /// What it took.
+    pub info: BasisInfo,
+}
+
+impl<V: Value> Basis<V> {
+    /// J.
+    pub fn n_levels(&self) -> usize {
+        self.scaling.len()
+    }
+
+    /// Number of rows of each matrix.
+    pub fn n_vertices(&self) -> usize {
+        self.scaling.first().map_or(0, CompressedRows::n_rows)
+    }
+
+    /// `Ψ_j = Φ_{j−1} − Φ_j` for `j` in `1..=n_levels()`, with Φ_0 = I: rows sum to 0. O(entries of both).
+    ///
+    /// # Panics
+    /// When there is no level `j`.
+    ///
+    /// ```
+    /// use adwave::basis::{BasisParams, basis};
+    /// use adwave::{Progress, bands::Schedule, operator::Diffusion};
+    /// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
+    /// let basis = basis(&walk, &BasisParams::new(Schedule::dyadic(2)?), Progress::none())?;
+    /// assert_eq!(basis.scaling[1].row(0), ([0, 1].as_slice(), [0.625, 0.375].as_slice()));
+    /// assert_eq!(basis.wavelet(2).row(0), ([0, 1].as_slice(), [0.125, -0.125].as_slice()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn wavelet(&self, j: usize) -> CompressedRows<V> {
+        assert!((1..=self.n_levels()).contains(&j), "levels are 1 to {}, not {j}", self.n_levels());
+        let coarse = &self.scaling[j - 1];
+        match j {
+            1 => CompressedRows::identity(coarse.n_rows()).minus(coarse),
+            _ => self.scaling[j - 2].minus(coarse),
+        }
+    }
+
+    /// The wavelet ψ_{j,x}: row `x` of Ψ_j, columns and values. O(entries of the row).
+    ///
+    /// # Panics
+    /// When there is no level `j` or no vertex `x`.
+    pub fn wavelet_row(&self, j: usize, x: usize) -> (Vec<u32>, Vec<V>) {
+        let (mut columns, mut values) = (Vec::new(), Vec::new());
+        let itself = ([x as u32], [V::from_f64(1.0)]);
+        let fine = if j == 1 { (&itself.0[..], &itself.1[..]) } else { self.scaling[j - 2].row(x) };
+        rows::subtract(fine, self.scaling[j - 1].row(x), &mut columns, &mut values);
+        (columns, values)
+    }
+
+    /// The same matrices with rows and columns in the order of the shape's vertices.
+    ///
+    /// Rows are functions and columns are where they are evaluated; both are vertices of the walk. Where several
+    /// vertices of the shape were welded into one, the matrix over the welded vertices is the mathematical object: a
+    /// larger one with repeated columns would have rows that do not sum to 1, and so would not be a diffusion. Such a
+    /// basis stays as it is, and `weld.classes()` is the map that belongs to it.
+    ///
+    /// # Errors
+    /// [`BasisError::Welded`] when vertices were welded.
+    pub fn in_shape_order(&self, weld: &Weld) -> Result<Self, BasisError> {
+        let (n_vertices, n_classes) = (weld.n_vertices(), weld.n_classes());
+        if n_vertices != n_classes {
+            return Err(BasisError::Welded { n_vertices, n_classes });
+        }
+        let mut vertex_of = vec![0; n_classes];
+        for (&class, x) in weld.classes().iter().zip(0..) {
+            vertex_of[class as usize] = x;
+        }
+        let scaling = self.scaling.iter().map(|level| level.permuted(&vertex_of)).collect();
+        Ok(Self { steps: self.steps.clone(), scaling, info: self.info.clone() })
+    }
+}

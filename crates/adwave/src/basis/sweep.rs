@@ -1,0 +1,129 @@
+//! The walk of one block through all levels: when the active set is built anew, and how far it reaches.
+
+use super::arriving::Arriving;
+use super::local_columns::{LANES, LocalColumns};
+use super::pack::{Kept, kept};
+use super::{BasisError, BasisParams};
+use crate::operator::Diffusion;
+use crate::{Cancelled, Progress};
+
+/// Vertices where every lane is below this part of the tolerance are left out of the active set.
+const FLOOR_OF_TOLERANCE: f32 = 0.01;
+
+/// The most that may be missing from a lane's sum of 1 because of vertices left out; what is missing there could
+/// matter by as much elsewhere. A tenth of the difference that is allowed between this method and squaring.
+const MOST_LOST: f64 = 1e-6;
+
+/// What rounding to single precision may do to a lane's sum in one step.
+const ROUNDING_OF_A_STEP: f64 = 1e-7;
+
+/// How the active set follows the walks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reach {
+    /// Small values are left out and the set grows as fast as a walk on a surface spreads. What gets lost is measured.
+    Measured,
+    /// All that the walks can reach.
+    Complete,
+}
+
+/// What every block needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Walk<'a> {
+    pub(super) diffusion: &'a Diffusion,
+    pub(super) arriving: &'a Arriving,
+    pub(super) params: &'a BasisParams,
+    pub(super) arch: pulp::Arch,
+    pub(super) progress: Progress<'a>,
+}
+
+/// Whether a sweep is to go on after a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// With the next level.
+    GoOn,
+    /// Not at all.
+    Stop,
+}
+
+/// A lane lost more than it may.
+struct Lost;
+
+impl Walk<'_> {
+    /// Walks from the vertices `first..end` (at most one a lane) and shows `record` the columns at each level: level
+    /// from 0, columns, and what the tolerance keeps of them. A level may be shown twice; the later one counts.
+    pub(super) fn sweep(
+        &self,
+        columns: &mut LocalColumns,
+        first: usize,
+        end: usize,
+        mut record: impl FnMut(usize, &LocalColumns, &Kept) -> Next,
+    ) -> Result<(), BasisError> {
+        if self.params.drop_tolerance > 0.0
+            && self.sweep_within(Reach::Measured, columns, first, end, &mut record)?.is_ok()
+        {
+            return Ok(());
+        }
+        self.sweep_within(Reach::Complete, columns, first, end, &mut record).map(|_| ())
+    }
+
+    fn sweep_within(
+        &self,
+        reach: Reach,
+        columns: &mut LocalColumns,
+        first: usize,
+        end: usize,
+        record: &mut impl FnMut(usize, &LocalColumns, &Kept) -> Next,
+    ) -> Result<Result<(), Lost>, BasisError> {
+        debug_assert!(end - first <= LANES);
+        let tolerance = self.params.drop_tolerance as f32;
+        let floor = if reach == Reach::Measured { FLOOR_OF_TOLERANCE * tolerance } else { 0.0 };
+        let steps = self.params.schedule.steps();
+        columns.start(first, end);
+        let (mut done, mut fresh_for) = (0_u64, 0_u64);
+        for (level, &n) in steps.iter().enumerate() {
+            while done < n {
+                if fresh_for == 0 {
+                    if self.progress.is_cancelled() {
+                        return Err(Cancelled.into());
+                    }
+                    fresh_for = stretch(done);
+                    let rings = if reach == Reach::Measured { rings(done, fresh_for) } else { fresh_for };
+                    columns.regrow(self.diffusion, self.arriving, floor, rings);
+                }
+                columns.advance(self.arch);
+                done += 1;
+                fresh_for -= 1;
+            }
+            let kept = kept(self.arch, columns, tolerance);
+            let allowed = MOST_LOST + ROUNDING_OF_A_STEP * n as f64;
+            for lane in 0..end - first {
+                if reach == Reach::Measured && kept.masses[lane] < 1.0 - allowed {
+                    return Ok(Err(Lost));
+                }
+                if kept.counts[lane] == 0 {
+                    return Err(BasisError::EmptyRow {
+                        row: first + lane,
+                        level: level + 1,
+                        tolerance: self.params.drop_tolerance,
+                    });
+                }
+            }
+            if record(level, columns, &kept) == Next::Stop {
+                break;
+            }
+        }
+        Ok(Ok(()))
+    }
+}
+
+/// How many steps one active set serves, from step `done` on.
+fn stretch(done: u64) -> u64 {
+    (done / 2).clamp(2, 16)
+}
+
+/// How many rings to add for that many steps. The radius at which a walk of n steps on a surface falls below a given
+/// value grows like √n, so by a part of `1/(2√n)` rings a step: one ring a step at first, and fewer later.
+fn rings(done: u64, steps: u64) -> u64 {
+    let a_step = (2.0 / (done.max(1) as f64).sqrt()).min(1.0);
+    (steps as f64 * a_step).ceil() as u64
+}
