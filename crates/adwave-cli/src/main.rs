@@ -1,1 +1,51 @@
-fn main() {}
+//! The command `adwave`: wavelets for shapes.
+//!
+//! Glue only: what is computed stands in the crate `adwave`, what is read and written in `adwave-io`.
+
+mod args;
+mod commands;
+mod error;
+mod interrupt;
+mod output;
+mod progress;
+mod shape_input;
+mod signal;
+
+use args::{Cli, Command};
+use clap::Parser;
+use error::CliError;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = prepare(&cli).and_then(|()| match &cli.command {
+        Command::Info(args) => commands::info::run(args, &cli.global),
+        Command::Transform(args) => commands::transform::run(args, &cli.global),
+        Command::Filter(args) => commands::filter::run(args, &cli.global),
+        Command::Basis(args) => commands::basis::run(args, &cli.global),
+        Command::Sample(args) => commands::sample::run(args, &cli.global),
+        Command::Demo(args) => commands::demo::run(args, &cli.global),
+        Command::Completions(args) => commands::shell::completions(args),
+        Command::Man(args) => commands::shell::man(args),
+    });
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(CliError::ClosedPipe) => ExitCode::SUCCESS, // `adwave … | head` has seen what it wanted
+        Err(error) => {
+            eprintln!("adwave: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// Sets what is global to the run: threads and the answer to Ctrl-C.
+fn prepare(cli: &Cli) -> Result<(), CliError> {
+    interrupt::install();
+    if let Some(threads) = cli.global.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.get())
+            .build_global()
+            .map_err(|e| CliError::Environment(format!("cannot start {threads} threads: {e}")))?;
+    }
+    Ok(())
+}

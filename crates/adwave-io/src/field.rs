@@ -228,13 +228,17 @@ impl FieldValues {
 
 /// A number that has a fixed count of bytes.
 pub(crate) trait Number: Copy {
+    fn from_f64(x: f64) -> Self;
     fn from_bytes(bytes: &[u8], order: ByteOrder) -> Self;
     fn write_bytes(self, order: ByteOrder, out: &mut Vec<u8>);
 }
 
 macro_rules! number {
-    ($($t:ty),*) => {$(
+    ($($t:ty: $from_f64:expr),*) => {$(
         impl Number for $t {
+            fn from_f64(x: f64) -> Self {
+                ($from_f64)(x)
+            }
             fn from_bytes(bytes: &[u8], order: ByteOrder) -> Self {
                 let mut own = [0; size_of::<$t>()];
                 own.copy_from_slice(&bytes[..size_of::<$t>()]);
@@ -252,7 +256,12 @@ macro_rules! number {
         }
     )*};
 }
-number!(u8, i8, u16, i16, u32, i32, u64, i64, f32, f64);
+// A cast to a whole number keeps to its range.
+number!(
+    u8: |x: f64| x.round() as u8, i8: |x: f64| x.round() as i8, u16: |x: f64| x.round() as u16,
+    i16: |x: f64| x.round() as i16, u32: |x: f64| x.round() as u32, i32: |x: f64| x.round() as i32,
+    u64: |x: f64| x.round() as u64, i64: |x: f64| x.round() as i64, f32: |x: f64| x as f32, f64: |x: f64| x
+);
 
 /// Values at the vertices (or faces) of a shape: `values[i * n_channels + c]` is channel `c` at vertex `i`.
 ///
@@ -280,6 +289,26 @@ impl Field {
     pub fn new(name: impl Into<String>, n_channels: usize, values: FieldValues) -> Self {
         assert!(n_channels > 0 && values.len() % n_channels == 0, "whole rows of at least one channel");
         Self { name: name.into(), n_channels, values }
+    }
+
+    /// The same field with other numbers, in its own type: whole-number types round and keep to their range.
+    ///
+    /// ```
+    /// use adwave_io::{Field, FieldValues};
+    /// let color = Field::new("color", 1, FieldValues::U8(vec![0, 0]));
+    /// assert_eq!(color.with_values_rounded(&[12.6, 300.0]).values, FieldValues::U8(vec![13, 255]));
+    /// ```
+    ///
+    /// # Panics
+    /// When there are not as many numbers as the field has.
+    #[must_use]
+    pub fn with_values_rounded(&self, numbers: &[f64]) -> Self {
+        assert_eq!(numbers.len(), self.values.len(), "as many numbers as before");
+        let mut values = self.values.value_type().empty();
+        with_values!(&mut values, v => for &x in numbers {
+            v.push(Number::from_f64(x));
+        });
+        Self { name: self.name.clone(), n_channels: self.n_channels, values }
     }
 
     /// Number of vertices (or faces).

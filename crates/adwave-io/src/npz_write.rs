@@ -29,6 +29,8 @@ pub enum ArrayValues<'a> {
     I64(&'a [i64]),
     F32(&'a [f32]),
     F64(&'a [f64]),
+    /// One array in several pieces, one after the other.
+    F64Parts(&'a [&'a [f64]]),
     /// Offsets and counts, written as 64-bit integers.
     Usize(&'a [usize]),
     /// One text of ASCII letters, written as a byte string without a shape.
@@ -46,6 +48,7 @@ impl ArrayValues<'_> {
             Self::F32(v) => v.len(),
             Self::F64(v) => v.len(),
             Self::Usize(v) => v.len(),
+            Self::F64Parts(parts) => parts.iter().map(|part| part.len()).sum(),
             Self::Text(_) => 1,
         }
     }
@@ -58,7 +61,7 @@ impl ArrayValues<'_> {
             Self::U64(_) => "<u8".into(),
             Self::I64(_) | Self::Usize(_) => "<i8".into(),
             Self::F32(_) => "<f4".into(),
-            Self::F64(_) => "<f8".into(),
+            Self::F64(_) | Self::F64Parts(_) => "<f8".into(),
             Self::Text(t) => format!("|S{}", t.len().max(1)),
         }
     }
@@ -86,6 +89,7 @@ impl ArrayValues<'_> {
             Self::I64(v) => pieces(v, i64::to_le_bytes, out),
             Self::F32(v) => pieces(v, f32::to_le_bytes, out),
             Self::F64(v) => pieces(v, f64::to_le_bytes, out),
+            Self::F64Parts(parts) => parts.iter().try_for_each(|part| pieces(part, f64::to_le_bytes, out)),
             Self::Usize(v) => pieces(v, |x| (x as i64).to_le_bytes(), out),
             Self::Text(t) => out.write_all(if t.is_empty() { b"\0" } else { t.as_bytes() }),
         }

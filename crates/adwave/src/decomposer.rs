@@ -6,8 +6,17 @@ use crate::bands::{
 };
 use crate::filter::{Edit, FilterError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
-use crate::shape::{Adjacency, Domain, Health, Shape, health};
+use crate::shape::{Adjacency, Domain, Health, Shape, Weld, health};
 use rayon::prelude::*;
+
+/// The functions of one vertex on one level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexFunctions {
+    /// φ: ≥ 0, sums to 1.
+    pub scaling_function: Vec<f64>,
+    /// ψ: sums to 0.
+    pub wavelet: Vec<f64>,
+}
 
 /// A shape with its walk. Preparing costs O(n log n) once; each signal then costs its products only.
 ///
@@ -106,6 +115,38 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Bands, BandsError> {
         decompose(&self.diffusion, &self.domain.weld, signal, n_channels, schedule, params, progress)
+    }
+
+    /// The scaling function and the wavelet of one vertex of the shape on the last level of `schedule`, as functions on the
+    /// vertices of the shape.
+    ///
+    /// # Errors
+    /// [`BandsError::Cancelled`] when cancelled.
+    ///
+    /// # Panics
+    /// When there is no such vertex.
+    pub fn basis_of_vertex(
+        &self,
+        vertex: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<VertexFunctions, BandsError> {
+        let x = self.domain.weld.class_of(vertex);
+        let pi = self.diffusion.stationary();
+        let mut delta = vec![0.0; self.domain.n_vertices()];
+        delta[x] = 1.0;
+        let weld = Weld::identity(delta.len());
+        let params = BandsParams::default();
+        let bands = decompose(&self.diffusion, &weld, &delta, 1, schedule, &params, progress)?;
+        let transpose = |column: &[f64]| {
+            let row: Vec<f64> = column.iter().zip(pi).map(|(v, p)| v * p / pi[x]).collect();
+            self.domain.weld.scatter(&row, 1)
+        };
+        let level = schedule.n_levels();
+        Ok(VertexFunctions {
+            scaling_function: transpose(&bands.scaling[level]),
+            wavelet: transpose(&bands.wavelet[level - 1]),
+        })
     }
 
     /// Edits a signal: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` with `Γ(j,x) = Π_layers (1 + r(x)·(g_j − 1))`.

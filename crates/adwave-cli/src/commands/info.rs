@@ -1,0 +1,141 @@
+//! `adwave info`: what a shape consists of, what is unusual about it, and which levels it gets.
+
+use crate::args::{GlobalArgs, InfoArgs};
+use crate::error::CliError;
+use crate::output::{number, print, schedule, table};
+use crate::progress::with_spinner;
+use crate::shape_input::load;
+use adwave::Decomposer;
+use adwave::shape::{Health, Shape, bounding_box};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+pub(crate) fn run(args: &InfoArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    let (input, decomposer, health) = with_spinner(global, "reading", || {
+        let input = load(&args.shape)?;
+        let decomposer = Decomposer::new(&input.shape, &args.shape.operator());
+        let health = decomposer.health(&input.shape);
+        Ok::<_, CliError>((input, decomposer, health))
+    })?;
+    let (schedule, why) = schedule(&args.levels, &decomposer)?;
+    let sigma = schedule.sigma(decomposer.diffusion().step_length());
+    let kind = kind(&input.shape);
+    let diagonal = decomposer.diagonal();
+    let format = input.file.format().map_or_else(|| "sample".to_owned(), |f| f.to_string());
+
+    let mut text = format!("{}: {kind}, {format}\n", input.name);
+    health_lines(&mut text, &input.shape, &health, diagonal);
+    let fields = input.file.vertex_fields();
+    if !fields.is_empty() {
+        let named = fields.iter().map(|f| format!("{} ({})", f.name, f.n_channels)).collect::<Vec<_>>();
+        let _ = writeln!(text, "  fields        {}", named.join(", "));
+    }
+    let _ = writeln!(
+        text,
+        "  walk          {} entries, mean edge {}, step {}",
+        decomposer.diffusion().nnz(),
+        number(decomposer.mean_length()),
+        number(decomposer.diffusion().step_length()),
+    );
+    let _ = writeln!(text, "  levels        {why}\n");
+    text += &table(
+        ["level", "steps", "sigma", "% of diagonal"],
+        (1..=schedule.n_levels()).map(|j| {
+            let percent = if diagonal > 0.0 { 100.0 * sigma[j] / diagonal } else { 0.0 };
+            [j.to_string(), schedule.steps()[j - 1].to_string(), number(sigma[j]), number(percent)]
+        }),
+    );
+
+    let bounds = input.shape.points().and_then(bounding_box);
+    let json = json!({
+        "shape": input.name,
+        "kind": kind,
+        "format": format,
+        "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
+        "bounding_box": bounds.map(|(min, max)| json!({"min": min, "max": max})),
+        "diagonal": diagonal,
+        "health": health_json(&health),
+        "walk": {
+            "vertices": decomposer.diffusion().n_vertices(),
+            "entries": decomposer.diffusion().nnz(),
+            "mean_length": decomposer.mean_length(),
+            "step_length": decomposer.diffusion().step_length(),
+            "reversible": decomposer.diffusion().is_reversible(),
+        },
+        "levels": schedule.n_levels(),
+        "levels_reason": why,
+        "steps": schedule.steps_from_zero(),
+        "sigma": sigma,
+    });
+    print(global, &text, &json)
+}
+
+pub(crate) fn kind(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Mesh(_) => "mesh",
+        Shape::Cloud(_) => "cloud",
+        Shape::Graph(_) => "graph",
+    }
+}
+
+/// The counts that mean something, one a line; those that are 0 when all is well only where they are not.
+fn health_lines(text: &mut String, shape: &Shape, health: &Health, diagonal: f64) {
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "  {name:<13} {value}");
+    };
+    line("vertices", health.n_vertices.to_string());
+    if let Shape::Mesh(_) = shape {
+        let polygons = if health.n_polygons > 0 {
+            format!(", {} of them with more than three corners", health.n_polygons)
+        } else {
+            String::new()
+        };
+        line("faces", format!("{}{polygons}", health.n_faces));
+        let surface = if health.is_closed() { "closed" } else { "open" };
+        let volume = health.volume.map_or(String::new(), |v| format!(", volume {}", number(v)));
+        let euler =
+            health.euler_characteristic.map_or(String::new(), |e| format!(", Euler characteristic {e}"));
+        line("surface", format!("{surface}, area {}{volume}{euler}", number(health.area)));
+    }
+    line("edges", health.n_edges.to_string());
+    line("components", health.n_components.to_string());
+    if diagonal > 0.0 {
+        line("diagonal", number(diagonal));
+    }
+    for (count, what) in [
+        (health.n_boundary_edges, "boundary edges"),
+        (health.n_non_manifold_edges, "edges of three faces or more"),
+        (health.n_misoriented_edges, "edges whose two faces disagree on the orientation"),
+        (health.n_zero_area_faces, "faces without area"),
+        (health.n_repeated_faces, "repeated faces"),
+        (health.n_welded, "vertices at the position of another, welded"),
+        (health.n_isolated, "vertices without neighbours, unchanged in every band"),
+        (health.n_unreferenced, "vertices of no face"),
+    ] {
+        if count > 0 {
+            line("note", format!("{count} {what}"));
+        }
+    }
+}
+
+pub(crate) fn health_json(health: &Health) -> Value {
+    json!({
+        "vertices": health.n_vertices,
+        "faces": health.n_faces,
+        "polygons": health.n_polygons,
+        "edges": health.n_edges,
+        "components": health.n_components,
+        "boundary_edges": health.n_boundary_edges,
+        "non_manifold_edges": health.n_non_manifold_edges,
+        "misoriented_edges": health.n_misoriented_edges,
+        "zero_area_faces": health.n_zero_area_faces,
+        "repeated_faces": health.n_repeated_faces,
+        "welded_vertices": health.n_welded,
+        "isolated_vertices": health.n_isolated,
+        "unreferenced_vertices": health.n_unreferenced,
+        "closed": health.is_closed(),
+        "area": health.area,
+        "volume": health.volume,
+        "euler_characteristic": health.euler_characteristic,
+    })
+}

@@ -1,0 +1,9 @@
+//! One file for each subcommand.
+
+pub(crate) mod basis;
+pub(crate) mod demo;
+pub(crate) mod filter;
+pub(crate) mod info;
+pub(crate) mod sample;
+pub(crate) mod shell;
+pub(crate) mod transform;

@@ -1,0 +1,134 @@
+//! `adwave transform`: all bands of a signal.
+
+use crate::args::{GlobalArgs, TransformArgs};
+use crate::error::CliError;
+use crate::output::{
+    bands_params, check_writable, number, peak_memory, print, schedule, table, write_error, write_shape,
+};
+use crate::progress::{with_progress, with_spinner};
+use crate::shape_input::{Input, load};
+use crate::signal;
+use adwave::Decomposer;
+use adwave::bands::Bands;
+use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
+use serde_json::json;
+use std::path::Path;
+use std::time::Instant;
+
+pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+    if !npz && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
+        return Err(CliError::Input(format!(
+            "{}: bands are written as .npz, .vtp or .ply",
+            args.output.display()
+        )));
+    }
+    check_writable(&args.output)?;
+    let params = bands_params(&args.levels)?;
+    let start = Instant::now();
+    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let signal = signal::load(&input, &args.field)?;
+    let read = start.elapsed();
+    let decomposer =
+        with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let (schedule, why) = schedule(&args.levels, &decomposer)?;
+    let prepared = start.elapsed();
+    let bands = with_progress(global, "splitting", |progress| {
+        decomposer.decompose(&signal.values, signal.n_channels, &schedule, &params, progress)
+    })?;
+    let split = start.elapsed();
+    with_spinner(global, "writing", || {
+        if npz {
+            write_npz(&args.output, &input, &bands)
+        } else {
+            write_fields(global, &args.output, &input, &bands)
+        }
+    })?;
+    let written = start.elapsed();
+
+    let energy = bands.energy(&decomposer.areas());
+    let seconds = [read, prepared - read, split - prepared, written - split].map(|t| t.as_secs_f64());
+    let diagonal = decomposer.diagonal();
+    let mut text = format!(
+        "{}: {} vertices, {} channel{} of {}\n{} levels: {why}\n\n",
+        input.name,
+        bands.n_vertices,
+        bands.n_channels,
+        if bands.n_channels == 1 { "" } else { "s" },
+        args.field,
+        bands.n_levels(),
+    );
+    text += &table(
+        ["level", "steps", "sigma", "% of diagonal", "rms of W"],
+        (1..=bands.n_levels()).map(|j| {
+            let percent = if diagonal > 0.0 { 100.0 * bands.sigma[j] / diagonal } else { 0.0 };
+            let rms = energy[j - 1].sqrt();
+            [j.to_string(), bands.steps[j].to_string(), number(bands.sigma[j]), number(percent), number(rms)]
+        }),
+    );
+    text += &format!(
+        "\nread {:.3} s, walk {:.3} s, bands {:.3} s, written {:.3} s{}\n{}\n",
+        seconds[0],
+        seconds[1],
+        seconds[2],
+        seconds[3],
+        peak_memory().map_or(String::new(), |bytes| format!(", peak memory {} MB", bytes / 1_000_000)),
+        args.output.display(),
+    );
+    let json = json!({
+        "shape": input.name,
+        "output": args.output.display().to_string(),
+        "field": args.field,
+        "vertices": bands.n_vertices,
+        "channels": bands.n_channels,
+        "levels": bands.n_levels(),
+        "levels_reason": why,
+        "steps": bands.steps,
+        "sigma": bands.sigma,
+        "energy": energy,
+        "diagonal": diagonal,
+        "seconds": {"read": seconds[0], "walk": seconds[1], "bands": seconds[2], "write": seconds[3]},
+        "peak_memory_bytes": peak_memory(),
+    });
+    print(global, &text, &json)
+}
+
+/// The arrays points, scaling, wavelet, steps and sigma.
+fn write_npz(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+    let (n, d, levels) = (bands.n_vertices, bands.n_channels, bands.n_levels());
+    let scaling: Vec<&[f64]> = bands.scaling.iter().map(Vec::as_slice).collect();
+    let wavelet: Vec<&[f64]> = bands.wavelet.iter().map(Vec::as_slice).collect();
+    let (scaling_shape, wavelet_shape) = ([levels + 1, n, d], [levels, n, d]);
+    let (points_shape, levels_shape) = ([n, 3], [levels + 1]);
+    let mut arrays: Vec<(&str, &[usize], ArrayValues<'_>)> = vec![
+        ("scaling", &scaling_shape, ArrayValues::F64Parts(&scaling)),
+        ("wavelet", &wavelet_shape, ArrayValues::F64Parts(&wavelet)),
+        ("steps", &levels_shape, ArrayValues::U64(&bands.steps)),
+        ("sigma", &levels_shape, ArrayValues::F64(&bands.sigma)),
+    ];
+    if let Some(points) = input.shape.points() {
+        arrays.push(("points", &points_shape, ArrayValues::F64(points.as_flattened())));
+    }
+    adwave_io::write_npz(path, &arrays, Compression::Stored).map_err(write_error)
+}
+
+/// The shape with the fields S0 … SJ and W1 … WJ.
+fn write_fields(global: &GlobalArgs, path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+    let mut file = fresh(&input.file);
+    let field =
+        |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));
+    for (j, level) in bands.scaling.iter().enumerate() {
+        file.add_vertex_field(field(format!("S{j}"), level));
+    }
+    for (j, level) in bands.wavelet.iter().enumerate() {
+        file.add_vertex_field(field(format!("W{}", j + 1), level));
+    }
+    write_shape(global, &file, path).map(|_| ())
+}
+
+/// A copy of a shape that further fields can be added to.
+pub(crate) fn fresh(file: &ShapeFile) -> ShapeFile {
+    let mut file = file.clone();
+    file.forget_original();
+    file
+}

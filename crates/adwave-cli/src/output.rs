@@ -1,0 +1,160 @@
+//! What people read, what machines read, and where files may go.
+
+use crate::args::{GlobalArgs, LevelArgs};
+use crate::error::CliError;
+use crate::interrupt::STOP;
+use adwave::Decomposer;
+use adwave::bands::{BandsParams, Schedule};
+use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
+use comfy_table::{CellAlignment, Table, presets};
+use serde_json::Value;
+use std::io::Write;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// Prints the result: `text` for people, or `json` for machines.
+pub(crate) fn print(global: &GlobalArgs, text: &str, json: &Value) -> Result<(), CliError> {
+    let mut out = std::io::stdout().lock();
+    let printed = if global.json {
+        writeln!(out, "{json:#}")
+    } else if global.quiet {
+        Ok(())
+    } else {
+        writeln!(out, "{}", text.trim_end())
+    };
+    printed.and_then(|()| out.flush()).map_err(|e| match e.kind() {
+        std::io::ErrorKind::BrokenPipe => CliError::ClosedPipe,
+        _ => CliError::Environment(format!("cannot write to the standard output: {e}")),
+    })
+}
+
+/// Says something that is not the result, to people only.
+pub(crate) fn note(global: &GlobalArgs, text: &str) {
+    if !global.quiet {
+        eprintln!("note: {text}");
+    }
+}
+
+/// A table with a line under its head, numbers to the right.
+pub(crate) fn table<const N: usize>(head: [&str; N], rows: impl IntoIterator<Item = [String; N]>) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(head).add_rows(rows);
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+        column.set_padding((0, 2));
+    }
+    table.lines().map(|line| format!("  {}\n", line.trim_end())).collect()
+}
+
+/// Four significant digits, in scientific notation where the number is very large or small.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e6).contains(&size) {
+        let decimals = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// The schedule that the arguments ask for, and why it has as many levels.
+pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
+    if let Some(steps) = &args.steps {
+        return Ok((Schedule::new(steps.clone())?, "the steps asked for".to_owned()));
+    }
+    if let Some(lengths) = &args.lengths {
+        let schedule = Schedule::lengths(lengths, decomposer.diffusion().step_length())?;
+        return Ok((schedule, "the widths asked for".to_owned()));
+    }
+    let (levels, why) = match args.levels {
+        Some(levels) => (levels, "the number asked for".to_owned()),
+        None => decomposer.default_levels(),
+    };
+    match args.voices {
+        Some(voices) => Ok((
+            Schedule::voices(levels, voices)?,
+            format!("{voices} for each octave up to {levels} octaves"),
+        )),
+        None => Ok((Schedule::dyadic(levels)?, why)),
+    }
+}
+
+/// The format that a path asks for by its extension.
+pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
+    match Format::from_path(path) {
+        Some(format) if format.can_write() => Ok(format),
+        Some(format) => Err(write_error(WriteError::NotWritable { format }.in_file(path))),
+        None => Err(write_error(WriteError::UnknownFormat.in_file(path))),
+    }
+}
+
+/// Fails before any long work when nothing can be written to `path`.
+pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return Err(CliError::Input(format!(
+            "{}: the folder '{}' does not exist; make it first",
+            path.display(),
+            folder.display()
+        )));
+    }
+    if path.is_dir() {
+        return Err(CliError::Input(format!("{} is a folder; name a file in it", path.display())));
+    }
+    Ok(())
+}
+
+/// Writes a shape and says what its format could not hold.
+pub(crate) fn write_shape(
+    global: &GlobalArgs,
+    file: &ShapeFile,
+    path: &Path,
+) -> Result<WriteReport, CliError> {
+    let report = adwave_io::write_path(file, path, None).map_err(write_error)?;
+    if !report.left_out.is_empty() {
+        note(global, &format!("{} cannot hold {}", path.display(), report.left_out.join(", ")));
+    }
+    Ok(report)
+}
+
+/// A failed write: the disk's fault or the user's.
+pub(crate) fn write_error(error: WriteError) -> CliError {
+    let text = error.to_string();
+    let mut cause = &error;
+    while let WriteError::InFile { source, .. } = cause {
+        cause = source;
+    }
+    match cause {
+        WriteError::Io(_) if STOP.load(Ordering::Relaxed) => CliError::Cancelled,
+        WriteError::Io(_) => CliError::Environment(text),
+        _ => CliError::Input(text),
+    }
+}
+
+/// How the bands are computed, within the memory that the machine has left.
+pub(crate) fn bands_params(args: &LevelArgs) -> Result<BandsParams, CliError> {
+    let params = BandsParams::default().with_accuracy(args.accuracy);
+    params.check()?;
+    Ok(available_memory().map_or(params, |bytes| params.with_max_bytes(bytes)))
+}
+
+/// The memory that a new program may take without pushing others out, in bytes, where the system tells.
+fn available_memory() -> Option<u64> {
+    let info = std::fs::read_to_string("/proc/meminfo").ok()?;
+    kib(info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?)
+}
+
+fn kib(text: &str) -> Option<u64> {
+    text.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
+}
+
+/// The most memory that this process has held, in bytes, where the system tells.
+pub(crate) fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    kib(status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?)
+}

@@ -1,0 +1,92 @@
+//! From the SHAPE argument to a shape.
+
+use crate::args::{Kind, ShapeArgs};
+use crate::error::CliError;
+use adwave::sample::{NoiseSigma, Sample};
+use adwave::shape::{Graph, Mesh, PointCloud, Shape};
+use adwave_io::{Direction, ReadLimits, ShapeFile, read_bytes, read_path};
+use std::io::Read;
+use std::path::Path;
+
+/// What was read, as its file has it and as the mathematics has it.
+pub(crate) struct Input {
+    /// The file's content, to write it back.
+    pub(crate) file: ShapeFile,
+    /// The shape.
+    pub(crate) shape: Shape,
+    /// What to call it in reports.
+    pub(crate) name: String,
+}
+
+/// Reads or makes the shape that the arguments ask for.
+pub(crate) fn load(args: &ShapeArgs) -> Result<Input, CliError> {
+    let name = args.shape.clone();
+    let file = if let Some(sample) = args.shape.strip_prefix("sample:") {
+        make_sample(sample, args.vertices, args.noise, args.seed)?
+    } else {
+        for (flag, given) in [("--vertices", args.vertices.is_some()), ("--noise", args.noise.is_some())] {
+            if given {
+                return Err(CliError::Input(format!("{flag} is for samples; '{name}' is a file")));
+            }
+        }
+        read(&args.shape)?
+    };
+    let shape = to_shape(&file, args.kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    Ok(Input { file, shape, name })
+}
+
+/// Makes a built-in shape.
+pub(crate) fn make_sample(
+    name: &str,
+    n_vertices: Option<usize>,
+    noise: Option<f64>,
+    seed: u64,
+) -> Result<ShapeFile, CliError> {
+    let mut sample = Sample::by_name(name, n_vertices).map_err(CliError::input)?;
+    if let Some(sigma) = noise {
+        sample.add_noise(NoiseSigma::MeanEdge(sigma), seed).map_err(CliError::input)?;
+    }
+    Ok(ShapeFile::from_mesh(sample.points, sample.faces))
+}
+
+fn read(source: &str) -> Result<ShapeFile, CliError> {
+    let limits = ReadLimits::default();
+    let read = if source == "-" {
+        let mut bytes = Vec::new();
+        std::io::stdin()
+            .lock()
+            .read_to_end(&mut bytes)
+            .map_err(|e| CliError::Environment(format!("cannot read the standard input: {e}")))?;
+        read_bytes(bytes, None, &limits)
+    } else {
+        read_path(Path::new(source), &limits)
+    };
+    read.map_err(|error| {
+        let text = error.to_string();
+        CliError::Input(if text.contains(source) { text } else { format!("{source}: {text}") })
+    })
+}
+
+/// The shape that a file holds: a mesh where it has faces, a cloud where it has points, else a graph.
+fn to_shape(file: &ShapeFile, kind: Option<Kind>) -> Result<Shape, Box<dyn std::error::Error>> {
+    let kind = kind.unwrap_or(if !file.faces().is_empty() {
+        Kind::Mesh
+    } else if !file.points().is_empty() || file.edges().pairs.is_empty() {
+        Kind::Cloud
+    } else {
+        Kind::Graph
+    });
+    Ok(match kind {
+        Kind::Mesh if file.faces().is_empty() => return Err("there are no faces to take it as a mesh".into()),
+        Kind::Mesh => Shape::Mesh(Mesh::new(file.points().to_vec(), file.faces().clone())?),
+        Kind::Cloud => Shape::Cloud(PointCloud::new(file.points().to_vec())?),
+        Kind::Graph => {
+            let edges = file.edges();
+            // A matrix that lists both directions has every edge twice; half of each makes the edge.
+            let part = if edges.direction == Direction::RowToColumn { 0.5 } else { 1.0 };
+            let weight = |k: usize| part * edges.weights.get(k).copied().unwrap_or(1.0);
+            let list: Vec<_> = edges.pairs.iter().enumerate().map(|(k, &[a, b])| (a, b, weight(k))).collect();
+            Shape::Graph(Graph::new(file.n_vertices(), &list)?)
+        }
+    })
+}

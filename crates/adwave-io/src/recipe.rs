@@ -1,0 +1,187 @@
+//! Edits as small TOML files that people can read, write and replay.
+//!
+//! ```toml
+//! levels = 6                     # or steps = [1, 2, 4], or lengths = [0.01, 0.02]; left out: as many as fit the shape
+//! field = "coords"               # left out: the coordinates
+//!
+//! [[layer]]
+//! preset = "suppress"            # or gains = [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]
+//! region = "ball:vertex=120,radius=10%"     # as on the command line; left out: everywhere
+//!
+//! [[layer]]
+//! gains = [3.0, 2.0, 1.0, 1.0, 1.0, 1.0]
+//! region.half-space = { point = [0.0, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }
+//! ```
+
+use crate::{ReadError, WriteError, atomic_write};
+use adwave::filter::Layer;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Which levels a recipe is for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Levels {
+    /// As many as fit the shape.
+    #[default]
+    Default,
+    /// So many dyadic levels.
+    Dyadic(usize),
+    /// Levels of these numbers of steps.
+    Steps(Vec<u64>),
+    /// Levels of these widths in model units.
+    Lengths(Vec<f64>),
+}
+
+/// An edit: layers, the levels that their gains are for, and the signal they change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// Name of the signal; `coords` is the coordinates.
+    pub field: String,
+    /// Which levels.
+    pub levels: Levels,
+    /// What is changed where.
+    pub layers: Vec<Layer>,
+}
+
+/// A recipe as TOML has it.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    #[serde(default = "coords")]
+    field: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    levels: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<Vec<u64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lengths: Option<Vec<f64>>,
+    #[serde(default, rename = "layer")]
+    layers: Vec<Layer>,
+}
+
+fn coords() -> String {
+    "coords".to_owned()
+}
+
+/// Reads a recipe from text.
+///
+/// ```
+/// use adwave_io::{Levels, parse_recipe};
+/// let recipe = parse_recipe("levels = 4\n[[layer]]\npreset = 'enhance'\nregion = 'ball:vertex=3,radius=5%'")?;
+/// assert_eq!(recipe.levels, Levels::Dyadic(4));
+/// assert_eq!(recipe.layers.len(), 1);
+/// # Ok::<(), adwave_io::ReadError>(())
+/// ```
+///
+/// # Errors
+/// [`ReadError::Line`], when the text is no recipe.
+pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
+    let table: Table = toml::from_str(text).map_err(|e| {
+        let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count() as u64);
+        ReadError::Line { line, message: e.message().replace('\n', " ") }
+    })?;
+    let levels = match (table.levels, table.steps, table.lengths) {
+        (None, None, None) => Levels::Default,
+        (Some(levels), None, None) => Levels::Dyadic(levels),
+        (None, Some(steps), None) => Levels::Steps(steps),
+        (None, None, Some(lengths)) => Levels::Lengths(lengths),
+        _ => {
+            let message = "give only one of levels, steps and lengths".to_owned();
+            return Err(ReadError::Line { line: 1, message });
+        }
+    };
+    Ok(Recipe { field: table.field, levels, layers: table.layers })
+}
+
+/// Reads the recipe in the file `path`.
+///
+/// # Errors
+/// [`ReadError`] when the file cannot be read or holds no recipe.
+pub fn read_recipe(path: &Path) -> Result<Recipe, ReadError> {
+    let read = || {
+        let text = std::fs::read_to_string(path)?;
+        parse_recipe(&text)
+    };
+    read().map_err(|e| e.in_file(path))
+}
+
+/// A recipe as text that [`parse_recipe`] reads back to the same recipe.
+pub fn recipe_to_text(recipe: &Recipe) -> String {
+    let mut table = Table {
+        field: recipe.field.clone(),
+        levels: None,
+        steps: None,
+        lengths: None,
+        layers: recipe.layers.clone(),
+    };
+    match &recipe.levels {
+        Levels::Default => {}
+        Levels::Dyadic(levels) => table.levels = Some(*levels),
+        Levels::Steps(steps) => table.steps = Some(steps.clone()),
+        Levels::Lengths(lengths) => table.lengths = Some(lengths.clone()),
+    }
+    toml::to_string(&table).expect("numbers, texts and tables are TOML")
+}
+
+/// Writes a recipe, replacing an old file only when all is written.
+///
+/// # Errors
+/// [`WriteError`] when the file cannot be written.
+pub fn write_recipe(path: &Path, recipe: &Recipe) -> Result<(), WriteError> {
+    atomic_write(path, |file| Ok(file.write_all(recipe_to_text(recipe).as_bytes())?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adwave::filter::{Gains, Preset};
+    use adwave::region::{Length, Place, Region};
+
+    #[test]
+    fn writing_and_reading_is_the_identity() {
+        let ball = Region::Ball {
+            centre: Place::Point([0.5, -1.0, 2.0]),
+            radius: Length::PercentOfDiagonal(5.0),
+            falloff: Some(Length::Units(0.25)),
+        };
+        let region = Region::Any(vec![
+            Region::Not(Box::new(ball)),
+            Region::All(vec![
+                Region::Field { name: "thickness".into(), low: 1.0, high: 3.5 },
+                Region::Vertices { indices: vec![1, 2, 9], radius: Length::Units(0.0) },
+                Region::Stroke { path: vec![Place::Vertex(7)], radius: Length::Units(0.1), falloff: None },
+            ]),
+        ]);
+        let recipe = Recipe {
+            field: "coords".into(),
+            levels: Levels::Steps(vec![1, 3, 9]),
+            layers: vec![
+                Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },
+                Layer { gains: Gains::Preset(Preset::Band2), region: Region::Everywhere {} },
+            ],
+        };
+        let text = recipe_to_text(&recipe);
+        assert_eq!(parse_recipe(&text).unwrap(), recipe, "{text}");
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        for (text, line, named) in [
+            ("levels = 4\n[[layer]]\npreset = 'smooth'", 3, "smooth"),
+            ("levels = 4\n[[layer]]\ngains = [1.0, 'x']", 3, "expected"),
+            ("level = 4", 1, "level"),
+            ("levels = 2\nsteps = [1]", 1, "only one"),
+            ("[[layer]]\npreset = 'enhance'\nregion = 'ball:radius=3'", 3, "vertex or point"),
+            ("= =", 1, ""),
+        ] {
+            match parse_recipe(text) {
+                Err(ReadError::Line { line: at, message }) => {
+                    assert_eq!(at, line, "{text}: {message}");
+                    assert!(message.contains(named), "{text}: {message}");
+                    assert!(!message.contains('\n'));
+                }
+                other => panic!("{text}: {other:?}"),
+            }
+        }
+    }
+}
