@@ -58,7 +58,7 @@ impl Preset {
 }
 
 /// Gain of the finest band under [`Preset::Enhance`].
-const ENHANCE_FINEST: f64 = 3.0;
+const ENHANCE_FINEST: f64 = 2.0;
 /// Gain that the bands of [`Preset::Enhance`] fall towards.
 const ENHANCE_COARSEST: f64 = 1.2;
 /// Gain of the middle bands under [`Preset::Band2`].
