@@ -111,7 +111,10 @@ fn parse(bytes: &[u8]) -> Result<Table, ReadError> {
         table.separator = separator.unwrap_or(Separator::Blanks);
         row(bytes, &mut table, line, start)?;
     }
-    if table.n_columns > 0 && table.names.len() != table.n_columns {
+    if table.rows.is_empty() {
+        table.n_columns = table.names.len();
+    }
+    if table.names.len() != table.n_columns {
         table.names.clear();
         table.names_line = None;
     }
