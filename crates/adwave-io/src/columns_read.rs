@@ -39,8 +39,12 @@ pub(crate) fn read_columns(
     let columns = [position("x"), position("y"), position("z")];
     let point = |row: &[f64]| columns.map(|c| row[c]);
     let mut shape = ShapeFile::from_cloud(table.values.chunks_exact(k.max(1)).take(n).map(point).collect());
-    let is_color =
-        |c: &usize| matches!(names[*c].as_str(), "red" | "green" | "blue" | "alpha" | "r" | "g" | "b" | "a");
+    let is_color = |c: &usize| {
+        matches!(
+            names[*c].to_ascii_lowercase().as_str(),
+            "red" | "green" | "blue" | "alpha" | "r" | "g" | "b" | "a"
+        )
+    };
     // All channels alike: bytes only when each is.
     let is_byte = |c: usize| (0..n).all(|i| is_color_byte(table.values[i * k + c]));
     let has_bytes = (0..k).filter(is_color).all(is_byte);
