@@ -140,7 +140,7 @@ fn join(bytes: Vec<u8>, mut pieces: Vec<Piece>, limits: &ReadLimits) -> Result<S
     check_edges(&bytes, &edges, n_vertices)?;
     let (pairs, _) = edges.as_chunks::<2>();
     shape.edges = Edges { pairs: pairs.to_vec(), weights: Vec::new(), direction: Direction::Both };
-    let indices = CornerIndices::join(&mut pieces, n_corners, &bytes)?;
+    let indices = CornerIndices::join(&mut pieces, n_corners);
     attach(&mut shape, &mut pieces, &indices);
     for (has, what) in [
         (pieces.iter().any(|p| p.has_groups), "groups, objects and smoothing groups"),
@@ -174,9 +174,7 @@ fn resolve_relative(pieces: &mut [Piece]) {
                 Kind::Normal => (n_normals, &mut piece.corner_normals),
                 Kind::EdgeEnd => (n_points, &mut piece.edges),
             };
-            // `NONE` for a texture coordinate or normal would read as "not given".
-            let missing = if matches!(kind, Kind::Vertex | Kind::EdgeEnd) { NONE } else { NONE - 1 };
-            list[at] = u32::try_from(base + local).unwrap_or(missing);
+            list[at] = u32::try_from(base + local).unwrap_or(NONE);
         }
         n_points += piece.n_points as i64;
         n_texcoords += piece.texcoords.len() as i64;
@@ -190,35 +188,20 @@ fn check_faces(bytes: &[u8], faces: &Polygons, n_vertices: usize) -> Result<(), 
     }
     let face = faces.iter().position(|f| f.iter().any(|&c| c as usize >= n_vertices)).unwrap_or(0);
     let corner = faces.get(face).iter().position(|&c| c as usize >= n_vertices).unwrap_or(0);
-    Err(face_index_error(bytes, face, corner, 0, n_vertices))
+    Err(face_index_error(bytes, face, corner, n_vertices))
 }
 
 /// The error for a corner's index: the line is looked for only now, so that reading need not keep it.
-pub(crate) fn face_index_error(
-    bytes: &[u8],
-    face: usize,
-    corner: usize,
-    part: usize,
-    n_vertices: usize,
-) -> ReadError {
-    let (position, word) = statements(bytes, b"f").nth(face).map_or((0, &b""[..]), |(position, line)| {
-        (position, crate::obj_line::words(line).nth(corner + 1).unwrap_or(b""))
-    });
-    let number = word.split(|&b| b == b'/').nth(part).unwrap_or(b"");
+fn face_index_error(bytes: &[u8], face: usize, corner: usize, n_vertices: usize) -> ReadError {
+    let (position, line) = statements(bytes, b"f").nth(face).unwrap_or((0, b""));
+    let word = crate::obj_line::words(line).nth(corner + 1).unwrap_or(b"");
+    let number = word.split(|&b| b == b'/').next().unwrap_or(b"");
     let index = std::str::from_utf8(number).ok().and_then(|t| t.parse().ok()).unwrap_or(0);
-    let line = line_of(bytes, position);
-    if part == 0 {
-        return ReadError::FaceIndex {
-            place: format!("line {line}"),
-            face: face as u64,
-            index,
-            n_vertices: n_vertices as u64,
-        };
-    }
-    let what = if part == 1 { "texture coordinate" } else { "normal" };
-    ReadError::Line {
-        line,
-        message: format!("face {face} names {what} {index}, but there are {n_vertices}; correct the face"),
+    ReadError::FaceIndex {
+        place: format!("line {}", line_of(bytes, position)),
+        face: face as u64,
+        index,
+        n_vertices: n_vertices as u64,
     }
 }
 

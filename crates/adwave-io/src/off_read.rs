@@ -143,13 +143,18 @@ struct Tails {
     values: Vec<f64>,
     ends: Vec<usize>,
     longest: usize,
-    is_fraction: bool,
+    /// For each column whether a value in it is anything but digits.
+    has_fraction: Vec<bool>,
 }
 
 impl Tails {
     fn push(&mut self, x: f64, word: &[u8]) {
+        let column = self.values.len() - self.ends.last().copied().unwrap_or(0);
+        if self.has_fraction.len() <= column {
+            self.has_fraction.push(false);
+        }
         self.values.push(x);
-        self.is_fraction |= word.iter().any(|b| !b.is_ascii_digit());
+        self.has_fraction[column] |= word.iter().any(|b| !b.is_ascii_digit());
     }
 
     fn end_row(&mut self) {
@@ -167,7 +172,8 @@ impl Tails {
             values.extend((from..from + n).map(|c| row.get(c).copied().unwrap_or(f64::NAN)));
             start = end;
         }
-        if name == "color" && !self.is_fraction && values.iter().all(|x| (0.0..=255.0).contains(x)) {
+        let has_fraction = self.has_fraction.iter().skip(from).take(n).any(|&f| f);
+        if name == "color" && !has_fraction && values.iter().all(|x| (0.0..=255.0).contains(x)) {
             let bytes = values.iter().map(|&x| x as u8).collect();
             return Field::new(name, n, FieldValues::U8(bytes));
         }
