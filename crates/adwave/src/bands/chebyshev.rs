@@ -2,7 +2,7 @@
 
 use super::series::{Growth, Series};
 use crate::operator::Diffusion;
-use crate::sparse::{MAX_CHANNELS, Recurrence, Sum, Walk};
+use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, Walk};
 use crate::{Cancelled, Progress};
 
 /// What an evaluation took and what it promises.
@@ -91,7 +91,8 @@ pub(crate) fn evaluate(
                 .zip(&mut *outs)
                 .map(|(cut, out)| Sum { coefficients: &cut.series.coefficients[..=cut.degree], out })
                 .collect();
-            recurrence.advance(n_steps, &mut sums);
+            let next = if recurrence.k() + n_steps < last { Next::Continues } else { Next::Ends };
+            recurrence.advance(n_steps, &mut sums, next);
             let k = recurrence.k();
             for (cut, out) in cuts.iter_mut().zip(&*outs) {
                 if cut.is_due(k) {

@@ -1,6 +1,8 @@
 //! Chebyshev polynomials of the walk applied to a block of channels, and sums of them.
 
-use super::walk::{MAX_CHANNELS, Walk};
+use super::kernel::{self, Pass, Term};
+use super::tiles::{Index, Tile, Tiles};
+use super::walk::{MAX_CHANNELS, Pool, Walk};
 use rayon::prelude::*;
 
 /// A sum `Σ_k a_k T_k(Y)u` that is being added up.
@@ -11,11 +13,23 @@ pub(crate) struct Sum<'a> {
     pub(crate) out: &'a mut [f64],
 }
 
+/// Whether the recurrence goes on after a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Next {
+    /// More steps will follow.
+    Continues,
+    /// These were the last steps.
+    Ends,
+}
+
 /// `T_k(Y)u` for rising k, `Y = 2Φ₁ − I`, for up to four channels.
 pub(crate) struct Recurrence<'a> {
     walk: &'a Walk<'a>,
     now: Vec<f64>,
     before: Vec<f64>,
+    next_now: Vec<f64>,
+    next_before: Vec<f64>,
+    pool: Pool,
     k: usize,
     width: usize,
     at: usize,
@@ -32,10 +46,21 @@ impl<'a> Recurrence<'a> {
         width: usize,
     ) -> Self {
         assert!((1..=MAX_CHANNELS).contains(&width) && at + width <= n_channels, "a block of the channels");
-        let n = walk.n_vertices();
-        let mut now = vec![0.0; n * width];
+        let len = walk.n_vertices() * width;
+        let mut now = walk.take(len);
         walk.difference(signal, n_channels, at, width, &mut now);
-        Self { walk, before: vec![0.0; now.len()], now, k: 0, width, at, stride: n_channels }
+        Self {
+            walk,
+            now,
+            before: walk.take(len),
+            next_now: walk.take(len),
+            next_before: walk.take(len),
+            pool: Pool::new(),
+            k: 0,
+            width,
+            at,
+            stride: n_channels,
+        }
     }
 
     pub(crate) fn k(&self) -> usize {
@@ -47,34 +72,72 @@ impl<'a> Recurrence<'a> {
     }
 
     /// Adds the next `n_steps` terms to the sums, and the term 0 if none has been added yet.
-    pub(crate) fn advance(&mut self, n_steps: usize, sums: &mut [Sum<'_>]) {
-        if self.k == 0 {
-            for sum in &mut *sums {
-                self.add(sum.coefficients[0], sum.out, true);
-            }
+    pub(crate) fn advance(&mut self, n_steps: usize, sums: &mut [Sum<'_>], next: Next) {
+        let walk = self.walk;
+        match &walk.tiles {
+            Tiles::Narrow(tiles) => self.pass(tiles, n_steps, sums, next),
+            Tiles::Wide(tiles) => self.pass(tiles, n_steps, sums, next),
         }
-        for _ in 0..n_steps {
-            let scale = if self.k == 0 { 0.5 } else { 1.0 };
-            self.walk.step(&self.now, &mut self.before, self.width, scale);
-            std::mem::swap(&mut self.now, &mut self.before);
-            self.k += 1;
-            for sum in &mut *sums {
-                if let Some(&a) = sum.coefficients.get(self.k) {
-                    self.add(a, sum.out, false);
-                }
-            }
+        if n_steps > 0 {
+            std::mem::swap(&mut self.now, &mut self.next_now);
+            std::mem::swap(&mut self.before, &mut self.next_before);
+            self.k += n_steps;
         }
     }
 
-    fn add(&self, a: f64, out: &mut [f64], first: bool) {
-        let (width, at) = (self.width, self.at);
-        out.par_chunks_exact_mut(self.stride)
-            .zip(self.now.par_chunks_exact(width))
-            .with_min_len(4096)
-            .for_each(|(out, now)| {
-                for (out, now) in out[at..at + width].iter_mut().zip(now) {
-                    *out = if first { a * now } else { *out + a * now };
+    fn pass<I: Index>(&mut self, tiles: &[Tile<I>], n_steps: usize, sums: &mut [Sum<'_>], next: Next) {
+        let (k, own, width, stride, at) = (self.k, self.walk.own, self.width, self.stride, self.at);
+        let is_first = k == 0;
+        let from = if is_first { 0 } else { k + 1 };
+        let mut terms = Vec::new();
+        let mut outs: Vec<Vec<&mut [f64]>> = tiles.iter().map(|_| Vec::with_capacity(sums.len())).collect();
+        for sum in sums {
+            let to = sum.coefficients.len().min(k + n_steps + 1);
+            if from < to {
+                terms.push(Term {
+                    coefficients: &sum.coefficients[from..to],
+                    first: usize::from(!is_first),
+                    is_new: is_first,
+                });
+                for (outs, out) in outs.iter_mut().zip(sum.out.chunks_mut(own * stride)) {
+                    outs.push(out);
                 }
+            }
+        }
+        let (before, now, terms, pool, target) =
+            (&self.before, &self.now, &terms, &self.pool, self.walk.target);
+        tiles
+            .par_iter()
+            .zip(outs)
+            .zip(self.next_now.par_chunks_mut(own * width))
+            .zip(self.next_before.par_chunks_mut(own * width))
+            .for_each(|(((tile, mut outs), next_now), next_before)| {
+                let (next_now, next_before) = match next {
+                    Next::Continues => (next_now, next_before),
+                    Next::Ends => (&mut next_now[..0], &mut next_before[..0]),
+                };
+                let pass = Pass {
+                    before,
+                    now,
+                    n_steps,
+                    is_first,
+                    next_before,
+                    next_now,
+                    terms,
+                    outs: &mut outs,
+                    stride,
+                    at,
+                };
+                let len = kernel::scratch_len(tile, n_steps, kernel::lanes(width));
+                pool.with(len, |scratch| kernel::run(target, tile, width, pass, scratch));
             });
+    }
+}
+
+impl Drop for Recurrence<'_> {
+    fn drop(&mut self) {
+        for vector in [&mut self.now, &mut self.before, &mut self.next_now, &mut self.next_before] {
+            self.walk.give(std::mem::take(vector));
+        }
     }
 }
