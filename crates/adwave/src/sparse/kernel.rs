@@ -78,6 +78,8 @@ pub(super) struct Term<'a> {
     pub(super) first: usize,
     /// Whether the band starts here.
     pub(super) is_new: bool,
+    /// Whether `Σ_x μ(x)|out(x)|²` is asked for.
+    pub(super) is_weighed: bool,
 }
 
 /// One step for the rows of `runs`: `next = scale·(Σ w·now[y] − before)`.
@@ -153,18 +155,21 @@ fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
     }
 }
 
-/// `out = Σ_i coefficients[i]·vectors[first + i]`, added to what is there unless the band is new, for the own vertices.
+/// `out = Σ_i coefficients[i]·vectors[first + i]`, added to what is there unless the band is new, for the own vertices;
+/// `Σ_x μ(x)|out(x)|²` where it is asked for.
 #[inline(always)]
 fn combine<const N: usize, const L: usize, const D: usize, const FMA: bool>(
     term: &Term<'_>,
     vectors: &[&[[f64; L]]],
     out: &mut [f64],
-    stride: usize,
-    at: usize,
-) {
+    (stride, at): (usize, usize),
+    weights: &[f64],
+) -> f64 {
     let a: [f64; N] = std::array::from_fn(|i| term.coefficients[i]);
     let n = out.len() / stride;
     let v: [&[[f64; L]]; N] = std::array::from_fn(|i| &vectors[term.first + i][..n]);
+    let weights = &weights[..n];
+    let mut square = 0.0;
     for (x, out) in out.chunks_exact_mut(stride).enumerate() {
         let out: &mut [f64] = &mut out[at..at + D];
         let mut sum = [0.0; L];
@@ -177,29 +182,34 @@ fn combine<const N: usize, const L: usize, const D: usize, const FMA: bool>(
             }
         }
         out.copy_from_slice(&sum[..D]);
+        if term.is_weighed {
+            let own: f64 = sum[..D].iter().map(|s| s * s).sum();
+            square += weights[x] * own;
+        }
     }
+    square
 }
 
 #[inline(always)]
 fn combine_all<const L: usize, const D: usize, const FMA: bool>(
-    terms: &[Term<'_>],
+    pass: &mut Pass<'_, '_>,
     vectors: &[&[[f64; L]]],
-    outs: &mut [&mut [f64]],
-    stride: usize,
-    at: usize,
-) {
-    for (term, out) in terms.iter().zip(outs) {
+) -> Vec<f64> {
+    let (place, weights) = ((pass.stride, pass.at), pass.weights);
+    let mut squares = Vec::with_capacity(pass.terms.len());
+    // A loop and no closure: a closure would be compiled without the instructions of the function around it.
+    for (term, out) in pass.terms.iter().zip(&mut *pass.outs) {
         macro_rules! unrolled {
             ($($n:literal)*) => {
                 match term.coefficients.len() {
-                    $($n => combine::<$n, L, D, FMA>(term, vectors, out, stride, at),)*
-                    0 => {}
+                    $($n => combine::<$n, L, D, FMA>(term, vectors, out, place, weights),)*
                     n => unreachable!("{n} terms in one pass"),
                 }
             };
         }
-        unrolled!(1 2 3 4 5 6 7 8 9 10 11 12 13);
+        squares.push(unrolled!(1 2 3 4 5 6 7 8 9 10 11 12 13));
     }
+    squares
 }
 
 /// What a pass over a tile reads and writes. `D` channels in rows of `L ≥ D`.
@@ -214,7 +224,10 @@ pub(super) struct Pass<'a, 'b> {
     /// The own vertices' part of `T_{k+n−1}` and `T_{k+n}`; empty when nobody needs them.
     pub(super) next_before: &'b mut [f64],
     pub(super) next_now: &'b mut [f64],
+    /// One for each band, at least one coefficient each.
     pub(super) terms: &'a [Term<'a>],
+    /// μ of the own vertices.
+    pub(super) weights: &'a [f64],
     /// The own vertices' part of each band, rows of `stride`, written at `at .. at + D`.
     pub(super) outs: &'a mut [&'b mut [f64]],
     pub(super) stride: usize,
@@ -232,9 +245,9 @@ const ALIGNMENT: usize = 8;
 #[inline(always)]
 fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKED: bool>(
     tile: &Tile<I>,
-    pass: Pass<'_, '_>,
+    mut pass: Pass<'_, '_>,
     scratch: &mut [f64],
-) {
+) -> Vec<f64> {
     let n_steps = pass.n_steps;
     let n = tile.n_within(n_steps);
     let skip = scratch.as_ptr().align_offset(64).min(ALIGNMENT);
@@ -259,7 +272,7 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
         step::<I, L, FMA, CHECKED>(tile, runs, (&*old[i - 1], &*old[i], &mut *new[0]), scale);
     }
     let read: [&[[f64; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
-    combine_all::<L, D, FMA>(pass.terms, &read, pass.outs, pass.stride, pass.at);
+    let squares = combine_all::<L, D, FMA>(&mut pass, &read);
     if !pass.next_now.is_empty() && n_steps > 0 {
         for (out, v) in pass.next_now.as_chunks_mut::<D>().0.iter_mut().zip(read[n_steps]) {
             out.copy_from_slice(&v[..D]);
@@ -268,6 +281,7 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
             out.copy_from_slice(&v[..D]);
         }
     }
+    squares
 }
 
 /// Copies the values of the tile's first `n` vertices.
@@ -290,14 +304,14 @@ fn gather<I: Index, const L: usize, const D: usize>(
     }
 }
 
-/// Takes the pass over the tile for `width` channels, 1 … 4.
+/// Takes the pass over the tile for `width` channels, 1 … 4, and weighs the bands that are to be weighed.
 pub(super) fn run<I: Index>(
     target: Target,
     tile: &Tile<I>,
     width: usize,
     pass: Pass<'_, '_>,
     scratch: &mut [f64],
-) {
+) -> Vec<f64> {
     match target {
         Target::Portable => by_width::<I, FUSED, false>(tile, width, pass, scratch),
         #[cfg(target_arch = "x86_64")]
@@ -311,14 +325,14 @@ pub(super) fn run<I: Index>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<I: Index>(tile: &Tile<I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) {
-    by_width::<I, true, false>(tile, width, pass, scratch);
+fn avx2<I: Index>(tile: &Tile<I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) -> Vec<f64> {
+    by_width::<I, true, false>(tile, width, pass, scratch)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-fn avx512<I: Index>(tile: &Tile<I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) {
-    by_width::<I, true, false>(tile, width, pass, scratch);
+fn avx512<I: Index>(tile: &Tile<I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) -> Vec<f64> {
+    by_width::<I, true, false>(tile, width, pass, scratch)
 }
 
 /// Rows of the scratch for `width` channels.
@@ -332,7 +346,7 @@ fn by_width<I: Index, const FMA: bool, const CHECKED: bool>(
     width: usize,
     pass: Pass<'_, '_>,
     scratch: &mut [f64],
-) {
+) -> Vec<f64> {
     match width {
         1 => steps::<I, 1, 1, FMA, CHECKED>(tile, pass, scratch),
         2 => steps::<I, 2, 2, FMA, CHECKED>(tile, pass, scratch),

@@ -7,5 +7,5 @@ mod tiles;
 mod walk;
 
 pub use product::apply;
-pub(crate) use recurrence::{Next, Recurrence, Sum};
+pub(crate) use recurrence::{Next, Recurrence, Sum, Weighing};
 pub(crate) use walk::{MAX_CHANNELS, Walk, difference};

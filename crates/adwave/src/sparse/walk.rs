@@ -1,6 +1,6 @@
 //! The walk prepared for many products.
 
-use super::kernel::{self, MAX_DEPTH, Target};
+use super::kernel::{MAX_DEPTH, Target};
 use super::tiles::{Tiles, halo_shares};
 use crate::operator::Diffusion;
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ pub(crate) const MAX_CHANNELS: usize = 4;
 
 /// Own vertices of a tile of a large walk: with its rings, its vectors and its part of the walk it fills a second-level
 /// cache.
-const OWN: usize = 2048;
+const OWN: usize = 8192;
 
 /// A walk cut into tiles.
 #[derive(Debug)]
@@ -27,26 +27,27 @@ pub(crate) struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     pub(crate) fn new(diffusion: &'a Diffusion) -> Self {
-        let env = |name: &str, default: usize| {
-            std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-        };
         let n = diffusion.n_vertices();
-        let own = env("OWN", OWN).min(n.div_ceil(8)).max(64);
+        let own = OWN.min(n / 16).max(512);
         let shares = halo_shares(diffusion, own, MAX_DEPTH);
-        let depth = env("DEPTH", best_depth(&shares));
+        let depth = best_depth(&shares);
         let tiles = Tiles::new(diffusion, own, depth);
         Self { diffusion, tiles, own, depth, target: Target::detect(), spare: Mutex::default() }
+    }
+
+    pub(super) fn diffusion(&self) -> &'a Diffusion {
+        self.diffusion
     }
 
     pub(crate) fn n_vertices(&self) -> usize {
         self.diffusion.n_vertices()
     }
 
-    /// Bytes of memory that preparing `diffusion` will take at most.
+    /// Bytes of memory that preparing `diffusion` will take, about.
     pub(crate) fn forecast_bytes(diffusion: &Diffusion) -> u64 {
         // Tiles repeat at most as many rows as `best_depth` allows.
         let n = diffusion.n_vertices() as u64;
-        2 * (10 * (diffusion.nnz() as u64 - n) + 6 * n)
+        2 * (12 * (diffusion.nnz() as u64 - n) + 8 * n)
     }
 
     /// Bytes of memory taken beyond the diffusion itself.
@@ -72,42 +73,69 @@ impl<'a> Walk<'a> {
     pub(super) fn give(&self, vector: Vec<f64>) {
         self.spare.lock().expect("nobody panics with the lock").push(vector);
     }
-
-    /// `u = (I − Φ₁)f` for the channels `at .. at + width` of f.
-    pub(crate) fn difference(
-        &self,
-        signal: &[f64],
-        n_channels: usize,
-        at: usize,
-        width: usize,
-        out: &mut [f64],
-    ) {
-        difference(self.diffusion, signal, n_channels, at, width, out);
-    }
 }
 
-/// `u = (I − Φ₁)f = Σ_y Φ₁(x,y)·(f(x) − f(y))` for the channels `at .. at + width` of f.
+/// Rows of u that are computed and weighed together.
+const ROWS_AT_A_TIME: usize = 2048;
+
+/// `u = (I − Φ₁)f = Σ_y Φ₁(x,y)·(f(x) − f(y))` for the channels `at ..` of f, as many as u has, and
+/// `Σ_x weights(x)|u(x)|²`, and whether any value of u is not 0.
 ///
 /// Of differences, so that u has the relative accuracy of f's differences and is exactly 0 where f is constant.
 pub(crate) fn difference(
     diffusion: &Diffusion,
+    weights: &[f64],
     signal: &[f64],
     n_channels: usize,
     at: usize,
-    width: usize,
-    out: &mut [f64],
-) {
-    out.par_chunks_exact_mut(width).with_min_len(1024).enumerate().for_each(|(x, out)| {
-        let (columns, weights) = diffusion.row(x);
-        out.fill(0.0);
-        let here = &signal[x * n_channels + at..][..width];
-        for (&y, w) in columns.iter().zip(weights) {
-            let there = &signal[y as usize * n_channels + at..][..width];
-            for c in 0..width {
-                out[c] += w * (here[c] - there[c]);
+    u: &mut [f64],
+) -> (f64, bool) {
+    let width = u.len() / diffusion.n_vertices();
+    let parts: Vec<(f64, bool)> = u
+        .par_chunks_mut(ROWS_AT_A_TIME * width)
+        .enumerate()
+        .map(|(chunk, u)| {
+            let first = chunk * ROWS_AT_A_TIME;
+            match (width, n_channels) {
+                (1, 1) => difference_rows::<1>(diffusion, signal, first, u),
+                (2, 2) => difference_rows::<2>(diffusion, signal, first, u),
+                (3, 3) => difference_rows::<3>(diffusion, signal, first, u),
+                (4, 4) => difference_rows::<4>(diffusion, signal, first, u),
+                _ => {
+                    for (x, u) in (first..).zip(u.chunks_exact_mut(width)) {
+                        let row = |x: usize| &signal[x * n_channels + at..][..width];
+                        let (columns, values) = diffusion.row(x);
+                        u.fill(0.0);
+                        for (&y, w) in columns.iter().zip(values) {
+                            for ((u, here), there) in u.iter_mut().zip(row(x)).zip(row(y as usize)) {
+                                *u += w * (here - there);
+                            }
+                        }
+                    }
+                }
+            }
+            let square = |(u, w): (&[f64], &f64)| w * u.iter().map(|v| v * v).sum::<f64>();
+            let square = u.chunks_exact(width).zip(&weights[first..]).map(square).sum();
+            (square, u.iter().any(|&v| v != 0.0))
+        })
+        .collect();
+    parts.into_iter().fold((0.0, false), |(sum, moves), (s, m)| (sum + s, moves || m))
+}
+
+fn difference_rows<const D: usize>(diffusion: &Diffusion, signal: &[f64], first: usize, u: &mut [f64]) {
+    let signal = signal.as_chunks::<D>().0;
+    for (x, u) in (first..).zip(u.as_chunks_mut::<D>().0) {
+        let (columns, values) = diffusion.row(x);
+        let here = signal[x];
+        let mut sum = [0.0; D];
+        for (&y, w) in columns.iter().zip(values) {
+            let there = &signal[y as usize];
+            for c in 0..D {
+                sum[c] += w * (here[c] - there[c]);
             }
         }
-    });
+        *u = sum;
+    }
 }
 
 /// How many steps a tile should take in a pass, where `shares[r]` is the size of a tile with r rings.
@@ -143,8 +171,4 @@ impl Pool {
         self.0.lock().expect("nobody panics with the lock").push(scratch);
         result
     }
-}
-#[allow(unused)]
-fn _k() {
-    let _ = kernel::lanes(1);
 }
