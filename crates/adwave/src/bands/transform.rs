@@ -5,7 +5,7 @@ use super::series::{Growth, Series};
 use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
 use crate::operator::Diffusion;
 use crate::shape::Weld;
-use crate::sparse::{MAX_CHANNELS, Walk, apply};
+use crate::sparse::{MAX_CHANNELS, Walk, apply, difference};
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -241,7 +241,7 @@ impl<'a> Transform<'a> {
         let total = steps[steps.len() - 1];
         let mut now = vec![0.0; signal.len()];
         let mut next = vec![0.0; signal.len()];
-        Walk::new(self.diffusion).difference(signal, n_channels, 0, n_channels, &mut now);
+        difference(self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now);
         for (level, range) in steps.windows(2).enumerate() {
             for i in range[0]..range[1] {
                 progress.step(i, total)?;
