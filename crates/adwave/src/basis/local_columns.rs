@@ -5,7 +5,7 @@
 //! lanes of a vector. Once in a few products the list is built anew: vertices where every lane is small are left out,
 //! and those within a few steps of the rest are taken in.
 
-use super::arriving::Arriving;
+use super::arriving::{Arriving, Group};
 use super::marks::Marks;
 use crate::operator::Diffusion;
 
@@ -14,9 +14,6 @@ pub(super) const LANES: usize = 32;
 
 /// One value of each lane.
 pub(super) type Lanes = [f32; LANES];
-
-/// Entries of a local row come in groups of this many, so that the length of a row is easy to predict for a processor.
-const GROUP: usize = 2;
 
 /// No local number.
 const ABSENT: u32 = u32::MAX;
@@ -31,7 +28,7 @@ pub(super) struct LocalColumns {
     next: Vec<Lanes>,
     /// Local matrix: entries of row `k` are the groups `starts[k]..starts[k + 1]`, the diagonal among them.
     starts: Vec<u32>,
-    groups: Vec<[(u32, f32); GROUP]>,
+    groups: Vec<Group>,
     /// Local number of each vertex of the shape.
     number: Vec<u32>,
     marks: Marks,
@@ -132,23 +129,13 @@ impl LocalColumns {
         self.starts.push(0);
         self.groups.clear();
         for (&y, k) in self.active.iter().zip(0_u32..) {
-            // Entries that fill up the last group have weight 0 and name this row, which is in the cache.
-            let mut group = [(k, 0.0); GROUP];
-            group[0].1 = arriving.diagonal(y);
-            let mut filled = 1;
-            for (x, w) in arriving.column(y) {
-                let source = self.number[x as usize];
-                if source == ABSENT {
-                    continue;
-                }
-                if filled == GROUP {
-                    self.groups.push(std::mem::replace(&mut group, [(k, 0.0); GROUP]));
-                    filled = 0;
-                }
-                group[filled] = (source, w);
-                filled += 1;
+            for group in arriving.column(y) {
+                // Vertices that are not active have nothing to give. No branch: at the rim it would be guessed wrongly.
+                self.groups.push(group.map(|(x, w)| {
+                    let source = self.number[x as usize];
+                    if source == ABSENT { (k, 0.0) } else { (source, w) }
+                }));
             }
-            self.groups.push(group);
             self.starts.push(self.groups.len() as u32);
         }
     }
@@ -180,7 +167,7 @@ fn largest(lanes: &Lanes) -> f32 {
 /// `next = A·now` for the local matrix, compiled for every instruction set and picked at run time.
 struct Product<'a> {
     starts: &'a [u32],
-    groups: &'a [[(u32, f32); GROUP]],
+    groups: &'a [Group],
     now: &'a [Lanes],
     next: &'a mut [Lanes],
 }

@@ -13,19 +13,19 @@
 //! [`Domain`](crate::shape::Domain). [`Basis::in_shape_order`] renumbers where that is a permutation of the shape's vertices.
 
 mod arriving;
-//ONE mod binomial;
+mod binomial;
 mod fast;
 mod forecast;
 mod local_columns;
 mod marks;
-//ONE mod one_vertex;
+mod one_vertex;
 mod pack;
 mod rows;
 mod squaring;
 mod sweep;
 
 pub use fast::basis;
-//ONE pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
+pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
 pub use rows::{CompressedRows, Value};
 pub use squaring::basis_by_squaring;
 
