@@ -144,7 +144,7 @@ pub(crate) fn bands_params(args: &LevelArgs) -> Result<BandsParams, CliError> {
 }
 
 /// The memory that a new program may take without pushing others out, in bytes, where the system tells.
-fn available_memory() -> Option<u64> {
+pub(crate) fn available_memory() -> Option<u64> {
     let info = std::fs::read_to_string("/proc/meminfo").ok()?;
     kib(info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?)
 }

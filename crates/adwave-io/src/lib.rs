@@ -50,7 +50,7 @@ pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;
 pub use limits::ReadLimits;
-pub use mtx_write::{CompressedRows, write_matrix_market};
+pub use mtx_write::{CompressedRows, MatrixValues, write_matrix_market};
 pub use npy_read::{NpyArray, read_npy, read_npy_bytes};
 pub use npz_write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
 pub use read::{read_bytes, read_path};
