@@ -162,7 +162,7 @@ pub(crate) struct LevelArgs {
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', help_heading = "Levels", conflicts_with_all = ["levels", "lengths"])]
     pub(crate) steps: Option<Vec<u64>>,
     /// Largest error of a band, relative to the band: 1e-13 to 0.1
-    #[arg(long, value_name = "E", default_value_t = 1e-9, help_heading = "Levels")]
+    #[arg(long, value_name = "E", default_value_t = 1e-10, help_heading = "Levels")]
     pub(crate) accuracy: f64,
     /// Levels of about these widths σ in model units, increasing
     #[arg(

@@ -39,6 +39,8 @@ fn info_counts_what_is_there() {
     assert_eq!(apart["health"]["boundary_edges"], 6);
     let cloud = json(folder.path(), "info two.obj --as cloud");
     assert_eq!(cloud["kind"], "cloud");
+    let graph = json(folder.path(), "info two.obj --as graph");
+    assert_eq!((&graph["kind"], &graph["health"]["edges"]), (&"graph".into(), &6.into()));
 }
 
 #[test]

@@ -55,6 +55,7 @@ fn what_is_wrong_with_a_request_is_said_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     write(path, "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write(path, "b.xyz", "0 0 0\n1 1 1\n");
     write(path, "bad.toml", "levels = 3\n[[layer]]\npresett = 'suppress'\n");
     write(path, "short.npy", b"\x93NUMPY\x01\x00\x46\x00{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }            \n\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0");
     for (line, named) in [
@@ -89,8 +90,8 @@ fn what_is_wrong_with_a_request_is_said_in_one_line() {
         ("basis a.obj --levels 3 -o o.npz --drop-tolerance 2", "2"),
         ("info sample:teapot", "creature"),
         ("info sample:sphere --vertices 1", "1 vertices"),
-        ("info sample:sphere --noise -1", "-1"),
-        ("info a.obj --as graph", "nodes"),
+        ("info sample:sphere --noise=-1", "deviation"),
+        ("info b.xyz --as graph", "no edges"),
         ("sample sphere", "-o"),
         ("sample sphere -o o.docx", "o.docx"),
     ] {
@@ -98,7 +99,7 @@ fn what_is_wrong_with_a_request_is_said_in_one_line() {
         assert!(error.contains(named), "{line}: {error}");
     }
     let left: Vec<_> = fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();
-    assert_eq!(left.len(), 3, "files were left behind: {left:?}");
+    assert_eq!(left.len(), 4, "files were left behind: {left:?}");
 }
 
 #[test]

@@ -22,7 +22,7 @@ pub enum Engine {
 ///
 /// ```
 /// use adwave::bands::BandsParams;
-/// assert_eq!(BandsParams::default().accuracy, 1e-9);
+/// assert_eq!(BandsParams::default().accuracy, 1e-10);
 /// assert!(BandsParams::default().with_accuracy(1e-5).check().is_ok());
 /// assert!(BandsParams::default().with_accuracy(0.0).check().is_err());
 /// ```
@@ -39,7 +39,7 @@ pub struct BandsParams {
 
 impl Default for BandsParams {
     fn default() -> Self {
-        Self { accuracy: 1e-9, engine: Engine::Auto, max_bytes: None }
+        Self { accuracy: 1e-10, engine: Engine::Auto, max_bytes: None }
     }
 }
 
