@@ -36,7 +36,8 @@ fn at(x: f64, y: f64, z: f64) -> V3 {
 pub(super) fn parts() -> Vec<Part> {
     let mut parts = vec![torso(), shell(), tail(), head(), nose()];
     for side in Side::BOTH {
-        parts.extend([eye(side), ear(side), leg(side), knee(side), foot(side), arm(side), hand(side)]);
+        parts.extend([eye(side), ear(side), leg(side), knee(side), foot(side), arm(side)]);
+        parts.extend(hand(side));
     }
     parts
 }
@@ -245,13 +246,15 @@ fn arm(side: Side) -> Part {
         .skin(Skin::Rings { size: 0.06, height: 0.004, from: 0.40, to: 0.62 })
 }
 
-fn hand(side: Side) -> Part {
+/// The hand, and its claws as a part without skin.
+fn hand(side: Side) -> [Part; 2] {
     let [_, elbow, wrist] = arm_joints(side);
     let along = (wrist - elbow).normalize();
     // The palm looks forward, the thumb points up and inward.
     let palm = (at(0.0, -0.1, 1.0) - along * along.dot(&at(0.0, -0.1, 1.0))).normalize();
     let across = palm.cross(&along) * side.sign();
     let hand_at = |a: f64, c: f64, f: f64| wrist + along * a + across * c + palm * f;
+    let mut claws = Part::new(0.006);
     let mut hand = Part::new(0.03)
         .bone(hand_at(0.0, 0.0, 0.0), 0.055, hand_at(0.10, 0.0, 0.0), 0.075, 0.03)
         .flattened(palm, 1.45);
@@ -264,11 +267,14 @@ fn hand(side: Side) -> Part {
         let bent = (direction + palm * 0.45).normalize();
         let tip = knuckle + bent * (0.065 * size);
         let claw = (direction + palm * 0.9).normalize();
-        hand = hand
-            .branch(start)
-            .bone(root, 0.032 * size, knuckle, 0.030 * size, 0.012)
-            .bone(knuckle, 0.031 * size, tip, 0.026 * size, 0.01)
-            .bone(tip + bent * 0.012, 0.018 * size, tip + claw * (0.068 * size), 0.0095, 0.006);
+        hand = hand.branch(start).bone(root, 0.032 * size, knuckle, 0.030 * size, 0.012).bone(
+            knuckle,
+            0.031 * size,
+            tip,
+            0.026 * size,
+            0.01,
+        );
+        claws = claws.bone(tip + bent * 0.012, 0.018 * size, tip + claw * (0.068 * size), 0.0095, 0.006);
     }
-    hand.skin(Skin::Rings { size: 0.045, height: 0.0024, from: 0.15, to: 9.0 })
+    [hand.skin(Skin::Rings { size: 0.045, height: 0.0024, from: 0.15, to: 9.0 }), claws]
 }

@@ -7,7 +7,7 @@ use super::skin::{Place, Skin};
 const BALL_AXIS: f64 = 2e-4;
 
 /// Bones within this distance of the nearest one share the place along the chain, model units.
-const BEND_BLEND: f64 = 0.03;
+const BEND_BLEND: f64 = 0.015;
 
 /// What a bone does to the part so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,14 +70,10 @@ impl Part {
 
     /// Adds a round cone from ball (`a`, `ra`) to ball (`b`, `rb`).
     pub(super) fn bone(mut self, a: V3, ra: f64, b: V3, rb: f64, blend: f64) -> Self {
-        let arc = self.bones.last().map_or(0.0, |bone| bone.arc + bone.cone.length());
-        self.bones.push(Bone {
-            cone: RoundCone::new(a, ra, b, rb),
-            flatten: None,
-            role: Role::Add,
-            blend,
-            arc,
-        });
+        let cone = RoundCone::new(a, ra, b, rb);
+        let arc = self.next_arc;
+        self.next_arc += cone.length();
+        self.bones.push(Bone { cone, flatten: None, role: Role::Add, blend, arc });
         self.bounded()
     }
 
