@@ -1,6 +1,6 @@
 //! The walk prepared once, for the bands of many signals.
 
-use super::chebyshev::{Outcome, evaluate, norm_weights};
+use super::chebyshev::{Outcome, Prepared};
 use super::series::{Growth, Series};
 use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
 use crate::operator::Diffusion;
@@ -31,13 +31,6 @@ pub struct Transform<'a> {
     prepared: Option<Prepared<'a>>,
 }
 
-#[derive(Debug)]
-struct Prepared<'a> {
-    walk: Walk<'a>,
-    weights: Vec<f64>,
-    growth: Growth,
-}
-
 impl<'a> Transform<'a> {
     /// Prepares `diffusion`. O(entries).
     ///
@@ -50,10 +43,7 @@ impl<'a> Transform<'a> {
         } else {
             Engine::Powers
         };
-        let prepared = (engine == Engine::Chebyshev).then(|| {
-            let (weights, growth) = norm_weights(diffusion);
-            Prepared { walk: Walk::new(diffusion), weights, growth }
-        });
+        let prepared = (engine == Engine::Chebyshev).then(|| Prepared::new(diffusion));
         Ok(Self { diffusion, params: *params, engine, prepared })
     }
 
@@ -83,17 +73,16 @@ impl<'a> Transform<'a> {
         assert_eq!(wavelets.len(), schedule.n_levels(), "one output a level");
         assert!(wavelets.iter().all(|w| w.len() == signal.len()), "outputs as long as the signal");
         let steps = schedule.steps_from_zero();
-        let outcome = match &self.prepared {
-            Some(prepared) => {
-                let series = bands(&steps, prepared.growth);
-                self.evaluate(prepared, signal, n_channels, &series, wavelets, progress)?
+        let outcome = if let Some(prepared) = &self.prepared {
+            let series = bands(&steps, prepared.growth);
+            prepared.evaluate(signal, n_channels, &series, self.params.accuracy, wavelets, progress)?
+        } else {
+            for wavelet in &mut *wavelets {
+                wavelet.fill(0.0);
             }
-            None => {
-                wavelets.iter_mut().for_each(|w| w.fill(0.0));
-                self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
-                    add(1.0, now, wavelets[level]);
-                })?
-            }
+            self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
+                add(1.0, now, wavelets[level]);
+            })?
         };
         Ok(self.info(outcome, n_channels))
     }
@@ -122,32 +111,16 @@ impl<'a> Transform<'a> {
         assert!(factors.iter().all(|g| g.is_finite()), "finite factors");
         assert_eq!(out.len(), signal.len(), "an output as long as the signal");
         let steps = schedule.steps_from_zero();
-        let outcome = match &self.prepared {
-            Some(prepared) => {
-                let series = Series::combination(&bands(&steps, prepared.growth), factors, prepared.growth);
-                self.evaluate(prepared, signal, n_channels, &[series], &mut [out], progress)?
-            }
-            None => {
-                out.fill(0.0);
-                self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
-                    add(factors[level], now, out);
-                })?
-            }
+        let outcome = if let Some(prepared) = &self.prepared {
+            let series = Series::combination(&bands(&steps, prepared.growth), factors, prepared.growth);
+            prepared.evaluate(signal, n_channels, &[series], self.params.accuracy, &mut [out], progress)?
+        } else {
+            out.fill(0.0);
+            self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
+                add(factors[level], now, out);
+            })?
         };
         Ok(self.info(outcome, n_channels))
-    }
-
-    fn evaluate(
-        &self,
-        prepared: &Prepared<'a>,
-        signal: &[f64],
-        n_channels: usize,
-        series: &[Series],
-        outs: &mut [&mut [f64]],
-        progress: Progress<'_>,
-    ) -> Result<Outcome, Cancelled> {
-        let Prepared { walk, weights, .. } = prepared;
-        evaluate(walk, weights, signal, n_channels, series, self.params.accuracy, outs, progress)
     }
 
     /// All bands of a signal in the order of the shape; see [`decompose`](super::decompose).
@@ -180,7 +153,7 @@ impl<'a> Transform<'a> {
                 band.copy_from_slice(&coarse[weld.class_of(x) * n_channels..][..n_channels]);
             });
             if level == 1 && is_welded {
-                self.finish_welded(weld, &mean, signal, n_channels, coarse, &mut band);
+                finish_welded(weld, &mean, signal, n_channels, coarse, &mut band);
             } else {
                 coarse
                     .par_iter_mut()
@@ -200,32 +173,6 @@ impl<'a> Transform<'a> {
             wavelet,
             info,
         })
-    }
-
-    /// S_f(1) and W_f(1) where vertices are welded: S_f(1) is one value for all of them, and what tells them apart is in
-    /// W_f(1).
-    fn finish_welded(
-        &self,
-        weld: &Weld,
-        mean: &[f64],
-        signal: &[f64],
-        n_channels: usize,
-        scaling: &mut [f64],
-        wavelet: &mut [f64],
-    ) {
-        scaling
-            .par_chunks_exact_mut(n_channels)
-            .zip(wavelet.par_chunks_exact_mut(n_channels))
-            .zip(signal.par_chunks_exact(n_channels))
-            .with_min_len(1 << 12)
-            .enumerate()
-            .for_each(|(x, ((scaling, wavelet), signal))| {
-                let mean = &mean[weld.class_of(x) * n_channels..][..n_channels];
-                for (((s, w), f), m) in scaling.iter_mut().zip(wavelet).zip(signal).zip(mean) {
-                    *s = m - *w;
-                    *w += f - m;
-                }
-            });
     }
 
     /// Calls `each(level, Φ₁ⁱu)` for i = 0 … n_J − 1, level counted from 0. As `W_f(j)` is a sum of these, it has the
@@ -297,4 +244,29 @@ fn bands(steps: &[u64], growth: Growth) -> Vec<Series> {
 
 fn add(factor: f64, now: &[f64], out: &mut [f64]) {
     out.par_iter_mut().zip(now).with_min_len(1 << 14).for_each(|(out, v)| *out += factor * v);
+}
+
+/// S_f(1) and W_f(1) where vertices are welded: S_f(1) is one value for all of them, and what tells them apart is in
+/// W_f(1).
+fn finish_welded(
+    weld: &Weld,
+    mean: &[f64],
+    signal: &[f64],
+    n_channels: usize,
+    scaling: &mut [f64],
+    wavelet: &mut [f64],
+) {
+    scaling
+        .par_chunks_exact_mut(n_channels)
+        .zip(wavelet.par_chunks_exact_mut(n_channels))
+        .zip(signal.par_chunks_exact(n_channels))
+        .with_min_len(1 << 12)
+        .enumerate()
+        .for_each(|(x, ((scaling, wavelet), signal))| {
+            let mean = &mean[weld.class_of(x) * n_channels..][..n_channels];
+            for (((s, w), f), m) in scaling.iter_mut().zip(wavelet).zip(signal).zip(mean) {
+                *s = m - *w;
+                *w += f - m;
+            }
+        });
 }
