@@ -12,6 +12,8 @@ pub(crate) struct Outcome {
     pub(crate) degree: u64,
     /// Products with Φ₁ over all blocks of channels.
     pub(crate) products: u64,
+    /// Terms added over all series and blocks.
+    pub(crate) terms: u64,
     /// Largest relative error of any result, but for rounding.
     pub(crate) error_bound: f64,
 }
@@ -115,6 +117,7 @@ impl<'a> Prepared<'a> {
             let k = recurrence.k() as u64;
             outcome.degree = outcome.degree.max(k);
             outcome.products += k + 1;
+            outcome.terms += cuts.iter().map(|cut| (cut.degree as u64).min(k) + 1).sum::<u64>();
             if recurrence.moves() {
                 outcome.error_bound =
                     cuts.iter().map(|cut| cut.error_bound(start)).fold(outcome.error_bound, f64::max);

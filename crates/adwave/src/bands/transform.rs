@@ -5,7 +5,7 @@ use super::series::{Growth, Series};
 use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
 use crate::operator::Diffusion;
 use crate::shape::Weld;
-use crate::sparse::{MAX_CHANNELS, Walk, apply, difference};
+use crate::sparse::{MAX_CHANNELS, Walk, apply, difference, zeros};
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -138,8 +138,8 @@ impl<'a> Transform<'a> {
         let (n_vertices, n_levels) = (weld.n_vertices(), schedule.n_levels());
         super::decompose::check_signal(signal, n_vertices, n_channels)?;
         let mean = weld.mean(signal, n_channels);
-        let mut scaling = vec![signal.to_vec()];
-        scaling.extend((0..n_levels).map(|_| vec![0.0; signal.len()]));
+        let mut scaling: Vec<Vec<f64>> = (0..=n_levels).map(|_| zeros(signal.len())).collect();
+        scaling[0].par_iter_mut().zip(signal).with_min_len(1 << 14).for_each(|(s, f)| *s = *f);
         // The wavelets come in the order of the analysis into what will hold the scaling coefficients.
         let mut outs: Vec<&mut [f64]> = scaling[1..].iter_mut().map(|s| &mut s[..mean.len()]).collect();
         let info = self.wavelets_into(&mean, n_channels, schedule, &mut outs, progress)?;
@@ -148,7 +148,7 @@ impl<'a> Transform<'a> {
         for level in 1..=n_levels {
             let (finer, rest) = scaling.split_at_mut(level);
             let (fine, coarse) = (&finer[level - 1], &mut rest[0]);
-            let mut band = vec![0.0; signal.len()];
+            let mut band = zeros(signal.len());
             band.par_chunks_exact_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, band)| {
                 band.copy_from_slice(&coarse[weld.class_of(x) * n_channels..][..n_channels]);
             });
@@ -200,15 +200,16 @@ impl<'a> Transform<'a> {
             }
         }
         progress.step(total, total)?;
-        Ok(Outcome { degree: total - 1, products: total, error_bound: 0.0 })
+        Ok(Outcome { degree: total - 1, products: total, terms: total, error_bound: 0.0 })
     }
 
     fn info(&self, outcome: Outcome, n_channels: usize) -> BandsInfo {
-        let Outcome { degree, products, error_bound } = outcome;
+        let Outcome { degree, products, terms, error_bound } = outcome;
         BandsInfo {
             engine: self.engine,
             degree,
             products,
+            terms,
             error_bound,
             bytes: self.working_bytes(n_channels),
         }

@@ -7,6 +7,10 @@
 // What is not inlined into a function that has AVX is compiled without AVX.
 #![allow(clippy::inline_always)]
 
+mod pages;
+
+pub(crate) use pages::zeros;
+
 use super::tiles::{Index, Run, Tile};
 
 /// Steps that a tile can take in one pass.
