@@ -85,6 +85,8 @@ pub struct BandsInfo {
     pub degree: u64,
     /// Products with Φ₁ for each block of up to four channels, summed over the blocks.
     pub products: u64,
+    /// Terms added into the bands for each block of up to four channels, summed over the bands and the blocks.
+    pub terms: u64,
     /// Bound of the largest `‖error of W_f(j)‖ / ‖W_f(j)‖` over the bands, but for rounding; 0 for powers. It exceeds the
     /// stated accuracy only where a band all but vanishes beside W_f(1).
     pub error_bound: f64,

@@ -15,14 +15,14 @@ pub(crate) trait Index: Copy + Send + Sync + TryFrom<u32> + std::fmt::Debug {
 }
 
 impl Index for u16 {
-    #[inline(always)]
+    #[inline]
     fn get(self) -> usize {
         self as usize
     }
 }
 
 impl Index for u32 {
-    #[inline(always)]
+    #[inline]
     fn get(self) -> usize {
         self as usize
     }
