@@ -25,7 +25,11 @@ pub(super) struct LocalColumns {
     pub(super) active: Vec<u32>,
     /// `now[k][l]`: what lane `l` has at vertex `active[k]`.
     pub(super) now: Vec<Lanes>,
-    next: Vec<Lanes>,
+    /// Where the next columns are built; in a recurrence, the columns before these.
+    pub(super) other: Vec<Lanes>,
+    /// Sums of a recurrence, one for each level that it serves.
+    pub(super) sums: Vec<Vec<Lanes>>,
+    spare: Vec<Lanes>,
     /// Local matrix: entries of row `k` are the groups `starts[k]..starts[k + 1]`, the diagonal among them.
     starts: Vec<u32>,
     groups: Vec<Group>,
@@ -35,6 +39,8 @@ pub(super) struct LocalColumns {
     front: Vec<u32>,
     next_front: Vec<u32>,
     before: Vec<u32>,
+    /// Where each active vertex stood in the list before.
+    origin: Vec<u32>,
 }
 
 impl LocalColumns {
@@ -43,7 +49,9 @@ impl LocalColumns {
         Self {
             active: Vec::new(),
             now: Vec::new(),
-            next: Vec::new(),
+            other: Vec::new(),
+            sums: Vec::new(),
+            spare: Vec::new(),
             starts: Vec::new(),
             groups: Vec::new(),
             number: vec![ABSENT; n],
@@ -51,6 +59,7 @@ impl LocalColumns {
             front: Vec::new(),
             next_front: Vec::new(),
             before: Vec::new(),
+            origin: Vec::new(),
         }
     }
 
@@ -59,8 +68,11 @@ impl LocalColumns {
         self.forget_numbers();
         self.active.clear();
         self.active.extend(first as u32..end as u32);
+        self.sums.clear();
         self.now.clear();
         self.now.resize(end - first, [0.0; LANES]);
+        self.other.clear();
+        self.other.resize(end - first, [0.0; LANES]);
         for (l, row) in self.now.iter_mut().enumerate() {
             row[l] = 1.0;
         }
@@ -77,8 +89,12 @@ impl LocalColumns {
     pub(super) fn regrow(&mut self, diffusion: &Diffusion, arriving: &Arriving, floor: f32, rings: u64) {
         self.forget_numbers();
         self.front.clear();
-        for (&x, lanes) in self.active.iter().zip(&self.now) {
-            if largest(lanes) > floor {
+        let in_recurrence = !self.sums.is_empty();
+        for (k, &x) in self.active.iter().enumerate() {
+            let is_large = |columns: &[Lanes]| largest(&columns[k]) > floor;
+            let counts = is_large(&self.now)
+                || in_recurrence && (is_large(&self.other) || self.sums.iter().any(|sum| is_large(sum)));
+            if counts {
                 self.marks.insert(x);
                 self.front.push(x);
             }
@@ -106,19 +122,25 @@ impl LocalColumns {
 
     /// Moves the values from the old list of active vertices to the new one.
     fn carry_over(&mut self) {
-        self.next.clear();
-        self.next.reserve(self.active.len());
+        self.origin.clear();
         let mut k = 0;
         for &x in &self.active {
             while k < self.before.len() && self.before[k] < x {
                 k += 1;
             }
             let known = k < self.before.len() && self.before[k] == x;
-            self.next.push(if known { self.now[k] } else { [0.0; LANES] });
+            self.origin.push(if known { k as u32 } else { ABSENT });
         }
-        std::mem::swap(&mut self.now, &mut self.next);
-        self.next.clear();
-        self.next.resize(self.active.len(), [0.0; LANES]);
+        let in_recurrence = !self.sums.is_empty();
+        carry(&mut self.now, &self.origin, &mut self.spare);
+        if in_recurrence {
+            carry(&mut self.other, &self.origin, &mut self.spare);
+            for sum in &mut self.sums {
+                carry(sum, &self.origin, &mut self.spare);
+            }
+        } else {
+            self.other.resize(self.active.len(), [0.0; LANES]);
+        }
     }
 
     fn build_matrix(&mut self, arriving: &Arriving) {
@@ -146,19 +168,31 @@ impl LocalColumns {
             starts: &self.starts,
             groups: &self.groups,
             now: &self.now,
-            next: &mut self.next,
+            next: &mut self.other,
         });
-        std::mem::swap(&mut self.now, &mut self.next);
+        std::mem::swap(&mut self.now, &mut self.other);
+    }
+
+    /// The local matrix: where the groups of each row start, and the groups.
+    pub(super) fn matrix(&self) -> (&[u32], &[Group]) {
+        (&self.starts, &self.groups)
     }
 }
 
-/// The largest of the lanes.
-#[inline(always)]
+/// Renumbers columns: row `k` becomes what stood at `origin[k]`, or zeros.
+fn carry(columns: &mut Vec<Lanes>, origin: &[u32], spare: &mut Vec<Lanes>) {
+    spare.clear();
+    spare.extend(origin.iter().map(|&k| if k == ABSENT { [0.0; LANES] } else { columns[k as usize] }));
+    std::mem::swap(columns, spare);
+}
+
+/// The largest magnitude of the lanes.
+#[inline]
 fn largest(lanes: &Lanes) -> f32 {
     let mut wide = [0.0_f32; 8];
     for part in lanes.as_chunks::<8>().0 {
         for (w, &v) in wide.iter_mut().zip(part) {
-            *w = if v > *w { v } else { *w };
+            *w = if v.abs() > *w { v.abs() } else { *w };
         }
     }
     wide.into_iter().fold(0.0, f32::max)
@@ -179,17 +213,23 @@ impl pulp::NullaryFnOnce for Product<'_> {
     fn call(self) {
         let Self { starts, groups, now, next } = self;
         for (row, range) in next.iter_mut().zip(starts.windows(2)) {
-            let mut sum = [0.0_f32; LANES];
-            for group in &groups[range[0] as usize..range[1] as usize] {
-                for &(source, w) in group {
-                    let from = &now[source as usize];
-                    // Products and sums are rounded apart, so that every instruction set gives the same bits.
-                    for l in 0..LANES {
-                        sum[l] += w * from[l];
-                    }
-                }
-            }
-            *row = sum;
+            *row = row_times(&groups[range[0] as usize..range[1] as usize], now);
         }
     }
+}
+
+/// One row of the local matrix times the columns.
+#[inline(always)]
+pub(super) fn row_times(groups: &[Group], columns: &[Lanes]) -> Lanes {
+    let mut sum = [0.0_f32; LANES];
+    for group in groups {
+        for &(source, w) in group {
+            let from = &columns[source as usize];
+            // Products and sums are rounded apart, so that every instruction set gives the same bits.
+            for l in 0..LANES {
+                sum[l] += w * from[l];
+            }
+        }
+    }
+    sum
 }

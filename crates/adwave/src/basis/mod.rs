@@ -14,6 +14,7 @@
 
 mod arriving;
 mod binomial;
+mod deep;
 mod fast;
 mod forecast;
 mod local_columns;
@@ -107,13 +108,13 @@ pub enum BasisError {
     },
     /// Every entry of a row is below the tolerance.
     #[error(
-        "all entries of row {row} of level {level} are below the drop tolerance of {tolerance}; lower it or ask for fewer levels"
+        "no entry of row {row} reaches the drop tolerance of {tolerance} after {steps} steps; lower it or ask for fewer levels"
     )]
     EmptyRow {
         /// The row.
         row: usize,
-        /// The level, from 1.
-        level: usize,
+        /// Steps of the level.
+        steps: u64,
         /// The tolerance.
         tolerance: f64,
     },
