@@ -72,7 +72,13 @@ pub(super) fn recur(
         fresh_for -= 1;
         let mut older = std::mem::take(&mut columns.other);
         let (starts, groups) = columns.matrix();
-        walk.arch.dispatch(Recurrence { starts, groups, now: &columns.now, older: &mut older, is_first: k == 0 });
+        walk.arch.dispatch(Recurrence {
+            starts,
+            groups,
+            now: &columns.now,
+            older: &mut older,
+            is_first: k == 0,
+        });
         columns.other = std::mem::replace(&mut columns.now, older);
     }
     Ok(())

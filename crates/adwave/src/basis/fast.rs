@@ -51,7 +51,7 @@ impl Workers {
     }
 
     /// Bytes of all workers and of a batch, for levels of `nnz` entries.
-    pub(super) fn bytes(&self, n: usize, nnz: &[u64]) -> u64 {
+    pub(super) fn bytes(n: usize, nnz: &[u64]) -> u64 {
         let threads = rayon::current_num_threads() as u64;
         let of_row = |nnz: u64| nnz / n.max(1) as u64 + 1;
         let widest = nnz.iter().map(|&nnz| of_row(nnz)).max().unwrap_or(0);
@@ -210,10 +210,16 @@ fn append(levels: &mut [Growing], slots: &[Slot]) {
         let packed = slots.iter().map(|slot| &slot.levels[level]);
         let more = packed.clone().map(PackedRows::nnz).sum();
         let mut ends = growing.offsets[growing.offsets.len() - 1];
-        counts.push(packed.clone().flat_map(|rows| &rows.counts).map(|&count| {
-            ends += count as usize;
-            ends
-        }).collect::<Vec<usize>>());
+        counts.push(
+            packed
+                .clone()
+                .flat_map(|rows| &rows.counts)
+                .map(|&count| {
+                    ends += count as usize;
+                    ends
+                })
+                .collect::<Vec<usize>>(),
+        );
         let (mut columns, mut values) = growing.claim(more);
         for rows in packed {
             let (these, others) = columns.split_at_mut(rows.nnz());

@@ -218,9 +218,27 @@ impl pulp::NullaryFnOnce for Product<'_> {
     }
 }
 
+/// Groups of a row that are summed one after the other; longer rows are summed in such parts, because the error of a
+/// sum in single precision grows with the number of its terms.
+const GROUPS_A_SUM: usize = 32;
+
 /// One row of the local matrix times the columns.
 #[inline(always)]
 pub(super) fn row_times(groups: &[Group], columns: &[Lanes]) -> Lanes {
+    if groups.len() <= GROUPS_A_SUM {
+        return part_times(groups, columns);
+    }
+    let mut sum = [0.0_f64; LANES];
+    for part in groups.chunks(GROUPS_A_SUM) {
+        for (s, p) in sum.iter_mut().zip(part_times(part, columns)) {
+            *s += f64::from(p);
+        }
+    }
+    sum.map(|s| s as f32)
+}
+
+#[inline(always)]
+fn part_times(groups: &[Group], columns: &[Lanes]) -> Lanes {
     let mut sum = [0.0_f32; LANES];
     for group in groups {
         for &(source, w) in group {

@@ -12,6 +12,9 @@
 //! All of it counts vertices as [`Diffusion`](crate::operator::Diffusion) does: in the numbering of the
 //! [`Domain`](crate::shape::Domain). [`Basis::in_shape_order`] renumbers where that is a permutation of the shape's vertices.
 
+// Code that is compiled for several instruction sets is only so where it is inlined into the place that picks one.
+#![allow(clippy::inline_always)]
+
 mod arriving;
 mod binomial;
 mod deep;
@@ -85,7 +88,9 @@ pub enum BasisError {
     #[error("a drop tolerance of {0} makes no sense; give one of at least 0 and below 1, such as 1e-6")]
     BadTolerance(f64),
     /// Squaring reaches only powers of two.
-    #[error("level {level} has {steps} steps; squaring needs the dyadic levels 1, 2, 4, …: choose them, or the fast method")]
+    #[error(
+        "level {level} has {steps} steps; squaring needs the dyadic levels 1, 2, 4, …: choose them, or the fast method"
+    )]
     NotDyadic {
         /// The level, from 1.
         level: usize,

@@ -31,8 +31,7 @@ enum Reach {
 
 /// What is tried first, and what where that loses too much: the first does on even meshes, the second on uneven ones,
 /// the last always. Of paces from 1 to 2, 1.5 is the fastest that never fails on a scanned mesh.
-const REACHES: [Reach; 3] =
-    [Reach::Measured { pace: 1.7 }, Reach::Measured { pace: 3.0 }, Reach::Complete];
+const REACHES: [Reach; 3] = [Reach::Measured { pace: 1.7 }, Reach::Measured { pace: 3.0 }, Reach::Complete];
 
 /// What every block needs.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +43,8 @@ pub(super) struct Walk<'a> {
     pub(super) progress: Progress<'a>,
     /// How many of the levels are walked to step by step; the others are reached by a recurrence.
     n_shallow: usize,
-    /// The most vertices that may be active.
-    most_active: usize,
+    /// What an active vertex takes on all threads together.
+    bytes_an_active: u64,
 }
 
 /// Whether a sweep is to go on after a level.
@@ -69,10 +68,9 @@ impl<'a> Walk<'a> {
     ) -> Self {
         let n_shallow = deep::n_shallow(diffusion, params.schedule.steps());
         let n_columns = 4 + params.schedule.n_levels() - n_shallow;
-        let each = (rayon::current_num_threads() * n_columns * size_of::<Lanes>()) as u64;
-        let most_active = usize::try_from(params.memory_limit / each).unwrap_or(usize::MAX);
+        let bytes_an_active = (rayon::current_num_threads() * n_columns * size_of::<Lanes>()) as u64;
         let arch = pulp::Arch::new();
-        Self { diffusion, arriving, params, arch, progress, n_shallow, most_active }
+        Self { diffusion, arriving, params, arch, progress, n_shallow, bytes_an_active }
     }
 
     /// Builds the active set anew.
@@ -86,12 +84,13 @@ impl<'a> Walk<'a> {
             return Err(Cancelled.into());
         }
         columns.regrow(self.diffusion, self.arriving, floor, rings);
-        if columns.active.len() > self.most_active {
-            let limit = self.params.memory_limit;
+        let needed = columns.active.len() as u64 * self.bytes_an_active;
+        let limit = self.params.memory_limit;
+        if needed > limit {
             return Err(BasisError::TooLarge {
                 n_levels: self.params.schedule.n_levels(),
                 n_vertices: self.diffusion.n_vertices(),
-                needed: (limit as f64 / self.most_active as f64 * columns.active.len() as f64) as u64,
+                needed,
                 limit,
             });
         }
