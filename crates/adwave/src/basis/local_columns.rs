@@ -41,6 +41,7 @@ pub(super) struct LocalColumns {
     before: Vec<u32>,
     /// Where each active vertex stood in the list before.
     origin: Vec<u32>,
+    is_large: Vec<bool>,
 }
 
 impl LocalColumns {
@@ -60,6 +61,7 @@ impl LocalColumns {
             next_front: Vec::new(),
             before: Vec::new(),
             origin: Vec::new(),
+            is_large: Vec::new(),
         }
     }
 
@@ -86,18 +88,26 @@ impl LocalColumns {
 
     /// Leaves out vertices where no lane exceeds `floor`, takes in those within `rings` steps of the others, and builds
     /// the local matrix. With `floor` 0 nothing that any walk has reached is left out.
-    pub(super) fn regrow(&mut self, diffusion: &Diffusion, arriving: &Arriving, floor: f32, rings: u64) {
+    pub(super) fn regrow(
+        &mut self,
+        diffusion: &Diffusion,
+        arriving: &Arriving,
+        arch: pulp::Arch,
+        floor: f32,
+        rings: u64,
+    ) {
         self.forget_numbers();
         self.front.clear();
-        let in_recurrence = !self.sums.is_empty();
-        for (k, &x) in self.active.iter().enumerate() {
-            let is_large = |columns: &[Lanes]| largest(&columns[k]) > floor;
-            let counts = is_large(&self.now)
-                || in_recurrence && (is_large(&self.other) || self.sums.iter().any(|sum| is_large(sum)));
-            if counts {
-                self.marks.insert(x);
-                self.front.push(x);
-            }
+        self.is_large.clear();
+        self.is_large.resize(self.active.len(), false);
+        // In a walk the other columns are scratch; in a recurrence they are the term before.
+        let others = if self.sums.is_empty() { None } else { Some(&self.other) };
+        for columns in [&self.now].into_iter().chain(others).chain(&self.sums) {
+            arch.dispatch(FindLarge { columns, floor, is_large: &mut self.is_large });
+        }
+        for (&x, _) in self.active.iter().zip(&self.is_large).filter(|(_, is_large)| **is_large) {
+            self.marks.insert(x);
+            self.front.push(x);
         }
         for _ in 0..rings {
             if self.front.is_empty() {
@@ -116,12 +126,12 @@ impl LocalColumns {
         std::mem::swap(&mut self.active, &mut self.before);
         self.active.clear();
         self.marks.drain_sorted(&mut self.active);
-        self.carry_over();
+        self.carry_over(arch);
         self.build_matrix(arriving);
     }
 
     /// Moves the values from the old list of active vertices to the new one.
-    fn carry_over(&mut self) {
+    fn carry_over(&mut self, arch: pulp::Arch) {
         self.origin.clear();
         let mut k = 0;
         for &x in &self.active {
@@ -132,11 +142,11 @@ impl LocalColumns {
             self.origin.push(if known { k as u32 } else { ABSENT });
         }
         let in_recurrence = !self.sums.is_empty();
-        carry(&mut self.now, &self.origin, &mut self.spare);
+        carry(arch, &mut self.now, &self.origin, &mut self.spare);
         if in_recurrence {
-            carry(&mut self.other, &self.origin, &mut self.spare);
+            carry(arch, &mut self.other, &self.origin, &mut self.spare);
             for sum in &mut self.sums {
-                carry(sum, &self.origin, &mut self.spare);
+                carry(arch, sum, &self.origin, &mut self.spare);
             }
         } else {
             self.other.resize(self.active.len(), [0.0; LANES]);
@@ -180,22 +190,49 @@ impl LocalColumns {
 }
 
 /// Renumbers columns: row `k` becomes what stood at `origin[k]`, or zeros.
-fn carry(columns: &mut Vec<Lanes>, origin: &[u32], spare: &mut Vec<Lanes>) {
-    spare.clear();
-    spare.extend(origin.iter().map(|&k| if k == ABSENT { [0.0; LANES] } else { columns[k as usize] }));
+fn carry(arch: pulp::Arch, columns: &mut Vec<Lanes>, origin: &[u32], spare: &mut Vec<Lanes>) {
+    spare.resize(origin.len(), [0.0; LANES]);
+    arch.dispatch(Carry { from: columns, origin, to: spare });
     std::mem::swap(columns, spare);
 }
 
-/// The largest magnitude of the lanes.
-#[inline]
-fn largest(lanes: &Lanes) -> f32 {
-    let mut wide = [0.0_f32; 8];
-    for part in lanes.as_chunks::<8>().0 {
-        for (w, &v) in wide.iter_mut().zip(part) {
-            *w = if v.abs() > *w { v.abs() } else { *w };
+struct Carry<'a> {
+    from: &'a [Lanes],
+    origin: &'a [u32],
+    to: &'a mut [Lanes],
+}
+
+impl pulp::NullaryFnOnce for Carry<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (row, &k) in self.to.iter_mut().zip(self.origin) {
+            *row = if k == ABSENT { [0.0; LANES] } else { self.from[k as usize] };
         }
     }
-    wide.into_iter().fold(0.0, f32::max)
+}
+
+/// Marks the rows in which the magnitude of some lane exceeds `floor`.
+struct FindLarge<'a> {
+    columns: &'a [Lanes],
+    floor: f32,
+    is_large: &'a mut [bool],
+}
+
+impl pulp::NullaryFnOnce for FindLarge<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (is_large, row) in self.is_large.iter_mut().zip(self.columns) {
+            let mut large = 0_u32;
+            for v in row {
+                large |= u32::from(v.abs() > self.floor);
+            }
+            *is_large |= large != 0;
+        }
+    }
 }
 
 /// `next = A·now` for the local matrix, compiled for every instruction set and picked at run time.

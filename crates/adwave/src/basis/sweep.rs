@@ -83,7 +83,7 @@ impl<'a> Walk<'a> {
         if self.progress.is_cancelled() {
             return Err(Cancelled.into());
         }
-        columns.regrow(self.diffusion, self.arriving, floor, rings);
+        columns.regrow(self.diffusion, self.arriving, self.arch, floor, rings);
         let needed = columns.active.len() as u64 * self.bytes_an_active;
         let limit = self.params.memory_limit;
         if needed > limit {
