@@ -51,13 +51,13 @@ impl Workers {
     }
 
     /// Bytes of all workers and of a batch, for levels of `nnz` entries.
-    pub(super) fn bytes(&self, n: usize, nnz: &[u64]) -> u64 {
+    pub(super) fn bytes(n: usize, nnz: &[u64]) -> u64 {
         let threads = rayon::current_num_threads() as u64;
         let of_row = |nnz: u64| nnz / n.max(1) as u64 + 1;
         let widest = nnz.iter().map(|&nnz| of_row(nnz)).max().unwrap_or(0);
-        // Two columns of values and one turned over, over about three times the vertices of a single row, each with a
+        // Three columns of values and one turned over, over about three times the vertices of a single row, each with a
         // local row of about ten entries.
-        let worker = 5 * n as u64 + 3 * widest * (3 * 4 * LANES as u64 + 80);
+        let worker = 5 * n as u64 + 3 * widest * (4 * 4 * LANES as u64 + 80);
         let packed: u64 = nnz.iter().map(|&nnz| 8 * LANES as u64 * of_row(nnz)).sum();
         threads * (worker + BLOCKS_A_THREAD as u64 * packed)
     }
@@ -103,8 +103,7 @@ pub fn basis(
     let n_blocks = n.div_ceil(LANES);
     progress.step(0, n_blocks as u64)?;
     let arriving = Arriving::new(diffusion);
-    let arch = pulp::Arch::new();
-    let walk = Walk { diffusion, arriving: &arriving, params, arch, progress };
+    let walk = Walk::new(diffusion, &arriving, params, progress);
     let workers = Workers::new(n);
     let forecast = forecast::<f32>(&walk, &workers, 1)?;
 
