@@ -62,14 +62,17 @@ pub(crate) fn number(value: f64) -> String {
 /// The schedule that the arguments ask for, and why it has as many levels.
 pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
     if let Some(steps) = &args.steps {
-        return Ok((Schedule::new(steps.clone())?, "the steps asked for".to_owned()));
+        let schedule = Schedule::new(steps.clone())?;
+        let why = format!("{} levels, of the steps asked for", schedule.n_levels());
+        return Ok((schedule, why));
     }
     if let Some(lengths) = &args.lengths {
         let schedule = Schedule::lengths(lengths, decomposer.diffusion().step_length())?;
-        return Ok((schedule, "the widths asked for".to_owned()));
+        let why = format!("{} levels, of the widths asked for", schedule.n_levels());
+        return Ok((schedule, why));
     }
     let (levels, why) = match args.levels {
-        Some(levels) => (levels, "the number asked for".to_owned()),
+        Some(levels) => (levels, format!("{levels} levels, the number asked for")),
         None => decomposer.default_levels(),
     };
     match args.voices {

@@ -50,13 +50,12 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
     let seconds = [read, prepared - read, split - prepared, written - split].map(|t| t.as_secs_f64());
     let diagonal = decomposer.diagonal();
     let mut text = format!(
-        "{}: {} vertices, {} channel{} of {}\n{} levels: {why}\n\n",
+        "{}: {} vertices, {} channel{} of {}\n{why}\n\n",
         input.name,
         bands.n_vertices,
         bands.n_channels,
         if bands.n_channels == 1 { "" } else { "s" },
         args.field,
-        bands.n_levels(),
     );
     text += &table(
         ["level", "steps", "sigma", "% of diagonal", "rms of W"],
