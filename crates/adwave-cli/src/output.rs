@@ -76,10 +76,11 @@ pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Sch
         None => decomposer.default_levels(),
     };
     match args.voices {
-        Some(voices) => Ok((
-            Schedule::voices(levels, voices)?,
-            format!("{voices} for each octave up to {levels} octaves"),
-        )),
+        Some(voices) => {
+            let schedule = Schedule::voices(levels, voices)?;
+            let why = format!("{} levels, {voices} for each doubling of the steps", schedule.n_levels());
+            Ok((schedule, why))
+        }
         None => Ok((Schedule::dyadic(levels)?, why)),
     }
 }
