@@ -3,7 +3,7 @@
 //!
 //! It is an implicit surface in model units, so every number of vertices samples one and the same shape: parts made
 //! of round cones ([`body`]), joined with fillets, and skin carved in ([`skin`]). y is up, it faces +z, and it is
-//! about 1.9 units high.
+//! about 2 units high.
 
 mod body;
 mod part;
@@ -23,7 +23,7 @@ pub(super) const COUNT_TOLERANCE: f64 = 0.018;
 const TRIAL_VERTICES: usize = 150_000;
 /// Grids tried until count and genus fit.
 const MAX_TRIES: usize = 12;
-/// Surface area in model units squared times vertices per cell area: first guess of the spacing only.
+/// Vertices times cell area, model units squared: about 3/2 of the surface area. A first guess only.
 const FIRST_GUESS: f64 = 7.6;
 /// Parts within this distance of the nearest one share their skin, model units.
 const SKIN_BLEND: f64 = 0.03;
