@@ -33,7 +33,7 @@ fn engine(criterion: &mut Criterion) {
     });
     let accurate = BandsParams::default().with_accuracy(1e-5);
     group.bench_function("prepare", |b| {
-        b.iter(|| Transform::new(&diffusion, &accurate).expect("a valid accuracy"))
+        b.iter(|| Transform::new(&diffusion, &accurate).expect("a valid accuracy"));
     });
     let transform = Transform::new(&diffusion, &accurate).expect("a valid accuracy");
     for levels in [8, 16] {

@@ -232,7 +232,7 @@ impl<'a> Transform<'a> {
         match &self.prepared {
             Some(prepared) => {
                 let width = n_channels.min(MAX_CHANNELS) as u64;
-                diffusion + prepared.walk.bytes() + 8 * n + 2 * 8 * n * width
+                diffusion + prepared.walk.bytes() + 8 * n + 4 * 8 * n * width
             }
             None => diffusion + 2 * 8 * n * n_channels as u64,
         }

@@ -8,8 +8,12 @@
 #![allow(clippy::inline_always)]
 
 mod pages;
+mod rows;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use pages::zeros;
+pub(crate) use rows::{Rows, apply_rows};
 
 use super::tiles::{Index, Run, Tile};
 
