@@ -14,8 +14,8 @@ use crate::operator::Diffusion;
 /// Levels of at most this many steps are walked to: there the active set of a walk still fits into a core's cache.
 const SHALLOW_STEPS: u64 = 64;
 
-/// The fewest steps for which a recurrence is worth while; measured on the Stanford bunny, where both cost the same
-/// for some 100 steps.
+/// The fewest steps for which a recurrence is worth while. On the Stanford bunny it takes 1.4 times as long as walking
+/// for 64 steps, 1.1 times for 192, and less than half for 448.
 const FEWEST_STEPS: u64 = 256;
 
 /// Where π varies by more, errors of a recurrence in Φ₁ᵀ, which is symmetric only in the weights 1/π, could grow by more

@@ -73,9 +73,9 @@ struct Slot {
 /// Φ_1 … Φ_J for the steps of `params.schedule`, in single precision.
 ///
 /// Rows of `Φ₁^{n_j}` with entries below ε dropped and the rest divided by its sum. Agrees with [`basis_by_squaring`] to
-/// 1e-5 in every value; what is dropped here is dropped once, and not again at every level. Every step is a product with
-/// Φ₁ᵀ, so the cost is O(n_J · entries of Φ_J): ten entries of the walk and 32 rows at a time. Works for every diffusion,
-/// reversible or not. The same bits on any number of threads.
+/// 1e-5 in every value and 2 % in the number of entries; what is dropped here is dropped once, not again at every level.
+/// Each step of the walk is a product with Φ₁ᵀ over the vertices reached, so the cost is O(n_J · entries of Φ_J) at most; from 256 steps beyond the 64th on a Chebyshev recurrence takes their place, where the walk
+/// is reversible. Works for every diffusion, reversible or not. The same bits on any number of threads.
 ///
 /// # Errors
 /// [`BasisError::TooLarge`] before anything large is allocated; [`BasisError::EmptyRow`]; a bad tolerance; cancelled.

@@ -30,7 +30,7 @@ enum Reach {
 }
 
 /// What is tried first, and what where that loses too much: the first does on even meshes, the second on uneven ones,
-/// the last always. Of paces from 1 to 2, 1.5 is the fastest that never fails on a scanned mesh.
+/// the last always. On the Stanford bunny most blocks lose too much at a pace of 1, and hardly one at 1.7.
 const REACHES: [Reach; 3] = [Reach::Measured { pace: 1.7 }, Reach::Measured { pace: 3.0 }, Reach::Complete];
 
 /// What every block needs.
