@@ -43,7 +43,7 @@ pub(crate) fn table<const N: usize>(head: [&str; N], rows: impl IntoIterator<Ite
         column.set_cell_alignment(CellAlignment::Right);
         column.set_padding((0, 2));
     }
-    table.lines().map(|line| format!("  {}\n", line.trim_end())).collect()
+    table.lines().fold(String::new(), |text, line| text + "  " + line.trim_end() + "\n")
 }
 
 /// Four significant digits, in scientific notation where the number is very large or small.
@@ -127,6 +127,7 @@ pub(crate) fn write_shape(
 }
 
 /// A failed write: the disk's fault or the user's.
+#[expect(clippy::needless_pass_by_value, reason = "for use as map_err(write_error)")]
 pub(crate) fn write_error(error: WriteError) -> CliError {
     let text = error.to_string();
     let mut cause = &error;

@@ -10,6 +10,7 @@ use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, MatrixValues};
 use serde_json::json;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -72,7 +73,7 @@ fn of_vertex(args: &BasisArgs, global: &GlobalArgs, vertex: usize, level: usize)
 }
 
 fn of_all(args: &BasisArgs, global: &GlobalArgs, levels: usize) -> Result<(), CliError> {
-    let ending = args.output.extension().map(|e| e.to_ascii_lowercase());
+    let ending = args.output.extension().map(OsStr::to_ascii_lowercase);
     let matrix_market = match ending.as_ref().and_then(|e| e.to_str()) {
         Some("npz") => false,
         Some("mtx") => true,
