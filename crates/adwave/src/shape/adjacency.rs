@@ -1,5 +1,6 @@
 //! Who is next to whom: the one-ring of a mesh, k rings, connected components.
 
+use crate::sparse::with_capacity;
 use rayon::prelude::*;
 
 /// Neighbour lists in compressed rows: the neighbours of `x` are `neighbours[offsets[x]..offsets[x + 1]]`, by rising
@@ -38,9 +39,9 @@ impl Adjacency {
                 (counts, neighbours)
             })
             .collect();
-        let mut offsets = Vec::with_capacity(n + 1);
+        let mut offsets = with_capacity(n + 1);
         offsets.push(0);
-        let mut neighbours = Vec::with_capacity(chunks.iter().map(|(_, found)| found.len()).sum());
+        let mut neighbours = with_capacity(chunks.iter().map(|(_, found)| found.len()).sum());
         for (counts, found) in chunks {
             for count in counts {
                 offsets.push(offsets[offsets.len() - 1] + count as usize);

@@ -1,8 +1,8 @@
 //! The shapes that adwave works on: polygon meshes, point clouds, weighted graphs, and what is measured on them.
 //!
 //! A [`Shape`] holds what the file held, in the file's order. Everything that is computed works on a [`Domain`]: the
-//! same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered along a
-//! space-filling curve so that neighbours in space are neighbours in memory.
+//! same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered so that
+//! neighbours on the shape are neighbours in memory: along a space-filling curve, or for graphs by breadth-first search.
 
 mod adjacency;
 mod area;
@@ -12,6 +12,7 @@ mod graph;
 mod health;
 mod mesh;
 mod nearest;
+mod order;
 mod polygons;
 mod surface;
 mod triangulate;
