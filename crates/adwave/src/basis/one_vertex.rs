@@ -106,12 +106,7 @@ pub fn one_vertex(
     let row = |values: &[f64]| sparse_row(&order, values, drop_tolerance, vertex);
     let (fine, scaling) = (row(&fine)?, row(&coarse)?);
     let mut wavelet = SparseRow::default();
-    super::rows::subtract(
-        fine.as_slices(),
-        scaling.as_slices(),
-        &mut wavelet.columns,
-        &mut wavelet.values,
-    );
+    super::rows::subtract(fine.as_slices(), scaling.as_slices(), &mut wavelet.columns, &mut wavelet.values);
     Ok(ScalingAndWavelet { scaling, wavelet, n_products })
 }
 

@@ -31,8 +31,7 @@ enum Reach {
 
 /// What is tried first, and what where that loses too much: the first does on even meshes, the second on uneven ones,
 /// the last always. Of paces from 1 to 2, 1.5 is the fastest that never fails on a scanned mesh.
-const REACHES: [Reach; 3] =
-    [Reach::Measured { pace: 1.5 }, Reach::Measured { pace: 4.0 }, Reach::Complete];
+const REACHES: [Reach; 3] = [Reach::Measured { pace: 1.5 }, Reach::Measured { pace: 4.0 }, Reach::Complete];
 
 /// What every block needs.
 #[derive(Clone, Copy, Debug)]
