@@ -35,7 +35,7 @@ pub fn spheres(features: &[Feature]) -> Spheres {
     for (k, feature) in features.iter().enumerate() {
         let Some(centre) = feature.position else { continue };
         let first = spheres.points.len() as u32;
-        let place = |n: &Vector3<f64>| (Vector3::from(centre) + feature.sigma * n).into();
+        let place = |n: &Vector3<f64>| -> [f64; 3] { (Vector3::from(centre) + feature.sigma * n).into() };
         spheres.points.extend(unit.iter().map(place));
         spheres.feature_of.extend(std::iter::repeat_n(k as u32, unit.len()));
         for t in &triangles {
