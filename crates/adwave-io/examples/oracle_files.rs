@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use adwave::shape::Polygons;
 use adwave_io::{
-    ArrayValues, CompressedRows, Compression, Edges, Field, FieldValues, ShapeFile, WriteError,
+    ArrayValues, CompressedRows, Compression, Edges, Field, FieldValues, MatrixValues, ShapeFile, WriteError,
     write_matrix_market, write_npy, write_npz, write_path, write_sparse_npz,
 };
 
@@ -45,8 +45,12 @@ fn main() -> Result<(), WriteError> {
         write_npz(&folder.join(name), &arrays, compression)?;
     }
     // [[0, 1.5, 0], [2, 0, -3]]
-    let matrix =
-        CompressedRows { n_columns: 3, offsets: &[0, 1, 3], indices: &[1, 0, 2], values: &[1.5, 2.0, -3.0] };
+    let matrix = CompressedRows {
+        n_columns: 3,
+        offsets: &[0, 1, 3],
+        indices: &[1, 0, 2],
+        values: MatrixValues::F64(&[1.5, 2.0, -3.0]),
+    };
     write_sparse_npz(&folder.join("sparse.npz"), &matrix, Compression::Deflated)?;
     write_matrix_market(&folder.join("sparse.mtx"), &matrix)
 }

@@ -22,12 +22,14 @@ fn main() {
     }
 }
 
+/// Vertices along a side.
+const N: u32 = 1060;
+
 /// A wavy square grid of triangles.
 fn generated() -> std::path::PathBuf {
     let path = std::env::temp_dir().join("adwave_read_time.obj");
     let mut out =
         std::io::BufWriter::new(std::fs::File::create(&path).expect("a folder for temporary files"));
-    const N: u32 = 1060;
     let mut line = || -> std::io::Result<()> {
         for i in 0..N {
             for j in 0..N {

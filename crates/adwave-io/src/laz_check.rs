@@ -71,6 +71,9 @@ fn quietly<T>(run: impl FnOnce() -> T) -> std::thread::Result<T> {
     outcome
 }
 
+/// Points unpacked at a time.
+const STEP: u64 = 1 << 16;
+
 fn unpack_checked(bytes: &[u8], header: &Header, description: &[u8]) -> Result<Vec<u8>, String> {
     let one_line = |e: &dyn std::fmt::Display| e.to_string().replace('\n', " ");
     let description = laz::LazVlr::from_buffer(description).map_err(|e| one_line(&e))?;
@@ -78,7 +81,6 @@ fn unpack_checked(bytes: &[u8], header: &Header, description: &[u8]) -> Result<V
     source.seek(SeekFrom::Start(header.points_start as u64)).map_err(|e| one_line(&e))?;
     let mut decompressor = laz::LasZipDecompressor::new(source, description).map_err(|e| one_line(&e))?;
     // Grown step by step: the number of points is only a promise.
-    const STEP: u64 = 1 << 16;
     let mut points = Vec::new();
     let mut left = header.n_points;
     while left > 0 {

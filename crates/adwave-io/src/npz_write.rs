@@ -5,7 +5,7 @@ use std::path::Path;
 
 use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
 
-use crate::mtx_write::CompressedRows;
+use crate::mtx_write::{CompressedRows, MatrixValues};
 use crate::{WriteError, atomic_write};
 
 /// Whether arrays are compressed.
@@ -222,7 +222,14 @@ pub fn write_sparse_npz(
         }
         npz.add("format", &[], ArrayValues::Text("csr"))?;
         npz.add("shape", &[2], ArrayValues::Usize(&shape))?;
-        npz.add("data", &[n], ArrayValues::F64(matrix.values))
+        npz.add(
+            "data",
+            &[n],
+            match matrix.values {
+                MatrixValues::F32(values) => ArrayValues::F32(values),
+                MatrixValues::F64(values) => ArrayValues::F64(values),
+            },
+        )
     })
 }
 

@@ -26,6 +26,7 @@ pub(crate) enum Kind {
 
 /// What one piece of the file holds.
 #[derive(Default)]
+#[allow(clippy::struct_excessive_bools)] // one for each kind of statement that is only kept as text
 pub(crate) struct Piece {
     pub(crate) points: Vec<[f64; 3]>,
     /// How many `points` there are, also when they are moved out.
@@ -69,7 +70,10 @@ fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
     let mut pieces = Vec::new();
     let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     while start < bytes.len() {
-        let mut end = logical_end(bytes, (start + PIECE).min(bytes.len()).max(start));
+        // From the start of a line, where it can be seen whether it is a comment.
+        let middle = (start + PIECE).min(bytes.len());
+        let line = memchr::memrchr(b'\n', &bytes[start..middle]).map_or(start, |n| start + n + 1);
+        let mut end = logical_end(bytes, line);
         end = (end + 1).min(bytes.len());
         pieces.push((start, end));
         start = end;
@@ -78,7 +82,12 @@ fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
 }
 
 /// The line feed that ends the line at `position`, lines continued by `\` taken together; or the end of the bytes.
+/// A comment is not continued: those that end in `\` end in the name of a folder.
 fn logical_end(bytes: &[u8], mut position: usize) -> usize {
+    let first = bytes[position..].iter().find(|&&b| !is_blank(b));
+    if first == Some(&b'#') {
+        return crate::text::line_end(bytes, position);
+    }
     loop {
         let end = crate::text::line_end(bytes, position);
         let mut last = end;

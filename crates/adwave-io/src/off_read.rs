@@ -7,6 +7,7 @@ use crate::text::{parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// What the letters before `OFF` say that a vertex has.
+#[allow(clippy::struct_excessive_bools)] // one for each letter
 struct Layout {
     has_w: bool,
     has_normal: bool,
@@ -45,7 +46,7 @@ pub(crate) fn read_off(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile,
         }
         tails.end_row();
     }
-    vertex_fields(&mut shape, &layout, tails);
+    vertex_fields(&mut shape, &layout, &tails);
     check_size(&bytes, lines.position, n_faces, 2, "face")?;
     read_faces(&bytes, &mut lines, n_faces, &mut shape)?;
     if memchr::memchr(b'#', &bytes).is_some() {
@@ -181,7 +182,7 @@ impl Tails {
     }
 }
 
-fn vertex_fields(shape: &mut ShapeFile, layout: &Layout, tails: Tails) {
+fn vertex_fields(shape: &mut ShapeFile, layout: &Layout, tails: &Tails) {
     let mut from = 0;
     let mut left = tails.longest;
     let mut add = |name: &str, n: usize, shape: &mut ShapeFile| {

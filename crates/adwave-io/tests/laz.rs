@@ -7,12 +7,13 @@ use adwave_io::{FieldValues, Format, ReadLimits, read_bytes};
 use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlr};
 
 const N: usize = 300;
+const N_POINTS: i32 = 300;
 
 /// The records of `N` points and the size of each.
 fn records(format: u8) -> (Vec<u8>, u16) {
     let size: u16 = if format == 3 { 34 } else { 36 };
     let mut all = Vec::new();
-    for i in 0..N as i32 {
+    for i in 0..N_POINTS {
         let mut record = vec![0; size.into()];
         for (axis, x) in [i, 2 * i, -i].into_iter().enumerate() {
             record[4 * axis..4 * axis + 4].copy_from_slice(&x.to_le_bytes());

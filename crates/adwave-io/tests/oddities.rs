@@ -1,5 +1,7 @@
 //! What files in the wild do, one by one, and what the errors say.
 
+use std::fmt::Write;
+
 use adwave_io::{FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, read_bytes, write_bytes};
 
 fn read(text: impl AsRef<[u8]>, name: &str) -> ShapeFile {
@@ -20,6 +22,12 @@ fn written(shape: &ShapeFile, format: Format) -> Vec<u8> {
 fn obj_statements_may_be_continued() {
     let shape = read("v 0 0 \\\r\n0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 \\\n 2 \\\n 3  \r\n", "a.obj");
     assert_eq!((shape.n_vertices(), shape.faces().get(0)), (3, &[0, 1, 2][..]));
+}
+
+#[test]
+fn obj_comments_are_not_continued() {
+    let shape = read("# C:\\models\\\nv 1 2 3\n", "a.obj");
+    assert_eq!(shape.points(), [[1.0, 2.0, 3.0]]);
 }
 
 #[test]
@@ -59,7 +67,7 @@ fn obj_pieces_join_in_order() {
     let n = 60_000;
     let mut text = String::new();
     for i in 0..n {
-        text += &format!("v {i} 0.25 -1e-3\n");
+        writeln!(text, "v {i} 0.25 -1e-3").unwrap();
         if i > 2 {
             text += "f -1 -2 -4\n";
         }
@@ -87,9 +95,8 @@ fn content_overrules_the_name() {
 
 #[test]
 fn gzip_is_read_whatever_the_name() {
-    use std::io::Write;
     let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
-    gz.write_all(b"OFF\n1 0 0\n1 2 3\n").unwrap();
+    std::io::Write::write_all(&mut gz, b"OFF\n1 0 0\n1 2 3\n").unwrap();
     assert_eq!(read(gz.finish().unwrap(), "a.bin").points(), [[1.0, 2.0, 3.0]]);
 }
 

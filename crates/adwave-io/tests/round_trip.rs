@@ -73,7 +73,9 @@ fn shape() -> impl Strategy<Value = ShapeFile> {
         })
         .prop_map(|(mut points, (faces, face_fields), fields, is_single, pairs)| {
             if is_single {
-                points.iter_mut().for_each(|p| *p = p.map(|x| f64::from(x as f32)));
+                for p in &mut points {
+                    *p = p.map(|x| f64::from(x as f32));
+                }
             }
             let faces: Polygons = faces.iter().map(Vec::as_slice).collect();
             let is_mesh = !faces.is_empty();

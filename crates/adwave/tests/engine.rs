@@ -1,5 +1,8 @@
 //! Laws of the engines: the recurrence gives what repeated products give, to the accuracy that was asked for.
 
+#[path = "../examples/engine_timing/shapes.rs"]
+mod shapes;
+
 use adwave::bands::{
     Bands, BandsError, BandsParams, Engine, Schedule, Transform, decompose, forecast_bytes, weighted_bands,
 };
@@ -476,4 +479,44 @@ fn a_prepared_transform_can_be_used_again() {
         .decompose(&domain.weld, &coordinates(&shape), 3, &schedule, Progress::none())
         .expect("valid");
     assert_eq!(first, again);
+}
+
+#[test]
+fn on_a_fine_sphere_every_band_is_accurate_beside_itself() {
+    // W_f(1) is some 1e-5 of the radius here: an error beside the coordinates would show.
+    let mut sphere = shapes::Triangles::octahedron();
+    for _ in 0..6 {
+        sphere = sphere.subdivided().on_the_unit_sphere();
+    }
+    let shape = sphere.into_shape();
+    let coordinates = coordinates(&shape);
+    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let schedule = Schedule::dyadic(9).expect("valid");
+    let bands = split(&diffusion, &domain.weld, &coordinates, 3, &schedule, &BandsParams::default());
+    let size = |w: &[f64]| norm(w.iter().copied()) / norm(coordinates.iter().copied());
+    assert!(size(&bands.wavelet[0]) < 1e-3, "{}", size(&bands.wavelet[0]));
+    engines_agree(&shape, &OperatorParams::default(), &coordinates, 3, &schedule);
+}
+
+/// The folder of test shapes, where there is one.
+fn shapes_folder() -> std::path::PathBuf {
+    std::env::var_os("ADWAVE_DATA").map_or_else(
+        || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        std::path::PathBuf::from,
+    )
+}
+
+#[test]
+fn scanned_shapes_keep_the_stated_accuracy() {
+    for name in ["paper/common-3d-test-models/stanford-bunny.obj", "paper/libigl-tutorial-data/armadillo.obj"]
+    {
+        let path = shapes_folder().join(name);
+        let Ok(triangles) = shapes::Triangles::from_obj(&path) else {
+            println!("skipped: {} cannot be read", path.display());
+            continue;
+        };
+        let shape = triangles.into_shape();
+        let schedule = Schedule::dyadic(9).expect("valid");
+        engines_agree(&shape, &OperatorParams::default(), &coordinates(&shape), 3, &schedule);
+    }
 }

@@ -4,14 +4,18 @@ use adwave::shape::{Mesh, Polygons, Shape};
 use std::collections::HashMap;
 use std::path::Path;
 
-pub struct Triangles {
-    pub points: Vec<[f64; 3]>,
-    pub faces: Vec<[u32; 3]>,
+/// A triangle mesh.
+#[derive(Clone)]
+pub(crate) struct Triangles {
+    pub(crate) points: Vec<[f64; 3]>,
+    pub(crate) faces: Vec<[u32; 3]>,
 }
 
+// Each program that includes this file uses a part of it.
+#[allow(dead_code)]
 impl Triangles {
     /// Vertices and triangles of an OBJ file, without the vertices that no triangle uses.
-    pub fn from_obj(path: &Path) -> std::io::Result<Self> {
+    pub(crate) fn from_obj(path: &Path) -> std::io::Result<Self> {
         let text = std::fs::read_to_string(path)?;
         let (mut points, mut faces) = (Vec::new(), Vec::new());
         for line in text.lines() {
@@ -47,7 +51,7 @@ impl Triangles {
     }
 
     /// The octahedron projected on the unit sphere.
-    pub fn octahedron() -> Self {
+    pub(crate) fn octahedron() -> Self {
         let points = vec![
             [1.0, 0.0, 0.0],
             [0.0, 1.0, 0.0],
@@ -61,7 +65,7 @@ impl Triangles {
     }
 
     /// Every triangle cut into four at the middles of its edges.
-    pub fn subdivided(mut self) -> Self {
+    pub(crate) fn subdivided(mut self) -> Self {
         let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
         let mut faces = Vec::with_capacity(4 * self.faces.len());
         for &[a, b, c] in &self.faces {
@@ -80,7 +84,7 @@ impl Triangles {
     }
 
     /// Every vertex moved to distance 1 from the origin.
-    pub fn on_the_unit_sphere(mut self) -> Self {
+    pub(crate) fn on_the_unit_sphere(mut self) -> Self {
         for p in &mut self.points {
             let length = p.iter().map(|c| c * c).sum::<f64>().sqrt();
             *p = p.map(|c| c / length);
@@ -88,7 +92,7 @@ impl Triangles {
         self
     }
 
-    pub fn into_shape(self) -> Shape {
+    pub(crate) fn into_shape(self) -> Shape {
         let faces = Polygons::from_triangles(&self.faces);
         Shape::Mesh(Mesh::new(self.points, faces).expect("finite points and faces of them"))
     }

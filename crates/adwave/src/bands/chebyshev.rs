@@ -12,8 +12,19 @@ pub(crate) struct Outcome {
     pub(crate) degree: u64,
     /// Products with Φ₁ over all blocks of channels.
     pub(crate) products: u64,
+    /// Terms added over all series and blocks.
+    pub(crate) terms: u64,
     /// Largest relative error of any result, but for rounding.
     pub(crate) error_bound: f64,
+}
+
+/// A walk prepared for the recurrence.
+#[derive(Debug)]
+pub(crate) struct Prepared<'a> {
+    pub(crate) walk: Walk<'a>,
+    /// μ of the norm in which errors are bounded.
+    weights: Vec<f64>,
+    pub(crate) growth: Growth,
 }
 
 /// Weights μ of the norm `‖g‖² = Σ_x μ(x)|g(x)|²` in which errors are bounded, and how `‖T_k(Y)‖` grows in it.
@@ -22,7 +33,7 @@ pub(crate) struct Outcome {
 /// without area have π = 0: the walk leaves them for vertices R with π > 0 and never comes back, `Y = [Y_R 0; B 0]`. There
 /// `T_k(Y) = B·(T_k(Y_R) − T_k(0))/Y_R + T_k(0)`, and `|T_k(y) − T_k(0)| ≤ 1.2k|y|`. With `μ(x) = min_y π(y)/(B(x,y)·m(y))`,
 /// m(y) the number of such x that lead to y, B has a norm of at most 1, so that `‖T_k(Y)‖ ≤ 2 + 1.2k`.
-pub(crate) fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
+fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
     let mut weights = diffusion.stationary().to_vec();
     let transient: Vec<usize> =
         (0..weights.len()).filter(|&x| weights[x] == 0.0 && !diffusion.row(x).0.is_empty()).collect();
@@ -47,65 +58,73 @@ pub(crate) fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
     (weights, Growth::Linear)
 }
 
-/// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most
-/// `accuracy` in the norm of `weights`.
-///
-/// A series is cut where its tail times `‖u‖` is at most `accuracy` times a lower bound of the norm of its value, which is
-/// known as soon as its sum so far exceeds what is missing. So the degree follows the signal: it is lower for a smooth one.
-/// A value that all but vanishes beside u gets all terms that double precision can tell apart.
-pub(crate) fn evaluate(
-    walk: &Walk<'_>,
-    weights: &[f64],
-    signal: &[f64],
-    n_channels: usize,
-    series: &[Series],
-    accuracy: f64,
-    outs: &mut [&mut [f64]],
-    progress: Progress<'_>,
-) -> Result<Outcome, Cancelled> {
-    let mut outcome = Outcome::default();
-    for at in (0..n_channels).step_by(MAX_CHANNELS) {
-        let width = MAX_CHANNELS.min(n_channels - at);
-        let mut recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width));
-        let start = recurrence.square().sqrt();
-        let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
-        loop {
-            let last =
-                if recurrence.moves() { cuts.iter().map(|cut| cut.degree).max().unwrap_or(0) } else { 0 };
-            let k = recurrence.k();
-            progress.step(k as u64, last as u64)?;
-            let left = last - k.min(last);
-            // Passes of equal length: a short last one would cost as much memory traffic as a long one.
-            let n_steps = left.div_ceil(left.div_ceil(walk.steps_per_pass()).max(1));
-            let mut sums: Vec<Sum<'_>> = cuts
-                .iter()
-                .zip(&mut *outs)
-                .map(|(cut, out)| Sum {
-                    coefficients: &cut.series.coefficients[..=cut.degree],
-                    out,
-                    weighing: cut.weighing_after(k + n_steps),
-                    square: 0.0,
-                })
-                .collect();
-            let next = if k + n_steps < last { Next::Continues } else { Next::Ends };
-            recurrence.advance(n_steps, &mut sums, next);
-            let norms: Vec<f64> = sums.iter().map(|sum| sum.square.sqrt()).collect();
-            for (cut, norm) in cuts.iter_mut().zip(norms) {
-                cut.decide(k + n_steps, start, norm, accuracy);
-            }
-            if next == Next::Ends {
-                break;
-            }
-        }
-        let k = recurrence.k() as u64;
-        outcome.degree = outcome.degree.max(k);
-        outcome.products += k + 1;
-        if recurrence.moves() {
-            outcome.error_bound =
-                cuts.iter().map(|cut| cut.error_bound(start)).fold(outcome.error_bound, f64::max);
-        }
+impl<'a> Prepared<'a> {
+    pub(crate) fn new(diffusion: &'a Diffusion) -> Self {
+        let (weights, growth) = norm_weights(diffusion);
+        Self { walk: Walk::new(diffusion), weights, growth }
     }
-    Ok(outcome)
+
+    /// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most
+    /// `accuracy` in the norm of `weights`.
+    ///
+    /// A series is cut where its tail times `‖u‖` is at most `accuracy` times a lower bound of the norm of its value, which is
+    /// known as soon as its sum so far exceeds what is missing. So the degree follows the signal: it is lower for a smooth one.
+    /// A value that all but vanishes beside u gets all terms that double precision can tell apart.
+    pub(crate) fn evaluate(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        series: &[Series],
+        accuracy: f64,
+        outs: &mut [&mut [f64]],
+        progress: Progress<'_>,
+    ) -> Result<Outcome, Cancelled> {
+        let Self { walk, weights, .. } = self;
+        let mut outcome = Outcome::default();
+        for at in (0..n_channels).step_by(MAX_CHANNELS) {
+            let width = MAX_CHANNELS.min(n_channels - at);
+            let mut recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width));
+            let start = recurrence.square().sqrt();
+            let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
+            loop {
+                let last =
+                    if recurrence.moves() { cuts.iter().map(|cut| cut.degree).max().unwrap_or(0) } else { 0 };
+                let k = recurrence.k();
+                progress.step(k as u64, last as u64)?;
+                let left = last - k.min(last);
+                // Passes of equal length: a short last one would cost as much memory traffic as a long one.
+                let n_steps = left.div_ceil(left.div_ceil(walk.steps_per_pass()).max(1));
+                let mut sums: Vec<Sum<'_>> = cuts
+                    .iter()
+                    .zip(&mut *outs)
+                    .map(|(cut, out)| Sum {
+                        coefficients: &cut.series.coefficients[..=cut.degree],
+                        out,
+                        weighing: cut.weighing_after(k + n_steps),
+                        square: 0.0,
+                    })
+                    .collect();
+                let next = if k + n_steps < last { Next::Continues } else { Next::Ends };
+                recurrence.advance(n_steps, &mut sums, next);
+                let norms: Vec<f64> = sums.iter().map(|sum| sum.square.sqrt()).collect();
+                for (cut, norm) in cuts.iter_mut().zip(norms) {
+                    cut.decide(k + n_steps, start, norm, accuracy);
+                }
+                if next == Next::Ends {
+                    break;
+                }
+            }
+            let k = recurrence.k() as u64;
+            outcome.degree = outcome.degree.max(k);
+            outcome.products += k + 1;
+            outcome.terms += cuts.iter().map(|cut| (cut.degree as u64).min(k) + 1).sum::<u64>();
+            if recurrence.moves() {
+                outcome.error_bound =
+                    cuts.iter().map(|cut| cut.error_bound(start)).fold(outcome.error_bound, f64::max);
+            }
+        }
+        Ok(outcome)
+    }
 }
 
 /// Where a series is cut.

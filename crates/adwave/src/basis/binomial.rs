@@ -49,7 +49,7 @@ mod tests {
             let c = chebyshev_of_power(n, 0.0);
             assert_eq!(c.len() as u64, n + 1);
             for y in [-1.0, -0.3, 0.0, 0.8, 1.0] {
-                let exact = ((1.0 + y) / 2.0_f64).powi(n as i32);
+                let exact = f64::midpoint(1.0, y).powi(n as i32);
                 assert!((power(&c, y) - exact).abs() < ROUNDING, "n = {n}, y = {y}");
             }
         }
@@ -64,7 +64,7 @@ mod tests {
             for step in 0..=200 {
                 let y = f64::from(step) / 100.0 - 1.0;
                 // Dividing by the sum moves every value by as much again.
-                let error = (power(&c, y) - ((1.0 + y) / 2.0).powf(n as f64)).abs();
+                let error = (power(&c, y) - f64::midpoint(1.0, y).powf(n as f64)).abs();
                 assert!(error < 2.0 * tail + ROUNDING, "tail {tail}, y = {y}: {error}");
             }
         }

@@ -103,20 +103,18 @@ pub fn one_vertex(
     progress.step(steps, steps)?;
     let mut order: Vec<(u32, u32)> = reached.iter().copied().zip(0..).collect();
     order.sort_unstable();
-    let row = |values: &[f64]| sparse_row(&order, values, drop_tolerance, vertex);
-    let (fine, scaling) = (row(&fine)?, row(&coarse)?);
+    let row = |values: &[f64], steps| {
+        let empty = BasisError::EmptyRow { row: vertex, steps, tolerance: drop_tolerance };
+        sparse_row(&order, values, drop_tolerance).ok_or(empty)
+    };
+    let (fine, scaling) = (row(&fine, steps_before)?, row(&coarse, steps)?);
     let mut wavelet = SparseRow::default();
     super::rows::subtract(fine.as_slices(), scaling.as_slices(), &mut wavelet.columns, &mut wavelet.values);
     Ok(ScalingAndWavelet { scaling, wavelet, n_products })
 }
 
-/// Drops small values and divides the rest by its sum.
-fn sparse_row(
-    order: &[(u32, u32)],
-    values: &[f64],
-    tolerance: f64,
-    vertex: usize,
-) -> Result<SparseRow, BasisError> {
+/// Drops small values and divides the rest by its sum; `None` where nothing is left.
+fn sparse_row(order: &[(u32, u32)], values: &[f64], tolerance: f64) -> Option<SparseRow> {
     let mut row = SparseRow::default();
     for &(y, k) in order {
         let value = values[k as usize];
@@ -126,13 +124,10 @@ fn sparse_row(
         }
     }
     let sum: f64 = row.values.iter().sum();
-    if row.values.is_empty() {
-        return Err(BasisError::EmptyRow { row: vertex, level: 1, tolerance });
-    }
     for value in &mut row.values {
         *value /= sum;
     }
-    Ok(row)
+    (sum > 0.0).then_some(row)
 }
 
 /// Two functions over the vertices that were reached, those vertices, and the number of products.

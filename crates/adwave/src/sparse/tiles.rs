@@ -15,14 +15,14 @@ pub(crate) trait Index: Copy + Send + Sync + TryFrom<u32> + std::fmt::Debug {
 }
 
 impl Index for u16 {
-    #[inline(always)]
+    #[inline]
     fn get(self) -> usize {
         self as usize
     }
 }
 
 impl Index for u32 {
-    #[inline(always)]
+    #[inline]
     fn get(self) -> usize {
         self as usize
     }
@@ -134,9 +134,11 @@ impl Tiles {
     /// Cuts the walk into tiles of `own` vertices and `depth` rings.
     pub(super) fn new(diffusion: &Diffusion, own: usize, depth: usize) -> Self {
         build(diffusion, own, depth)
-            .map(Self::Narrow)
-            .or_else(|| build(diffusion, own, depth).map(Self::Wide))
-            .expect("32 bits name every vertex")
+            .map_or_else(|| Self::Wide(Self::wide(diffusion, own, depth)), Self::Narrow)
+    }
+
+    pub(super) fn wide(diffusion: &Diffusion, own: usize, depth: usize) -> Vec<Tile<u32>> {
+        build(diffusion, own, depth).expect("32 bits name every vertex")
     }
 
     pub(super) fn bytes(&self) -> u64 {

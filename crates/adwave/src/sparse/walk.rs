@@ -1,6 +1,6 @@
 //! The walk prepared for many products.
 
-use super::kernel::{MAX_DEPTH, Target};
+use super::kernel::{MAX_DEPTH, Target, zeros};
 use super::tiles::{Tiles, halo_shares};
 use crate::operator::Diffusion;
 use rayon::prelude::*;
@@ -63,8 +63,9 @@ impl<'a> Walk<'a> {
     pub(super) fn take(&self, len: usize) -> Vec<f64> {
         let mut spare = self.spare.lock().expect("nobody panics with the lock");
         let fits = spare.iter().position(|v| v.capacity() >= len && v.capacity() <= 2 * len);
-        let mut vector = fits.map(|at| spare.swap_remove(at)).unwrap_or_default();
+        let found = fits.map(|at| spare.swap_remove(at));
         drop(spare);
+        let mut vector = found.unwrap_or_else(|| zeros(len));
         vector.resize(len, 0.0);
         vector
     }

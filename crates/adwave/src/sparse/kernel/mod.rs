@@ -4,6 +4,16 @@
 //! fused multiply-add: processors with it give other last bits than those without, but each gives its own the same on
 //! any number of threads. `CHECKED` variants index with bounds checks; they are the safe twins of the others.
 #![allow(unsafe_code)]
+// What is not inlined into a function that has AVX is compiled without AVX.
+#![allow(clippy::inline_always)]
+
+mod pages;
+mod rows;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use pages::zeros;
+pub(crate) use rows::{Rows, apply_rows};
 
 use super::tiles::{Index, Run, Tile};
 
@@ -82,15 +92,21 @@ pub(super) struct Term<'a> {
     pub(super) is_weighed: bool,
 }
 
+/// `T_{k−1}`, `T_k` and where `T_{k+1}` goes, of the vertices of a tile.
+struct Vectors<'a, const L: usize> {
+    before: &'a [[f64; L]],
+    now: &'a [[f64; L]],
+    next: &'a mut [[f64; L]],
+}
+
 /// One step for the rows of `runs`: `next = scale·(Σ w·now[y] − before)`.
 #[inline(always)]
 fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
     tile: &Tile<I>,
     runs: &[Run],
-    vectors: (&[[f64; L]], &[[f64; L]], &mut [[f64; L]]),
+    vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
-    let (before, now, next) = vectors;
     let (mut rows, mut columns, mut weights) = (tile.rows(), tile.columns(), tile.weights());
     for run in runs {
         let n_entries = run.n_rows * run.degree;
@@ -101,8 +117,8 @@ fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
         macro_rules! unrolled {
             ($($degree:literal)*) => {
                 match run.degree {
-                    $($degree => fixed::<I, $degree, L, FMA, CHECKED>(these, c, w, (before, now, next), scale),)*
-                    degree => any::<I, L, FMA, CHECKED>(degree, these, c, w, (before, now, next), scale),
+                    $($degree => fixed::<I, $degree, L, FMA, CHECKED>(these, c, w, vectors, scale),)*
+                    degree => any::<I, L, FMA, CHECKED>(degree, these, c, w, vectors, scale),
                 }
             };
         }
@@ -115,10 +131,10 @@ fn fixed<I: Index, const DEGREE: usize, const L: usize, const FMA: bool, const C
     rows: &[I],
     columns: &[I],
     weights: &[f64],
-    vectors: (&[[f64; L]], &[[f64; L]], &mut [[f64; L]]),
+    vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
-    let (before, now, next) = vectors;
+    let Vectors { before, now, next } = vectors;
     let entries = columns.as_chunks::<DEGREE>().0.iter().zip(weights.as_chunks::<DEGREE>().0);
     for (row, (columns, weights)) in rows.iter().zip(entries) {
         let mut sum = get::<_, CHECKED>(before, row.get()).map(|v| -v);
@@ -138,10 +154,10 @@ fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
     rows: &[I],
     columns: &[I],
     weights: &[f64],
-    vectors: (&[[f64; L]], &[[f64; L]], &mut [[f64; L]]),
+    vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
-    let (before, now, next) = vectors;
+    let Vectors { before, now, next } = vectors;
     for (r, row) in rows.iter().enumerate() {
         let entries = r * degree..(r + 1) * degree;
         let mut sum = get::<_, CHECKED>(before, row.get()).map(|v| -v);
@@ -269,7 +285,8 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
         let (old, new) = vectors.split_at_mut(i + 1);
         let scale = if pass.is_first && i == 1 { 0.5 } else { 1.0 };
         let runs = tile.runs_within(n_steps - i);
-        step::<I, L, FMA, CHECKED>(tile, runs, (&*old[i - 1], &*old[i], &mut *new[0]), scale);
+        let mut vectors = Vectors { before: &*old[i - 1], now: &*old[i], next: &mut *new[0] };
+        step::<I, L, FMA, CHECKED>(tile, runs, &mut vectors, scale);
     }
     let read: [&[[f64; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
     let squares = combine_all::<L, D, FMA>(&mut pass, &read);
