@@ -63,12 +63,7 @@ impl Analysis {
         let n = self.bands.n_vertices;
         let left_out = self.walk.left_out().map_or(0, |out| out.iter().filter(|&&out| out).count());
         let masked = if left_out > 0 { format!(", {left_out} of them left out") } else { String::new() };
-        format!(
-            "{}: {n} vertices{masked}, {field}\n{} levels: {}\n",
-            self.input.name,
-            self.bands.n_levels(),
-            self.why
-        )
+        format!("{}: {n} vertices{masked}, {field}\n{}\n", self.input.name, self.why)
     }
 
     /// σ_j in % of the bounding box's diagonal.

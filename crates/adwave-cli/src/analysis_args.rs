@@ -35,6 +35,7 @@ impl MapArgs {
             WeightingArg::Level => Weighting::PerLevel,
             WeightingArg::Printed => Weighting::AsPrinted,
             WeightingArg::Normalised => Weighting::Normalised,
+            WeightingArg::Ranks => Weighting::Ranks,
             WeightingArg::None => Weighting::Uniform,
         })
     }
@@ -50,6 +51,8 @@ pub(crate) enum WeightingArg {
     Printed,
     /// 1/mean, so that every level counts alike
     Normalised,
+    /// Ranks in place of values
+    Ranks,
     /// 1
     None,
 }
@@ -218,6 +221,7 @@ pub(crate) struct EvaluateArgs {
         value_name = "P,P,…",
         value_delimiter = ',',
         default_value = "10,20,30,40,50",
+        allow_negative_numbers = true,
         help_heading = "Repeatability"
     )]
     pub(crate) percents: Vec<f64>,

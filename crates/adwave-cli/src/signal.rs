@@ -134,12 +134,12 @@ fn from_file(name: &str) -> Result<Option<Field>, CliError> {
             Some(at) => Ok(fields.into_iter().nth(at)),
             None => Err(CliError::Input(format!("{path} has no '{column}'; there is {}", names.join(", ")))),
         },
-        None => Ok(Some(joined(path, fields)?)),
+        None => Ok(Some(joined(path, &fields)?)),
     }
 }
 
 /// All fields of a file as the channels of one.
-fn joined(path: &str, fields: Vec<Field>) -> Result<Field, CliError> {
+fn joined(path: &str, fields: &[Field]) -> Result<Field, CliError> {
     if let Some(other) = fields.iter().find(|f| f.len() != fields[0].len()) {
         return Err(CliError::Input(format!(
             "{path} holds {} with {} rows and {} with {}; name one of them: {path}:{}",

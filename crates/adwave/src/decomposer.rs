@@ -9,6 +9,7 @@ use crate::filter::{Edit, FilterError};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
 use crate::shape::{Adjacency, Domain, Health, Shape, health, one_ring, squared_distance};
+use crate::signal::cloud_border;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -112,9 +113,12 @@ impl Decomposer {
         !self.domain.points.is_empty() && self.domain.triangles.is_empty()
     }
 
-    /// The vertices of the analysis on the border of a mesh (ends of edges of one triangle), and those next to what is left
-    /// out of the walk; by rising index.
+    /// The vertices of the analysis on the border of a mesh (ends of edges of one triangle) or of a cloud (a gap between its
+    /// neighbours), and those next to what is left out of the walk; by rising index.
     pub(crate) fn border(&self) -> Vec<usize> {
+        if self.is_cloud() {
+            return cloud_border(&self.domain.points, self.neighbours());
+        }
         let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * self.domain.triangles.len());
         for t in self.domain.triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
             edges.extend([(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))));

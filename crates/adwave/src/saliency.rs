@@ -19,6 +19,9 @@ pub enum Weighting {
     AsPrinted,
     /// `α_j = 1/mean_x|W_f(j,x)|`: every level counts alike, as for features.
     Normalised,
+    /// Every level by its ranks in place of its values: the share of vertices with a smaller |W_f(j)|, equal ones counting
+    /// half, so that no level and no outlier outweighs the rest.
+    Ranks,
     /// `α_j = 1`.
     Uniform,
 }
@@ -92,7 +95,7 @@ pub struct SaliencyLevel {
     pub mean: f64,
     /// `max_x|W_f(j,x)|`.
     pub max: f64,
-    /// α_j; NaN where it is another number at each vertex.
+    /// α_j; NaN where it is another number at each vertex. With ranks it stands before the rank.
     pub alpha: f64,
 }
 
@@ -193,7 +196,7 @@ fn parts(
     }
     let reader = BandNorms::new(decomposer);
     let part = |level: usize| {
-        let norms = reader.norms(&bands.wavelet[level - 1], bands.n_channels);
+        let mut norms = reader.norms(&bands.wavelet[level - 1], bands.n_channels);
         let (mean, max) = (reader.mean(&norms), reader.max(&norms));
         let alpha = match params.weighting {
             Weighting::PerLevel => (max - mean).powi(2),
@@ -201,9 +204,32 @@ fn parts(
             // A level without any response adds nothing.
             Weighting::Normalised if mean == 0.0 => 0.0,
             Weighting::Normalised => 1.0 / mean,
-            Weighting::Uniform => 1.0,
+            Weighting::Ranks | Weighting::Uniform => 1.0,
         };
+        if params.weighting == Weighting::Ranks {
+            ranks(&mut norms);
+        }
         Part { level: SaliencyLevel { level, sigma: bands.sigma[level], mean, max, alpha }, norms }
     };
     Ok((skip + 1..=n_levels).map(part).collect())
+}
+
+/// Replaces each value by the share of the others that are smaller, equal ones counting half; NaN stays.
+fn ranks(values: &mut [f64]) {
+    let mut order: Vec<u32> = (0..values.len() as u32).filter(|&x| !values[x as usize].is_nan()).collect();
+    order.par_sort_unstable_by(|&a, &b| values[a as usize].total_cmp(&values[b as usize]));
+    // One vertex alone stands out from nobody.
+    let others = order.len().saturating_sub(1).max(1) as f64;
+    let mut share = vec![f64::NAN; values.len()];
+    let mut smaller = 0;
+    for equal in order.chunk_by(|&a, &b| values[a as usize] == values[b as usize]) {
+        for &x in equal {
+            share[x as usize] = (smaller as f64 + 0.5 * (equal.len() - 1) as f64) / others;
+        }
+        smaller += equal.len();
+    }
+    // What does not respond at all does not stand out either, however many are like it.
+    for (value, share) in values.iter_mut().zip(share) {
+        *value = if *value == 0.0 { 0.0 } else { share };
+    }
 }

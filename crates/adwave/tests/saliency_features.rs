@@ -23,8 +23,8 @@ const COMMUTES: f64 = 1e-6;
 
 const RESPONSES: [Response; 4] =
     [Response::Normalised, Response::Literal, Response::Channels, Response::Sigma];
-const WEIGHTINGS: [Weighting; 4] =
-    [Weighting::PerLevel, Weighting::AsPrinted, Weighting::Normalised, Weighting::Uniform];
+const WEIGHTINGS: [Weighting; 5] =
+    [Weighting::PerLevel, Weighting::AsPrinted, Weighting::Normalised, Weighting::Ranks, Weighting::Uniform];
 
 fn mesh(points: Vec<[f64; 3]>, faces: Polygons) -> Shape {
     Shape::Mesh(Mesh::new(points, faces).unwrap())
@@ -233,11 +233,16 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
         assert_eq!((level.level, level.sigma), (4, bands.sigma[4]));
         let w = &bands.wavelet[3];
         let norm = |x: usize| w[3 * x..3 * x + 3].iter().map(|v| v * v).sum::<f64>().sqrt();
+        if weighting == Weighting::Ranks {
+            let below = (0..map.len()).filter(|&x| norm(x) < norm(5)).count();
+            assert!((map[5] - below as f64 / (map.len() - 1) as f64).abs() < ROUNDING);
+            continue;
+        }
         let alpha = match weighting {
             Weighting::PerLevel => (level.max - level.mean).powi(2),
             Weighting::AsPrinted => (level.max - norm(5)).powi(2),
             Weighting::Normalised => 1.0 / level.mean,
-            Weighting::Uniform => 1.0,
+            Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         assert!((map[5] - alpha * norm(5)).abs() <= ROUNDING * map[5].abs());
     }

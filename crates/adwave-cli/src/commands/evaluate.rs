@@ -5,7 +5,7 @@ use crate::analysis_args::EvaluateArgs;
 use crate::args::GlobalArgs;
 use crate::error::CliError;
 use crate::interrupt::STOP;
-use crate::output::{bands_params, number, print, table};
+use crate::output::{bands_params, print, table};
 use crate::shape_input::Input;
 use crate::signal;
 use adwave::bands::Schedule;
@@ -18,6 +18,7 @@ use adwave::saliency::saliency;
 use adwave::{Decomposer, Progress};
 use adwave_io::ShapeFile;
 use serde_json::{Value, json};
+use std::fmt::Write;
 
 pub(crate) fn run(args: &EvaluateArgs, global: &GlobalArgs) -> Result<(), CliError> {
     args.detect.params().check().map_err(CliError::input)?;
@@ -64,8 +65,8 @@ fn against(
     text += &table(
         ["map", "AUC", "NSS", "correlation", "without centre"],
         rows.iter().map(|(name, a)| {
-            let [auc, nss, cc, partial] =
-                [a.auc, a.nss, a.correlation, a.partial_correlation].map(|v| format!("{v:.3}"));
+            let [auc, nss, cc, partial] = [a.auc, a.nss, a.correlation, a.partial_correlation]
+                .map(|v| if v.is_nan() { "-".to_owned() } else { format!("{v:.3}") });
             [name.clone(), auc, nss, cc, partial]
         }),
     );
@@ -145,8 +146,11 @@ fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatab
     let levels: Vec<usize> =
         rows.first().map(|(_, levels)| levels.iter().map(|l| l.level).collect()).unwrap_or_default();
     let line = |name: &str, cells: &[String]| {
-        let cells: String = cells.iter().map(|c| format!("{c:>9}")).collect();
-        format!("  {name:<18}{cells}\n")
+        let mut line = format!("  {name:<18}");
+        for cell in cells {
+            let _ = write!(line, "{cell:>9}");
+        }
+        line + "\n"
     };
     let heads = levels.iter().map(|l| format!("level {l}")).chain(["all", "4 up"].map(str::to_owned));
     text += &line("", &heads.collect::<Vec<_>>());
@@ -154,9 +158,9 @@ fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatab
         let share = |from: usize| {
             let kept = levels.iter().filter(|l| l.level >= from);
             let (n, of) = kept.fold((0, 0), |(n, of), l| (n + l.n_found, of + l.n_reference));
-            if of == 0 { "-".to_owned() } else { number(n as f64 / of as f64) }
+            if of == 0 { "-".to_owned() } else { format!("{:.2}", n as f64 / of as f64) }
         };
-        let cells = levels.iter().map(|l| number(l.share())).chain([share(0), share(4)]);
+        let cells = levels.iter().map(|l| format!("{:.2}", l.share())).chain([share(0), share(4)]);
         text += &line(name, &cells.collect::<Vec<_>>());
     }
     text

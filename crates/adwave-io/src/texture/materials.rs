@@ -92,7 +92,7 @@ mod tests {
             ("-o 0.5 wood.png", "wood.png"),
             ("-bm 0.3 -mm 0 1 a/b.jpg", "a/b.jpg"),
             ("-blendu off wood-2.png", "wood-2.png"),
-            ("-", "-"),
+            ("-", ""),
         ] {
             assert_eq!(without_options(text), name, "{text}");
         }

@@ -1,10 +1,16 @@
 //! Normals of a point cloud, oriented alike.
 
 use crate::shape::{Adjacency, Neighbourhoods};
+use crate::signal::Frame;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::f64::consts::{PI, TAU};
+
+/// The angle between one neighbour and the next, seen from a point, at which it lies on the border: 180° on a straight one,
+/// 90° at a corner from inside, about 60° at most within an even cloud of ten neighbours.
+const BORDER_GAP: f64 = 0.75 * PI;
 
 /// Unit normals of a cloud: of the plane that fits each point's neighbourhood best; zero where all its neighbours coincide
 /// with it. O(n k log n).
@@ -40,6 +46,26 @@ fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
     let covariance = offsets.fold(spread(Matrix3::zeros(), Vector3::zeros()), spread);
     let eigen = covariance.symmetric_eigen();
     eigen.eigenvectors.column(eigen.eigenvalues.imin()).normalize()
+}
+
+/// The points on the border of a cloud: those whose neighbours leave a gap of 135° or more in the plane that fits them best,
+/// or that have none; by rising index. O(n k).
+///
+/// Source: the angle criterion of Bendels, Schnabel and Klein, "Detecting holes in point set surfaces", 2006.
+pub(crate) fn cloud_border(points: &[[f64; 3]], neighbours: &Adjacency) -> Vec<usize> {
+    let is_border = |x: &usize| {
+        let normal = plane_normal(points, neighbours.of(*x), *x);
+        if normal == Vector3::zeros() {
+            return true;
+        }
+        let frame = Frame::new(points[*x], normal);
+        let local = neighbours.of(*x).iter().map(|&y| frame.local(&points[y as usize]));
+        let mut angles: Vec<f64> = local.map(|p| p.y.atan2(p.x)).collect();
+        angles.sort_unstable_by(f64::total_cmp);
+        let round = angles[0] + TAU - angles[angles.len() - 1];
+        angles.windows(2).map(|pair| pair[1] - pair[0]).fold(round, f64::max) > BORDER_GAP
+    };
+    (0..points.len()).into_par_iter().with_min_len(256).filter(is_border).collect()
 }
 
 /// A step of the tree, the one between the most similar planes first, then by the points' order.

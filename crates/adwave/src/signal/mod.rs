@@ -9,6 +9,7 @@ mod luminance;
 mod mesh_curvature;
 mod quadric;
 
+pub(crate) use cloud_normals::cloud_border;
 pub use cloud_normals::cloud_normals;
 pub use curvature::Curvature;
 pub use luminance::{lightness, luminance};

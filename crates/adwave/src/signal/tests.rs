@@ -131,6 +131,17 @@ fn normals_of_a_cloud_point_out_of_a_closed_surface() {
 }
 
 #[test]
+fn the_border_of_a_cloud_is_its_rim() {
+    let grid: Vec<[f64; 3]> = (0..900).map(|i| [f64::from(i % 30), f64::from(i / 30), 0.0]).collect();
+    let near = nearest_neighbours(&grid, 10).adjacency;
+    let expected: Vec<usize> =
+        (0..900).filter(|&i| [i % 30, i / 30].iter().any(|&k| k == 0 || k == 29)).collect();
+    assert_eq!(cloud_border(&grid, &near), expected);
+    let sphere = Sample::by_name("sphere", Some(2000)).unwrap().points;
+    assert_eq!(cloud_border(&sphere, &nearest_neighbours(&sphere, 10).adjacency), Vec::<usize>::new());
+}
+
+#[test]
 fn degenerate_shapes_give_finite_signals_and_graphs_an_error() {
     let clouds = [
         vec![[1.0, 2.0, 3.0]],
