@@ -61,6 +61,19 @@ impl Adjacency {
         &self.neighbours[self.offsets[x]..self.offsets[x + 1]]
     }
 
+    /// The same lists without some vertices: they name nobody and are not named.
+    pub(crate) fn without(&self, left_out: &[bool]) -> Self {
+        Self::from_rows(
+            self.n_vertices(),
+            || (),
+            |(), x, out| {
+                if !left_out[x] {
+                    out.extend(self.of(x).iter().filter(|&&y| !left_out[y as usize]));
+                }
+            },
+        )
+    }
+
     /// The symmetric closure: `y` is a neighbour of `x` when either named the other.
     pub(crate) fn union_with_transpose(&self) -> Self {
         let transpose = incidence(

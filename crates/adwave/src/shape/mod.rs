@@ -18,6 +18,7 @@ mod surface;
 mod triangulate;
 mod weld;
 
+pub(crate) use adjacency::triangles_at_vertices;
 pub use adjacency::{Adjacency, k_rings, n_components, one_ring};
 pub(crate) use area::mean_edge_length;
 pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
