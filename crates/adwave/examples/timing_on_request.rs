@@ -155,7 +155,8 @@ fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
     let start = Instant::now();
     let params = params(accuracy);
     let added =
-        weighted_bands(&subject.diffusion, weld, signal, 3, &schedule, &factors, &params, Progress::none())?.0;
+        weighted_bands(&subject.diffusion, weld, signal, 3, &schedule, &factors, &params, Progress::none())?
+            .0;
     let filtered: Vec<f64> = signal.iter().zip(&added).map(|(f, w)| f + w).collect();
     let seconds = start.elapsed().as_secs_f64();
     Ok(format!(r#"{{"seconds":{seconds},"n":{}}}"#, filtered.len()))
@@ -178,7 +179,7 @@ fn wavelet(subject: &Subject, vertex: usize, level: u32, folder: Option<&str>) -
 }
 
 /// 24 bytes an element over arrays far larger than the caches, the least of several calls.
-fn triad() -> Answer {
+fn triad() -> String {
     const LEN: usize = 1 << 24;
     let (b, c) = (vec![1.0_f64; LEN], vec![2.0_f64; LEN]);
     let mut a = vec![0.0_f64; LEN];
@@ -195,17 +196,17 @@ fn triad() -> Answer {
     }
     assert_eq!(a[LEN / 2], 7.0);
     let threads = rayon::current_num_threads();
-    Ok(format!(r#"{{"bytes_per_second":{},"threads":{threads}}}"#, 24.0 * LEN as f64 / least))
+    format!(r#"{{"bytes_per_second":{},"threads":{threads}}}"#, 24.0 * LEN as f64 / least)
 }
 
-fn product(subject: &Subject, out: &mut Vec<f64>) -> Answer {
+fn product(subject: &Subject, out: &mut Vec<f64>) -> String {
     out.resize(subject.signal().len(), 0.0);
     let start = Instant::now();
     apply(&subject.diffusion, subject.signal(), out, 3);
     let seconds = start.elapsed().as_secs_f64();
     // Weights, columns, row ends; the signal in and out.
     let bytes = 12 * subject.diffusion.weights().len() + 8 * subject.n() + 48 * subject.n();
-    Ok(format!(r#"{{"seconds":{seconds},"bytes":{bytes}}}"#))
+    format!(r#"{{"seconds":{seconds},"bytes":{bytes}}}"#)
 }
 
 /// A number of kilobytes from `/proc/self/status`, in bytes.
@@ -288,11 +289,9 @@ fn answer<'a>(subject: &'a Subject, kept: &mut Kept<'a>, words: &[&str]) -> Answ
         }
         ["filter", levels, accuracy] => filter(subject, levels.parse()?, accuracy.parse()?),
         ["wavelet", vertex, level] => wavelet(subject, vertex.parse()?, level.parse()?, None),
-        ["wavelet", vertex, level, folder] => {
-            wavelet(subject, vertex.parse()?, level.parse()?, Some(folder))
-        }
-        ["triad"] => triad(),
-        ["product"] => product(subject, &mut kept.product),
+        ["wavelet", vertex, level, folder] => wavelet(subject, vertex.parse()?, level.parse()?, Some(folder)),
+        ["triad"] => Ok(triad()),
+        ["product"] => Ok(product(subject, &mut kept.product)),
         ["memory", levels, accuracy, channels] => {
             kept.transforms.clear();
             memory(subject, levels.parse()?, accuracy.parse()?, channels.parse()?)
@@ -310,7 +309,8 @@ fn answer<'a>(subject: &'a Subject, kept: &mut Kept<'a>, words: &[&str]) -> Answ
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args().nth(1).ok_or("usage: timing_on_request FOLDER, then requests line by line")?;
+    let folder =
+        std::env::args().nth(1).ok_or("usage: timing_on_request FOLDER, then requests line by line")?;
     let (subject, seconds) = Subject::read(folder.as_ref())?;
     println!(
         r#"{{"n":{},"nnz":{},"operator_seconds":{seconds},"walk_bytes":{}}}"#,
