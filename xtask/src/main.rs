@@ -1,5 +1,6 @@
 //! What `cargo xtask …` does: the checks and measurements of the project, each by one command on a bare machine.
 
+mod peers;
 mod python;
 
 use std::ffi::OsStr;
@@ -11,6 +12,8 @@ usage: cargo xtask COMMAND
 
   test      format, lints, unit, property, documentation and command-line tests: all that must pass
   oracle    compare the bands with SciPy's, on built-in shapes and on ../shared/data where it is there
+  bench-peers [--models DIR] [--only PART]
+            time other programs and ours on the same operators and write docs/PERFORMANCE.md
 
 Python packages go into an environment of their own below target/; nothing is installed elsewhere.";
 
@@ -22,6 +25,7 @@ fn main() -> ExitCode {
     let outcome = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
         ["oracle"] => oracle(),
+        ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             Ok(())
