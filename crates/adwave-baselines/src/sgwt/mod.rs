@@ -1,0 +1,207 @@
+//! Spectral graph wavelets: kernels of the graph Laplacian, by polynomials or exactly.
+//!
+//! Hammond, Vandergheynst & Gribonval, "Wavelets on graphs via spectral graph theory", Applied and Computational Harmonic
+//! Analysis 30, 2011.
+//!
+//! ```text
+//! c_i = g_i(L) f,   A‖f‖² ≤ Σ_i ‖c_i‖² ≤ B‖f‖²,   f = (Σ_i g_i(L)²)⁻¹ Σ_i g_i(L) c_i
+//! ```
+//! Where they win: the kernel is free, a tight frame keeps energies, and any weighted graph will do. Where they do not:
+//! λ_max scales all kernels, so that scales are those of the mesh; the inverse is an iteration unless the frame is tight;
+//! a sharp kernel needs a high degree and is not local.
+
+mod chebyshev;
+mod exact;
+mod kernels;
+
+pub(crate) use chebyshev::apply as apply_polynomials;
+pub use chebyshev::{Polynomial, fit};
+pub use exact::ExactFrame;
+pub use kernels::{KernelFamily, Kernels};
+
+use crate::linalg::{CgInfo, LinalgError, SymmetricMatrix, conjugate_gradients};
+use adwave::Progress;
+use thiserror::Error;
+
+/// Why a frame cannot be built or applied.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SgwtError {
+    /// The linear algebra failed.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+    /// Too few kernels, or too many.
+    #[error("{got} kernels; take {least} to {most}")]
+    Kernels {
+        /// Asked for.
+        got: usize,
+        /// The fewest.
+        least: usize,
+        /// The most.
+        most: usize,
+    },
+    /// The accuracy cannot be reached.
+    #[error(
+        "kernel {kernel} is known to {error:e} only by a polynomial of degree {degree}; {accuracy:e} was asked for, so allow a larger error or take smoother kernels"
+    )]
+    Accuracy {
+        /// The kernel.
+        kernel: usize,
+        /// The largest degree tried.
+        degree: usize,
+        /// Its error.
+        error: f64,
+        /// What was asked for.
+        accuracy: f64,
+    },
+    /// A signal or a list of coefficients has the wrong length.
+    #[error("{got} values were given where {expected} are needed")]
+    Length {
+        /// How many are needed.
+        expected: usize,
+        /// How many were given.
+        got: usize,
+    },
+    /// The kernels vanish together somewhere in the spectrum.
+    #[error("the kernels do not form a frame: the lower bound is {0:e}")]
+    NoFrame(f64),
+    /// The graph is too large for the exact method.
+    #[error("{n} vertices are more than the {most} of the exact method; use the polynomials")]
+    TooLarge {
+        /// Number of vertices.
+        n: usize,
+        /// The most.
+        most: usize,
+    },
+}
+
+/// Kernels of a Laplacian, as polynomials of a stated accuracy.
+#[derive(Clone, Debug)]
+pub struct Frame<'a> {
+    laplacian: &'a SymmetricMatrix,
+    /// The kernels.
+    pub kernels: Kernels,
+    /// `p_i ≈ g_i`, all of one degree.
+    pub polynomials: Vec<Polynomial>,
+    /// A and B: the smallest and the largest `Σ p_i(λ)²` for λ in [0, λ_max].
+    pub bounds: (f64, f64),
+}
+
+/// Points of [0, λ_max] at which bounds and errors are taken, for each degree.
+const POINTS_PER_DEGREE: usize = 8;
+
+impl<'a> Frame<'a> {
+    /// The frame of `kernels` on a positive semi-definite `laplacian`, each kernel within `accuracy` on [0, λ_max], so
+    /// that coefficients are within `accuracy·‖f‖`.
+    ///
+    /// # Errors
+    /// [`SgwtError::Accuracy`], [`SgwtError::NoFrame`].
+    ///
+    /// ```
+    /// use adwave::Progress;
+    /// use adwave_baselines::linalg::SymmetricMatrix;
+    /// use adwave_baselines::sgwt::{Frame, KernelFamily, Kernels, largest_eigenvalue};
+    /// let path = SymmetricMatrix::from_halves(2, &[(0, 0, 1.0), (1, 1, 1.0), (0, 1, -1.0)])?;
+    /// let kernels = Kernels::new(KernelFamily::Itersine, 4, largest_eigenvalue(&path))?;
+    /// let frame = Frame::new(&path, kernels, 1e-8)?;
+    /// let c = frame.analyse(&[3.0, -1.0], Progress::none())?;
+    /// let energy: f64 = c.iter().flatten().map(|v| v * v).sum();
+    /// assert!((energy - 10.0).abs() < 1e-6); // a tight frame with A = B = 1
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(laplacian: &'a SymmetricMatrix, kernels: Kernels, accuracy: f64) -> Result<Self, SgwtError> {
+        let polynomials = fit(&kernels, accuracy)?;
+        let degree = polynomials.iter().map(|p| p.coefficients.len()).max().unwrap_or(0);
+        let points = POINTS_PER_DEGREE * degree.max(64);
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        for i in 0..=points {
+            let lambda = kernels.lambda_max * i as f64 / points as f64;
+            let sum: f64 = polynomials.iter().map(|p| p.value(lambda).powi(2)).sum();
+            (low, high) = (low.min(sum), high.max(sum));
+        }
+        if !(low > 0.0 && high.is_finite()) {
+            return Err(SgwtError::NoFrame(low));
+        }
+        Ok(Self { laplacian, kernels, polynomials, bounds: (low, high) })
+    }
+
+    /// `c_i = p_i(L) f`, one list a kernel. One recurrence for all kernels.
+    ///
+    /// # Errors
+    /// [`SgwtError::Length`], when cancelled.
+    pub fn analyse(&self, signal: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, SgwtError> {
+        check(self.laplacian.n(), signal.len())?;
+        Ok(chebyshev::apply(self.laplacian, &self.polynomials, signal, progress)
+            .map_err(LinalgError::from)?)
+    }
+
+    /// `Σ_i p_i(L) c_i`, the adjoint of the analysis.
+    ///
+    /// # Errors
+    /// [`SgwtError::Length`], when cancelled.
+    pub fn adjoint(&self, coefficients: &[Vec<f64>], progress: Progress<'_>) -> Result<Vec<f64>, SgwtError> {
+        check(self.polynomials.len(), coefficients.len())?;
+        for c in coefficients {
+            check(self.laplacian.n(), c.len())?;
+        }
+        Ok(chebyshev::apply_adjoint(self.laplacian, &self.polynomials, coefficients, progress)
+            .map_err(LinalgError::from)?)
+    }
+
+    /// The signal whose coefficients are nearest to these: conjugate gradients on `Σ p_i(L)²`, at most about
+    /// `½√(B/A)·ln(2/tolerance)` of them.
+    ///
+    /// # Errors
+    /// [`SgwtError`] for wrong lengths, no convergence within the cap, or when cancelled.
+    pub fn inverse(
+        &self,
+        coefficients: &[Vec<f64>],
+        tolerance: f64,
+        progress: Progress<'_>,
+    ) -> Result<(Vec<f64>, CgInfo), SgwtError> {
+        let right = self.adjoint(coefficients, progress)?;
+        let square = chebyshev::sum_of_squares(&self.polynomials);
+        let condition = (self.bounds.1 / self.bounds.0).sqrt();
+        let cap = 50 + (condition * (2.0 / tolerance.max(1e-15)).ln()).min(1e5) as usize;
+        let apply = |x: &[f64], y: &mut [f64]| {
+            // Not cancelled inside a step: the solver looks between steps.
+            if let Ok(result) =
+                chebyshev::apply(self.laplacian, std::slice::from_ref(&square), x, Progress::none())
+            {
+                y.copy_from_slice(&result[0]);
+            }
+        };
+        Ok(conjugate_gradients(apply, &right, tolerance, cap, progress)?)
+    }
+}
+
+fn check(expected: usize, got: usize) -> Result<(), SgwtError> {
+    if expected == got { Ok(()) } else { Err(SgwtError::Length { expected, got }) }
+}
+
+/// An upper bound of the largest eigenvalue that is within 1 % on most graphs: the best of Gershgorin's bound and
+/// 1.01 times 200 steps of the power method, where these have settled.
+pub fn largest_eigenvalue(matrix: &SymmetricMatrix) -> f64 {
+    let n = matrix.n();
+    let row_sums = (0..n).map(|x| matrix.row(x).1.iter().map(|a| a.abs()).sum::<f64>());
+    let gershgorin = row_sums.fold(0.0, f64::max);
+    // The golden ratio's multiples have a part in every direction.
+    let mut v: Vec<f64> = (0..n).map(|i| ((i as f64 + 1.0) * 0.618_033_988_749_895).fract() - 0.5).collect();
+    let (mut value, mut settled) = (0.0_f64, false);
+    for _ in 0..200 {
+        let length = v.iter().map(|a| a * a).sum::<f64>().sqrt();
+        if length == 0.0 {
+            return gershgorin;
+        }
+        v.iter_mut().for_each(|a| *a /= length);
+        let next = matrix.product(&v);
+        let rayleigh: f64 = v.iter().zip(&next).map(|(a, b)| a * b).sum();
+        let off: f64 = v.iter().zip(&next).map(|(a, b)| (b - rayleigh * a).powi(2)).sum::<f64>().sqrt();
+        (value, v) = (rayleigh, next);
+        // There is an eigenvalue within `off` of the quotient.
+        settled = off <= 0.005 * rayleigh.abs();
+    }
+    if settled { gershgorin.min(1.01 * value) } else { gershgorin }
+}
+
+#[cfg(test)]
+mod tests;
