@@ -54,7 +54,7 @@ pub(crate) enum Command {
     Transform(TransformArgs),
     /// Change bands, everywhere or by region, and write the shape back with everything its file had
     Filter(FilterArgs),
-    /// Write the scaling function and the wavelet of one vertex
+    /// Write the scaling functions and wavelets: those of one vertex as fields, or all as sparse matrices
     Basis(BasisArgs),
     /// Write a built-in shape
     Sample(SampleArgs),
@@ -162,7 +162,7 @@ pub(crate) struct LevelArgs {
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', help_heading = "Levels", conflicts_with_all = ["levels", "lengths"])]
     pub(crate) steps: Option<Vec<u64>>,
     /// Largest error of a band, relative to the band: 1e-13 to 0.1
-    #[arg(long, value_name = "E", default_value_t = 1e-9, help_heading = "Levels")]
+    #[arg(long, value_name = "E", default_value_t = 1e-10, help_heading = "Levels")]
     pub(crate) accuracy: f64,
     /// Levels of about these widths σ in model units, increasing
     #[arg(
@@ -295,19 +295,30 @@ impl From<PresetArg> for Preset {
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
+With --vertex and --level the output is the shape with the fields phi and psi (.vtp or .ply).
+With --levels it is one file for each matrix, named after OUT: OUT.phi1.npz … OUT.psiJ.npz, for
+scipy.sparse.load_npz, or .mtx. Row x is the function of vertex x. Where vertices were welded the matrices are
+over the welded ones, and OUT.classes.npy tells which is which.
+
 Examples:
   adwave basis bunny.obj --vertex 120 --level 5 -o wavelet.vtp
-  adwave basis sample:sphere --vertex 0 --level 8 -o wavelet.ply")]
+  adwave basis bunny.obj --levels 6 -o bunny.npz")]
 pub(crate) struct BasisArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
     /// The vertex, counted from 0
-    #[arg(long, value_name = "V")]
-    pub(crate) vertex: usize,
-    /// The level, from 1
-    #[arg(long, value_name = "J")]
-    pub(crate) level: usize,
-    /// Where the two functions go, as the fields phi and psi (.npz, .vtp or .ply)
+    #[arg(long, value_name = "V", requires = "level", required_unless_present = "levels")]
+    pub(crate) vertex: Option<usize>,
+    /// Its level, from 1
+    #[arg(long, value_name = "J", requires = "vertex")]
+    pub(crate) level: Option<usize>,
+    /// All vertices, on this many dyadic levels
+    #[arg(long, short = 'j', value_name = "J", conflicts_with = "vertex")]
+    pub(crate) levels: Option<usize>,
+    /// Drop entries of the matrices below this
+    #[arg(long, value_name = "E", default_value_t = 1e-6)]
+    pub(crate) drop_tolerance: f64,
+    /// Where the functions go
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
 }

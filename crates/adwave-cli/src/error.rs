@@ -45,6 +45,15 @@ impl From<adwave::bands::BandsError> for CliError {
     }
 }
 
+impl From<adwave::basis::BasisError> for CliError {
+    fn from(error: adwave::basis::BasisError) -> Self {
+        match error {
+            adwave::basis::BasisError::Cancelled(_) => Self::Cancelled,
+            other => Self::input(other),
+        }
+    }
+}
+
 impl From<adwave::filter::FilterError> for CliError {
     fn from(error: adwave::filter::FilterError) -> Self {
         match error {

@@ -29,8 +29,8 @@ fn main() -> ExitCode {
         Command::Man(args) => commands::shell::man(args),
     });
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(CliError::ClosedPipe) => ExitCode::SUCCESS, // `adwave … | head` has seen what it wanted
+        // With `adwave … | head` the reader has seen what it wanted.
+        Ok(()) | Err(CliError::ClosedPipe) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("adwave: {error}");
             ExitCode::from(error.exit_code())

@@ -43,7 +43,7 @@ pub(crate) fn table<const N: usize>(head: [&str; N], rows: impl IntoIterator<Ite
         column.set_cell_alignment(CellAlignment::Right);
         column.set_padding((0, 2));
     }
-    table.lines().map(|line| format!("  {}\n", line.trim_end())).collect()
+    table.lines().fold(String::new(), |text, line| text + "  " + line.trim_end() + "\n")
 }
 
 /// Four significant digits, in scientific notation where the number is very large or small.
@@ -62,21 +62,25 @@ pub(crate) fn number(value: f64) -> String {
 /// The schedule that the arguments ask for, and why it has as many levels.
 pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
     if let Some(steps) = &args.steps {
-        return Ok((Schedule::new(steps.clone())?, "the steps asked for".to_owned()));
+        let schedule = Schedule::new(steps.clone())?;
+        let why = format!("{} levels, of the steps asked for", schedule.n_levels());
+        return Ok((schedule, why));
     }
     if let Some(lengths) = &args.lengths {
         let schedule = Schedule::lengths(lengths, decomposer.diffusion().step_length())?;
-        return Ok((schedule, "the widths asked for".to_owned()));
+        let why = format!("{} levels, of the widths asked for", schedule.n_levels());
+        return Ok((schedule, why));
     }
     let (levels, why) = match args.levels {
-        Some(levels) => (levels, "the number asked for".to_owned()),
+        Some(levels) => (levels, format!("{levels} levels, the number asked for")),
         None => decomposer.default_levels(),
     };
     match args.voices {
-        Some(voices) => Ok((
-            Schedule::voices(levels, voices)?,
-            format!("{voices} for each octave up to {levels} octaves"),
-        )),
+        Some(voices) => {
+            let schedule = Schedule::voices(levels, voices)?;
+            let why = format!("{} levels, {voices} for each doubling of the steps", schedule.n_levels());
+            Ok((schedule, why))
+        }
         None => Ok((Schedule::dyadic(levels)?, why)),
     }
 }
@@ -123,6 +127,7 @@ pub(crate) fn write_shape(
 }
 
 /// A failed write: the disk's fault or the user's.
+#[expect(clippy::needless_pass_by_value, reason = "for use as map_err(write_error)")]
 pub(crate) fn write_error(error: WriteError) -> CliError {
     let text = error.to_string();
     let mut cause = &error;
@@ -144,7 +149,7 @@ pub(crate) fn bands_params(args: &LevelArgs) -> Result<BandsParams, CliError> {
 }
 
 /// The memory that a new program may take without pushing others out, in bytes, where the system tells.
-fn available_memory() -> Option<u64> {
+pub(crate) fn available_memory() -> Option<u64> {
     let info = std::fs::read_to_string("/proc/meminfo").ok()?;
     kib(info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?)
 }

@@ -80,6 +80,13 @@ fn to_shape(file: &ShapeFile, kind: Option<Kind>) -> Result<Shape, Box<dyn std::
         Kind::Mesh if file.faces().is_empty() => return Err("there are no faces to take it as a mesh".into()),
         Kind::Mesh => Shape::Mesh(Mesh::new(file.points().to_vec(), file.faces().clone())?),
         Kind::Cloud => Shape::Cloud(PointCloud::new(file.points().to_vec())?),
+        Kind::Graph if file.edges().pairs.is_empty() => {
+            let edges: Vec<_> = edges_of_faces(file).into_iter().map(|[a, b]| (a, b, 1.0)).collect();
+            if edges.is_empty() {
+                return Err("there are no edges to take it as a graph".into());
+            }
+            Shape::Graph(Graph::new(file.n_vertices(), &edges)?)
+        }
         Kind::Graph => {
             let edges = file.edges();
             // A matrix that lists both directions has every edge twice; half of each makes the edge.
@@ -89,4 +96,18 @@ fn to_shape(file: &ShapeFile, kind: Option<Kind>) -> Result<Shape, Box<dyn std::
             Shape::Graph(Graph::new(file.n_vertices(), &list)?)
         }
     })
+}
+
+/// The distinct undirected edges of the faces.
+fn edges_of_faces(file: &ShapeFile) -> Vec<[u32; 2]> {
+    let mut edges: Vec<[u32; 2]> = file
+        .faces()
+        .iter()
+        .flat_map(|face| (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]))
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .filter(|[a, b]| a != b)
+        .collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
 }

@@ -18,9 +18,11 @@ pub(crate) struct Signal {
 pub(crate) fn load(input: &Input, name: &str) -> Result<Signal, CliError> {
     let n_vertices = input.shape.n_vertices();
     if name == COORDS {
-        return match input.shape.points() {
-            Some(points) => Ok(Signal { n_channels: 3, values: points.as_flattened().to_vec() }),
-            None => Err(CliError::Input(format!(
+        return match input.file.points() {
+            points if !points.is_empty() => {
+                Ok(Signal { n_channels: 3, values: points.as_flattened().to_vec() })
+            }
+            _ => Err(CliError::Input(format!(
                 "{}: a graph has no coordinates; name a signal with --field FILE.npy",
                 input.name
             ))),

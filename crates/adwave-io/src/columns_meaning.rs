@@ -49,6 +49,7 @@ fn is_unit(v: [f64; 3]) -> bool {
     squared == 0.0 || (squared.sqrt() - 1.0).abs() < UNIT_TOLERANCE
 }
 
-fn is_color_byte(x: f64) -> bool {
+/// Whether it is a whole number that fits a byte.
+pub(crate) fn is_color_byte(x: f64) -> bool {
     (0.0..=255.0).contains(&x) && x.fract() == 0.0
 }

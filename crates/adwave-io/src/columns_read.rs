@@ -4,7 +4,7 @@
 //! An own parser rather than a CSV library: rows here may be separated by any number of blanks and have remarks and
 //! counts between them, and the file must be written again byte for byte.
 
-use crate::columns_meaning::name_columns;
+use crate::columns_meaning::{is_color_byte, name_columns};
 use crate::grouping::group;
 use crate::original::{Original, Separator, TextRows};
 use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
@@ -39,14 +39,21 @@ pub(crate) fn read_columns(
     let columns = [position("x"), position("y"), position("z")];
     let point = |row: &[f64]| columns.map(|c| row[c]);
     let mut shape = ShapeFile::from_cloud(table.values.chunks_exact(k.max(1)).take(n).map(point).collect());
+    let is_color = |c: &usize| {
+        matches!(
+            names[*c].to_ascii_lowercase().as_str(),
+            "red" | "green" | "blue" | "alpha" | "r" | "g" | "b" | "a"
+        )
+    };
+    // All channels alike: bytes only when each is.
+    let is_byte = |c: usize| (0..n).all(|i| is_color_byte(table.values[i * k + c]));
+    let has_bytes = (0..k).filter(is_color).all(is_byte);
     let column = |c: usize| {
-        let values: Vec<f64> = (0..n).map(|i| table.values[i * k + c]).collect();
-        let is_color =
-            matches!(names[c].as_str(), "red" | "green" | "blue" | "alpha" | "r" | "g" | "b" | "a");
-        if is_color && values.iter().all(|x| (0.0..=255.0).contains(x) && x.fract() == 0.0) {
-            return FieldValues::U8(values.iter().map(|&x| x as u8).collect());
+        let values = (0..n).map(|i| table.values[i * k + c]);
+        if is_color(&c) && has_bytes {
+            return FieldValues::U8(values.map(|x| x as u8).collect());
         }
-        FieldValues::F64(values)
+        FieldValues::F64(values.collect())
     };
     let others = (0..k).filter(|c| !columns.contains(c)).map(|c| (names[c].clone(), column(c))).collect();
     shape.vertex_fields = group(others).0;
@@ -111,7 +118,10 @@ fn parse(bytes: &[u8]) -> Result<Table, ReadError> {
         table.separator = separator.unwrap_or(Separator::Blanks);
         row(bytes, &mut table, line, start)?;
     }
-    if table.n_columns > 0 && table.names.len() != table.n_columns {
+    if table.rows.is_empty() {
+        table.n_columns = table.names.len();
+    }
+    if table.names.len() != table.n_columns {
         table.names.clear();
         table.names_line = None;
     }

@@ -43,7 +43,7 @@ pub(crate) fn write_columns_again(
 }
 
 /// Writes points and all vertex fields. Names of columns stand in the first line: of a CSV as they are, of an XYZ
-/// after `#`, and only when there is more than coordinates, so that the simplest readers can read a simple file.
+/// after `#`, and only when there is more than coordinates (or nothing at all), so that the simplest readers can read a simple file.
 pub(crate) fn write_columns(
     shape: &ShapeFile,
     format: Format,
@@ -61,7 +61,7 @@ pub(crate) fn write_columns(
     let names: Vec<String> = shape.vertex_fields.iter().flat_map(column_names).collect();
     if format == Format::Csv {
         writeln!(out, "x,y,z{}", names.iter().map(|n| format!(",{n}")).collect::<String>())?;
-    } else if !names.is_empty() {
+    } else if !names.is_empty() || shape.points.is_empty() {
         writeln!(out, "# x y z{}", names.iter().map(|n| format!(" {n}")).collect::<String>())?;
     }
     if format == Format::Pts {

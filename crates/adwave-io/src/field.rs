@@ -20,20 +20,19 @@ pub enum FieldValues {
 macro_rules! with_values {
     ($values:expr, $name:ident => $body:expr) => {
         match $values {
-            $crate::field::FieldValues::U8($name) => $body,
-            $crate::field::FieldValues::I8($name) => $body,
-            $crate::field::FieldValues::U16($name) => $body,
-            $crate::field::FieldValues::I16($name) => $body,
-            $crate::field::FieldValues::U32($name) => $body,
-            $crate::field::FieldValues::I32($name) => $body,
-            $crate::field::FieldValues::U64($name) => $body,
-            $crate::field::FieldValues::I64($name) => $body,
-            $crate::field::FieldValues::F32($name) => $body,
-            $crate::field::FieldValues::F64($name) => $body,
+            FieldValues::U8($name) => $body,
+            FieldValues::I8($name) => $body,
+            FieldValues::U16($name) => $body,
+            FieldValues::I16($name) => $body,
+            FieldValues::U32($name) => $body,
+            FieldValues::I32($name) => $body,
+            FieldValues::U64($name) => $body,
+            FieldValues::I64($name) => $body,
+            FieldValues::F32($name) => $body,
+            FieldValues::F64($name) => $body,
         }
     };
 }
-pub(crate) use with_values;
 
 /// The type of one number in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -147,7 +146,9 @@ impl FieldValues {
         macro_rules! push_integer {
             ($v:expr, $t:ty) => {{
                 let whole = x as $t;
-                if whole as f64 != x {
+                #[allow(clippy::cast_lossless)] // exact for the narrow types, checked for the wide
+                let back = whole as f64;
+                if back != x {
                     return false;
                 }
                 $v.push(whole);
@@ -287,7 +288,10 @@ impl Field {
     /// # Panics
     /// When `n_channels` is 0 or does not divide the number of values.
     pub fn new(name: impl Into<String>, n_channels: usize, values: FieldValues) -> Self {
-        assert!(n_channels > 0 && values.len() % n_channels == 0, "whole rows of at least one channel");
+        assert!(
+            n_channels > 0 && values.len().is_multiple_of(n_channels),
+            "whole rows of at least one channel"
+        );
         Self { name: name.into(), n_channels, values }
     }
 

@@ -91,7 +91,7 @@ fn unique(fields: &[Field], name: String) -> String {
     if !taken(&name) {
         return name;
     }
-    (2_usize..).map(|n| format!("{name}_{n}")).find(|name| !taken(name)).unwrap_or(name)
+    (2..=fields.len() + 2).map(|n| format!("{name}_{n}")).find(|name| !taken(name)).unwrap_or(name)
 }
 
 /// The column names that a field is written with, one a channel; the inverse of [`group`].

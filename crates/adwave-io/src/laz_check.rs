@@ -1,8 +1,10 @@
 //! Unpacking the records of a LAZ with the library `laz`, which reserves what sizes in the file say and panics on
 //! some broken files: the sizes are checked here first, and a panic becomes an error.
 
+use std::cell::Cell;
 use std::io::{Cursor, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Once;
 
 use crate::ReadError;
 use crate::las_read::Header;
@@ -39,13 +41,38 @@ pub(crate) fn unpack(bytes: &[u8], header: &Header, description: &[u8]) -> Resul
         return Ok(Vec::new());
     }
     check(bytes, header, description).map_err(|what| broken(header, what))?;
-    let unpacked = catch_unwind(AssertUnwindSafe(|| unpack_checked(bytes, header, description)));
+    let unpacked = quietly(|| unpack_checked(bytes, header, description));
     match unpacked {
         Ok(Ok(points)) => Ok(points),
         Ok(Err(what)) => Err(broken(header, &what)),
         Err(_) => Err(broken(header, "its parts contradict each other")),
     }
 }
+
+thread_local! {
+    static IS_QUIET: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Catches a panic, and keeps its message from the terminal: the error says enough. Panics elsewhere are reported as
+/// before.
+fn quietly<T>(run: impl FnOnce() -> T) -> std::thread::Result<T> {
+    static FILTER: Once = Once::new();
+    FILTER.call_once(|| {
+        let usual = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if !IS_QUIET.get() {
+                usual(panic);
+            }
+        }));
+    });
+    IS_QUIET.set(true);
+    let outcome = catch_unwind(AssertUnwindSafe(run));
+    IS_QUIET.set(false);
+    outcome
+}
+
+/// Points unpacked at a time.
+const STEP: u64 = 1 << 16;
 
 fn unpack_checked(bytes: &[u8], header: &Header, description: &[u8]) -> Result<Vec<u8>, String> {
     let one_line = |e: &dyn std::fmt::Display| e.to_string().replace('\n', " ");
@@ -54,7 +81,6 @@ fn unpack_checked(bytes: &[u8], header: &Header, description: &[u8]) -> Result<V
     source.seek(SeekFrom::Start(header.points_start as u64)).map_err(|e| one_line(&e))?;
     let mut decompressor = laz::LasZipDecompressor::new(source, description).map_err(|e| one_line(&e))?;
     // Grown step by step: the number of points is only a promise.
-    const STEP: u64 = 1 << 16;
     let mut points = Vec::new();
     let mut left = header.n_points;
     while left > 0 {

@@ -66,7 +66,7 @@ mod tests {
     fn a_bomb_stops_at_the_limit() {
         let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
         for _ in 0..64 {
-            gz.write_all(&[b' '; 1 << 16]).unwrap();
+            gz.write_all(&vec![b' '; 1 << 16]).unwrap();
         }
         let bomb = gz.finish().unwrap();
         let limits = ReadLimits { max_bytes: 1 << 20, ..ReadLimits::default() };

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::text::push_f64;
+use crate::text::{push_f32, push_f64};
 use crate::{Direction, Format, ShapeFile, WriteError, WriteReport, atomic_write};
 
 /// Writes the edges as a matrix, with their weights if they have some.
@@ -32,17 +32,24 @@ pub(crate) fn write_mtx(
     for (e, &[a, b]) in edges.pairs.iter().enumerate() {
         // A symmetric matrix is written by its lower half.
         let (row, column) = if edges.direction == Direction::Both { (a.max(b), a.min(b)) } else { (a, b) };
-        write_entry(out, row, column, edges.weights.get(e).copied())?;
+        write_entry(out, row, column, |line| {
+            if let Some(&weight) = edges.weights.get(e) {
+                line.push(b' ');
+                push_f64(line, weight);
+            }
+        })?;
     }
     Ok(())
 }
 
-fn write_entry(out: &mut dyn Write, row: u32, column: u32, value: Option<f64>) -> io::Result<()> {
+fn write_entry(
+    out: &mut dyn Write,
+    row: u32,
+    column: u32,
+    write_value: impl FnOnce(&mut Vec<u8>),
+) -> io::Result<()> {
     let mut line = format!("{} {}", u64::from(row) + 1, u64::from(column) + 1).into_bytes();
-    if let Some(value) = value {
-        line.push(b' ');
-        push_f64(&mut line, value);
-    }
+    write_value(&mut line);
     line.push(b'\n');
     out.write_all(&line)
 }
@@ -57,7 +64,38 @@ pub struct CompressedRows<'a> {
     /// The column of each entry.
     pub indices: &'a [u32],
     /// The value of each entry.
-    pub values: &'a [f64],
+    pub values: MatrixValues<'a>,
+}
+
+/// The values of a matrix, borrowed.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)] // the names are the types
+pub enum MatrixValues<'a> {
+    F32(&'a [f32]),
+    F64(&'a [f64]),
+}
+
+impl MatrixValues<'_> {
+    /// How many values there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(v) => v.len(),
+            Self::F64(v) => v.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Writes value `i` as text: the shortest decimal that reads back to the same value of its type.
+    fn write_text(&self, i: usize, out: &mut Vec<u8>) {
+        match self {
+            Self::F32(v) => push_f32(out, v[i]),
+            Self::F64(v) => push_f64(out, v[i]),
+        }
+    }
 }
 
 impl CompressedRows<'_> {
@@ -77,7 +115,10 @@ pub fn write_matrix_market(path: &std::path::Path, matrix: &CompressedRows<'_>) 
         writeln!(out, "%%MatrixMarket matrix coordinate real general\n{n_rows} {n_columns} {n}")?;
         for row in 0..n_rows {
             for entry in matrix.offsets[row]..matrix.offsets[row + 1] {
-                write_entry(out, row as u32, matrix.indices[entry], Some(matrix.values[entry]))?;
+                write_entry(out, row as u32, matrix.indices[entry], |line| {
+                    line.push(b' ');
+                    matrix.values.write_text(entry, line);
+                })?;
             }
         }
         Ok(())

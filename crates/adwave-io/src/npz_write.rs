@@ -1,11 +1,11 @@
 //! NumPy's `.npy` and `.npz`, and sparse matrices as SciPy reads them.
 
-use std::io::{BufWriter, Seek, Write};
+use std::io::{Seek, Write};
 use std::path::Path;
 
-use zip::write::{SimpleFileOptions, ZipWriter};
+use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
 
-use crate::mtx_write::CompressedRows;
+use crate::mtx_write::{CompressedRows, MatrixValues};
 use crate::{WriteError, atomic_write};
 
 /// Whether arrays are compressed.
@@ -145,6 +145,10 @@ pub struct NpzWriter<W: Write + Seek> {
 impl<W: Write + Seek> NpzWriter<W> {
     /// An archive without arrays.
     pub fn new(out: W, compression: Compression) -> Self {
+        Self::with_zip(ZipWriter::new(out), compression)
+    }
+
+    fn with_zip(zip: ZipWriter<W>, compression: Compression) -> Self {
         let method = match compression {
             Compression::Stored => zip::CompressionMethod::Stored,
             Compression::Deflated => zip::CompressionMethod::Deflated,
@@ -154,7 +158,7 @@ impl<W: Write + Seek> NpzWriter<W> {
             .compression_method(method)
             .large_file(true)
             .last_modified_time(zip::DateTime::default());
-        Self { zip: ZipWriter::new(out), options }
+        Self { zip, options }
     }
 
     /// Adds an array of the given shape, last index fastest.
@@ -218,23 +222,27 @@ pub fn write_sparse_npz(
         }
         npz.add("format", &[], ArrayValues::Text("csr"))?;
         npz.add("shape", &[2], ArrayValues::Usize(&shape))?;
-        npz.add("data", &[n], ArrayValues::F64(matrix.values))
+        npz.add(
+            "data",
+            &[n],
+            match matrix.values {
+                MatrixValues::F32(values) => ArrayValues::F32(values),
+                MatrixValues::F64(values) => ArrayValues::F64(values),
+            },
+        )
     })
 }
 
-/// The archive needs to go back in its file, which a writer of bytes alone cannot; so it is put together in a
-/// nameless file first.
+/// Written as a stream, without going back: the target may be a pipe.
 fn write_archive(
     path: &Path,
     compression: Compression,
-    add: impl FnOnce(&mut NpzWriter<BufWriter<std::fs::File>>) -> Result<(), WriteError>,
+    add: impl FnOnce(&mut NpzWriter<StreamWriter<&mut dyn Write>>) -> Result<(), WriteError>,
 ) -> Result<(), WriteError> {
     atomic_write(path, |out| {
-        let mut npz = NpzWriter::new(BufWriter::new(tempfile::tempfile()?), compression);
+        let mut npz = NpzWriter::with_zip(ZipWriter::new_stream(out), compression);
         add(&mut npz)?;
-        let mut file = npz.finish()?.into_inner().map_err(std::io::IntoInnerError::into_error)?;
-        file.rewind()?;
-        std::io::copy(&mut file, out)?;
+        npz.finish()?.into_inner().flush()?;
         Ok(())
     })
 }

@@ -1,7 +1,7 @@
 //! The colours, normals and texture coordinates of an OBJ as fields of its vertices, where each vertex has one.
 
-use crate::obj_read::{NONE, Piece, face_index_error};
-use crate::{Field, FieldValues, ReadError, ShapeFile};
+use crate::obj_read::{NONE, Piece};
+use crate::{Field, FieldValues, ShapeFile};
 
 /// For each corner of each face the index of its texture coordinate and normal, or [`NONE`]; empty when none has.
 pub(crate) struct CornerIndices {
@@ -10,19 +10,19 @@ pub(crate) struct CornerIndices {
 }
 
 impl CornerIndices {
-    /// Joins the lists of the pieces and checks that every index is there.
-    pub(crate) fn join(pieces: &mut [Piece], n_corners: usize, bytes: &[u8]) -> Result<Self, ReadError> {
+    /// Joins the lists of the pieces. An index of nothing becomes [`NONE`]: files name normals that they do not have,
+    /// and their faces are sound all the same.
+    pub(crate) fn join(pieces: &mut [Piece], n_corners: usize) -> Self {
         let n_texcoords = pieces.iter().map(|p| p.texcoords.len()).sum();
         let n_normals = pieces.iter().map(|p| p.normals.len()).sum();
-        let texcoords = join_list(pieces, n_corners, |p| &mut p.corner_texcoords);
-        let normals = join_list(pieces, n_corners, |p| &mut p.corner_normals);
-        for (list, n, part) in [(&texcoords, n_texcoords, 1), (&normals, n_normals, 2)] {
-            if let Some(at) = list.iter().position(|&i| i != NONE && i as usize >= n) {
-                let (face, corner) = locate(pieces, at);
-                return Err(face_index_error(bytes, face, corner, part, n));
+        let mut texcoords = join_list(pieces, n_corners, |p| &mut p.corner_texcoords);
+        let mut normals = join_list(pieces, n_corners, |p| &mut p.corner_normals);
+        for (list, n) in [(&mut texcoords, n_texcoords), (&mut normals, n_normals)] {
+            for index in list.iter_mut().filter(|i| **i as usize >= n) {
+                *index = NONE;
             }
         }
-        Ok(Self { texcoords, normals })
+        Self { texcoords, normals }
     }
 }
 
@@ -38,18 +38,6 @@ fn join_list(pieces: &mut [Piece], n_corners: usize, list: fn(&mut Piece) -> &mu
         all.append(&mut own);
     }
     all
-}
-
-/// The face, and the corner in it, that corner `at` of the file is.
-fn locate(pieces: &[Piece], at: usize) -> (usize, usize) {
-    let mut left = at;
-    for (face, &size) in pieces.iter().flat_map(|p| &p.face_sizes).enumerate() {
-        if left < size as usize {
-            return (face, left);
-        }
-        left -= size as usize;
-    }
-    (0, 0)
 }
 
 /// Adds the fields, and names what has several values at one vertex.

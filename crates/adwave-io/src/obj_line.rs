@@ -87,7 +87,7 @@ pub(crate) fn parse_line(piece: &mut Piece, line: &Line<'_>) -> Result<(), Wrong
             piece.n_texcoord_channels = piece.n_texcoord_channels.max(n);
             piece.texcoords.push(texcoord);
         }
-        b"f" | b"fo" => face(piece, &mut cursor).map_err(wrong)?,
+        b"f" => face(piece, &mut cursor).map_err(wrong)?,
         b"l" => polyline(piece, &mut cursor).map_err(wrong)?,
         b"p" => piece.has_points_elements = true,
         b"g" | b"o" | b"s" | b"mg" => piece.has_groups = true,

@@ -26,6 +26,7 @@ pub(crate) enum Kind {
 
 /// What one piece of the file holds.
 #[derive(Default)]
+#[allow(clippy::struct_excessive_bools)] // one for each kind of statement that is only kept as text
 pub(crate) struct Piece {
     pub(crate) points: Vec<[f64; 3]>,
     /// How many `points` there are, also when they are moved out.
@@ -69,7 +70,10 @@ fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
     let mut pieces = Vec::new();
     let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     while start < bytes.len() {
-        let mut end = logical_end(bytes, (start + PIECE).min(bytes.len()).max(start));
+        // From the start of a line, where it can be seen whether it is a comment.
+        let middle = (start + PIECE).min(bytes.len());
+        let line = memchr::memrchr(b'\n', &bytes[start..middle]).map_or(start, |n| start + n + 1);
+        let mut end = logical_end(bytes, line);
         end = (end + 1).min(bytes.len());
         pieces.push((start, end));
         start = end;
@@ -78,7 +82,12 @@ fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
 }
 
 /// The line feed that ends the line at `position`, lines continued by `\` taken together; or the end of the bytes.
+/// A comment is not continued: those that end in `\` end in the name of a folder.
 fn logical_end(bytes: &[u8], mut position: usize) -> usize {
+    let first = bytes[position..].iter().find(|&&b| !is_blank(b));
+    if first == Some(&b'#') {
+        return crate::text::line_end(bytes, position);
+    }
     loop {
         let end = crate::text::line_end(bytes, position);
         let mut last = end;
@@ -140,7 +149,7 @@ fn join(bytes: Vec<u8>, mut pieces: Vec<Piece>, limits: &ReadLimits) -> Result<S
     check_edges(&bytes, &edges, n_vertices)?;
     let (pairs, _) = edges.as_chunks::<2>();
     shape.edges = Edges { pairs: pairs.to_vec(), weights: Vec::new(), direction: Direction::Both };
-    let indices = CornerIndices::join(&mut pieces, n_corners, &bytes)?;
+    let indices = CornerIndices::join(&mut pieces, n_corners);
     attach(&mut shape, &mut pieces, &indices);
     for (has, what) in [
         (pieces.iter().any(|p| p.has_groups), "groups, objects and smoothing groups"),
@@ -174,9 +183,7 @@ fn resolve_relative(pieces: &mut [Piece]) {
                 Kind::Normal => (n_normals, &mut piece.corner_normals),
                 Kind::EdgeEnd => (n_points, &mut piece.edges),
             };
-            // `NONE` for a texture coordinate or normal would read as "not given".
-            let missing = if matches!(kind, Kind::Vertex | Kind::EdgeEnd) { NONE } else { NONE - 1 };
-            list[at] = u32::try_from(base + local).unwrap_or(missing);
+            list[at] = u32::try_from(base + local).unwrap_or(NONE);
         }
         n_points += piece.n_points as i64;
         n_texcoords += piece.texcoords.len() as i64;
@@ -190,35 +197,20 @@ fn check_faces(bytes: &[u8], faces: &Polygons, n_vertices: usize) -> Result<(), 
     }
     let face = faces.iter().position(|f| f.iter().any(|&c| c as usize >= n_vertices)).unwrap_or(0);
     let corner = faces.get(face).iter().position(|&c| c as usize >= n_vertices).unwrap_or(0);
-    Err(face_index_error(bytes, face, corner, 0, n_vertices))
+    Err(face_index_error(bytes, face, corner, n_vertices))
 }
 
 /// The error for a corner's index: the line is looked for only now, so that reading need not keep it.
-pub(crate) fn face_index_error(
-    bytes: &[u8],
-    face: usize,
-    corner: usize,
-    part: usize,
-    n_vertices: usize,
-) -> ReadError {
-    let (position, word) = statements(bytes, b"f").nth(face).map_or((0, &b""[..]), |(position, line)| {
-        (position, crate::obj_line::words(line).nth(corner + 1).unwrap_or(b""))
-    });
-    let number = word.split(|&b| b == b'/').nth(part).unwrap_or(b"");
+fn face_index_error(bytes: &[u8], face: usize, corner: usize, n_vertices: usize) -> ReadError {
+    let (position, line) = statements(bytes, b"f").nth(face).unwrap_or((0, b""));
+    let word = crate::obj_line::words(line).nth(corner + 1).unwrap_or(b"");
+    let number = word.split(|&b| b == b'/').next().unwrap_or(b"");
     let index = std::str::from_utf8(number).ok().and_then(|t| t.parse().ok()).unwrap_or(0);
-    let line = line_of(bytes, position);
-    if part == 0 {
-        return ReadError::FaceIndex {
-            place: format!("line {line}"),
-            face: face as u64,
-            index,
-            n_vertices: n_vertices as u64,
-        };
-    }
-    let what = if part == 1 { "texture coordinate" } else { "normal" };
-    ReadError::Line {
-        line,
-        message: format!("face {face} names {what} {index}, but there are {n_vertices}; correct the face"),
+    ReadError::FaceIndex {
+        place: format!("line {}", line_of(bytes, position)),
+        face: face as u64,
+        index,
+        n_vertices: n_vertices as u64,
     }
 }
 

@@ -59,11 +59,18 @@ pub(crate) fn write_obj(shape: &ShapeFile, report: &mut WriteReport, out: &mut d
     let color = shape.field("color").filter(|f| is_color(f));
     let weight = shape.field("w").filter(|f| f.n_channels == 1 && color.is_none());
     let normal = shape.field("normal").filter(|f| f.n_channels == 3);
-    let texcoord = shape.field("texcoord").filter(|f| f.n_channels <= 3);
+    let texcoord = shape.field("texcoord").filter(|f| matches!(f.n_channels, 2 | 3));
     let held: Vec<&str> =
         [color, weight, normal, texcoord].iter().flatten().map(|f| f.name.as_str()).collect();
     report.leave_vertex_fields(shape, &held);
     report.leave_face_fields(shape, &[]);
+    if shape.points.is_empty() {
+        // A file without a byte would not be known as an OBJ.
+        writeln!(out, "# no vertices")?;
+    }
+    if shape.faces.iter().any(<[u32]>::is_empty) {
+        report.leave_out("faces without corners");
+    }
     let mut line = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
         line.clear();

@@ -7,6 +7,7 @@ use crate::text::{parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// What the letters before `OFF` say that a vertex has.
+#[allow(clippy::struct_excessive_bools)] // one for each letter
 struct Layout {
     has_w: bool,
     has_normal: bool,
@@ -45,7 +46,7 @@ pub(crate) fn read_off(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile,
         }
         tails.end_row();
     }
-    vertex_fields(&mut shape, &layout, tails);
+    vertex_fields(&mut shape, &layout, &tails);
     check_size(&bytes, lines.position, n_faces, 2, "face")?;
     read_faces(&bytes, &mut lines, n_faces, &mut shape)?;
     if memchr::memchr(b'#', &bytes).is_some() {
@@ -143,13 +144,18 @@ struct Tails {
     values: Vec<f64>,
     ends: Vec<usize>,
     longest: usize,
-    is_fraction: bool,
+    /// For each column whether a value in it is anything but digits.
+    has_fraction: Vec<bool>,
 }
 
 impl Tails {
     fn push(&mut self, x: f64, word: &[u8]) {
+        let column = self.values.len() - self.ends.last().copied().unwrap_or(0);
+        if self.has_fraction.len() <= column {
+            self.has_fraction.push(false);
+        }
         self.values.push(x);
-        self.is_fraction |= word.iter().any(|b| !b.is_ascii_digit());
+        self.has_fraction[column] |= word.iter().any(|b| !b.is_ascii_digit());
     }
 
     fn end_row(&mut self) {
@@ -167,7 +173,8 @@ impl Tails {
             values.extend((from..from + n).map(|c| row.get(c).copied().unwrap_or(f64::NAN)));
             start = end;
         }
-        if name == "color" && !self.is_fraction && values.iter().all(|x| (0.0..=255.0).contains(x)) {
+        let has_fraction = self.has_fraction.iter().skip(from).take(n).any(|&f| f);
+        if name == "color" && !has_fraction && values.iter().all(|x| (0.0..=255.0).contains(x)) {
             let bytes = values.iter().map(|&x| x as u8).collect();
             return Field::new(name, n, FieldValues::U8(bytes));
         }
@@ -175,7 +182,7 @@ impl Tails {
     }
 }
 
-fn vertex_fields(shape: &mut ShapeFile, layout: &Layout, tails: Tails) {
+fn vertex_fields(shape: &mut ShapeFile, layout: &Layout, tails: &Tails) {
     let mut from = 0;
     let mut left = tails.longest;
     let mut add = |name: &str, n: usize, shape: &mut ShapeFile| {

@@ -40,13 +40,16 @@ pub(crate) struct TextRows {
     pub(crate) names: Option<(usize, usize)>,
 }
 
+/// Writes values at the end of a row.
+pub(crate) type Append<'a> = dyn Fn(usize, &mut Vec<u8>) + 'a;
+
 /// How the rows differ from the original beside the coordinates.
 #[derive(Default)]
 pub(crate) struct RowEdit<'a> {
     /// Positions in the row that are left out.
     pub(crate) dropped: &'a [usize],
     /// Writes what is added at the end of row `i`, with the separators before each value.
-    pub(crate) append: Option<&'a dyn Fn(usize, &mut Vec<u8>)>,
+    pub(crate) append: Option<&'a Append<'a>>,
 }
 
 /// A value as it is written in a text file of that precision.
@@ -177,7 +180,6 @@ impl TextRows {
             Separator::Blanks => {
                 loop {
                     match bytes.get(begin) {
-                        Some(b'\n') => return None,
                         Some(b'\\') => {
                             // A continued line: its end counts as a blank.
                             begin += 1;
@@ -186,10 +188,9 @@ impl TextRows {
                             }
                             begin += usize::from(bytes.get(begin) == Some(&b'\n'));
                         }
-                        Some(b'#') => return None,
-                        Some(&b) if is_space(b) => begin += 1,
+                        Some(&b) if is_blank(b) => begin += 1,
+                        Some(b'\n' | b'#') | None => return None,
                         Some(_) => break,
-                        None => return None,
                     }
                 }
                 let stop = |b: u8| is_space(b) || b == b'\\';

@@ -86,7 +86,7 @@ fn write_rows(
             let old = &ply.bytes[start..body.position];
             match (axes[p], property.kind) {
                 (Some(axis), Kind::Scalar(t)) => {
-                    push_coordinate(old, t, shape.points[i][axis], style, &mut row)
+                    push_coordinate(old, t, shape.points[i][axis], style, &mut row);
                 }
                 _ if dropped[p] => {}
                 _ => row.extend_from_slice(old),

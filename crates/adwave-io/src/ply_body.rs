@@ -1,6 +1,6 @@
 //! The rows of a PLY, value by value.
 
-use crate::field::{ByteOrder, with_values};
+use crate::field::ByteOrder;
 use crate::ply_header::{Element, Encoding, Kind};
 use crate::text::{Words, parse_f32, parse_f64, show};
 use crate::{FieldValues, ReadError, ValueType};
@@ -187,6 +187,6 @@ impl<'a> Body<'a> {
 fn integer(t: ValueType, bytes: &[u8], order: ByteOrder) -> Option<i64> {
     let mut one = t.empty();
     one.push_bytes(bytes, order);
-    let x = with_values!(&one, v => v.first().map(|&x| x as f64))?;
+    let x = one.get(0);
     (x.fract() == 0.0 && x.abs() < 9e15).then_some(x as i64)
 }

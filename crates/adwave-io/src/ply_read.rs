@@ -32,7 +32,7 @@ pub(crate) fn read_ply(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile,
                 rows = (start, body.position);
             }
             "face" => read_faces(&mut body, element, &mut shape)?,
-            "tristrips" => read_strips(&mut body, element, &mut shape)?,
+            "tristrips" if !element.properties.is_empty() => read_strips(&mut body, element, &mut shape)?,
             "edge" if element.property("vertex1").is_some() && element.property("vertex2").is_some() => {
                 read_edges(&mut body, element, &mut shape)?;
             }
@@ -80,6 +80,14 @@ fn read_vertices(
     shape: &mut ShapeFile,
 ) -> Result<Vec<(String, Vec<usize>)>, ReadError> {
     let mut columns = empty_columns(element);
+    for name in ["x", "y", "z"] {
+        let is_number = element.property(name).is_some_and(|p| columns[p].is_some());
+        // A file of no vertices may leave their properties out.
+        if !is_number && element.n_rows > 0 {
+            let message = format!("element `vertex` has no number `{name}`; it needs x, y and z");
+            return Err(ReadError::Line { line: element.line as u64 + 1, message });
+        }
+    }
     for row in 0..element.n_rows {
         for (property, column) in element.properties.iter().zip(&mut columns) {
             match column {
@@ -90,18 +98,8 @@ fn read_vertices(
     }
     let mut xyz = Vec::new();
     for name in ["x", "y", "z"] {
-        let position = element.property(name);
-        let column = position.and_then(|p| columns[p].take());
-        // A file of no vertices may leave their properties out.
-        let column = match column {
-            Some(column) => column,
-            None if element.n_rows == 0 => ValueType::F32.empty(),
-            None => {
-                let message = format!("element `vertex` has no number `{name}`; it needs x, y and z");
-                return Err(ReadError::Line { line: element.line as u64 + 1, message });
-            }
-        };
-        xyz.push(column);
+        let column = element.property(name).and_then(|p| columns[p].take());
+        xyz.push(column.unwrap_or_else(|| ValueType::F32.empty()));
     }
     let single = xyz.iter().all(|c| c.value_type() == ValueType::F32);
     shape.precision = if single { Precision::F32 } else { Precision::F64 };

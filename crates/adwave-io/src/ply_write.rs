@@ -86,7 +86,7 @@ pub(crate) fn write_ply(
     out.write_all(property_lines(&fields, "\n").as_bytes())?;
     let most = shape.faces.iter().map(<[u32]>::len).max().unwrap_or(0);
     let count = if most <= 255 { ValueType::U8 } else { ValueType::U32 };
-    let corner = if shape.n_vertices <= i32::MAX as usize { ValueType::I32 } else { ValueType::U32 };
+    let corner = if i32::try_from(shape.n_vertices).is_ok() { ValueType::I32 } else { ValueType::U32 };
     if !shape.faces.is_empty() {
         writeln!(out, "element face {}", shape.faces.len())?;
         writeln!(out, "property list {} {} vertex_indices", type_name(count), type_name(corner))?;

@@ -4,18 +4,22 @@ use crate::Progress;
 use crate::bands::{
     Bands, BandsError, BandsParams, Schedule, check_signal, decompose, default_levels, weighted_bands,
 };
+use crate::basis::{BasisError, SparseRow, one_vertex};
 use crate::filter::{Edit, FilterError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
-use crate::shape::{Adjacency, Domain, Health, Shape, Weld, health};
+use crate::shape::{Adjacency, Domain, Health, Shape, health};
 use rayon::prelude::*;
 
-/// The functions of one vertex on one level.
+/// The functions of one vertex on one level, one value a vertex of the shape; welded vertices have the value of the one
+/// vertex that they are, so sums are over the vertices of the analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VertexFunctions {
     /// φ: ≥ 0, sums to 1.
     pub scaling_function: Vec<f64>,
     /// ψ: sums to 0.
     pub wavelet: Vec<f64>,
+    /// How many vertices of the analysis φ reaches.
+    pub support: usize,
 }
 
 /// A shape with its walk. Preparing costs O(n log n) once; each signal then costs its products only.
@@ -118,34 +122,29 @@ impl Decomposer {
     }
 
     /// The scaling function and the wavelet of one vertex of the shape on the last level of `schedule`, as functions on the
-    /// vertices of the shape.
+    /// vertices of the shape; see [`one_vertex`].
     ///
     /// # Errors
-    /// [`BandsError::Cancelled`] when cancelled.
-    ///
-    /// # Panics
-    /// When there is no such vertex.
+    /// [`BasisError`] when there is no such vertex, or when cancelled.
     pub fn basis_of_vertex(
         &self,
         vertex: usize,
         schedule: &Schedule,
         progress: Progress<'_>,
-    ) -> Result<VertexFunctions, BandsError> {
-        let x = self.domain.weld.class_of(vertex);
-        let pi = self.diffusion.stationary();
-        let mut delta = vec![0.0; self.domain.n_vertices()];
-        delta[x] = 1.0;
-        let weld = Weld::identity(delta.len());
-        let params = BandsParams::default();
-        let bands = decompose(&self.diffusion, &weld, &delta, 1, schedule, &params, progress)?;
-        let transpose = |column: &[f64]| {
-            let row: Vec<f64> = column.iter().zip(pi).map(|(v, p)| v * p / pi[x]).collect();
-            self.domain.weld.scatter(&row, 1)
-        };
-        let level = schedule.n_levels();
+    ) -> Result<VertexFunctions, BasisError> {
+        let n_vertices = self.n_vertices();
+        if vertex >= n_vertices {
+            return Err(BasisError::NoVertex { vertex, n_vertices });
+        }
+        let class = self.domain.weld.class_of(vertex);
+        let steps = schedule.steps_from_zero();
+        let [.., before, last] = steps[..] else { unreachable!("a schedule has a level") };
+        let functions = one_vertex(&self.diffusion, class, before, last, 0.0, progress)?;
+        let dense = |row: &SparseRow| self.domain.weld.scatter(&row.to_dense(self.domain.n_vertices()), 1);
         Ok(VertexFunctions {
-            scaling_function: transpose(&bands.scaling[level]),
-            wavelet: transpose(&bands.wavelet[level - 1]),
+            scaling_function: dense(&functions.scaling),
+            wavelet: dense(&functions.wavelet),
+            support: functions.scaling.columns.len(),
         })
     }
 

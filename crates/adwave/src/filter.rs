@@ -65,8 +65,7 @@ const ENHANCE_COARSEST: f64 = 1.2;
 const BAND2_GAIN: f64 = 2.0;
 
 /// One gain for each band.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Gains {
     /// Those of a preset, for however many levels there are.
     Preset(Preset),
@@ -96,25 +95,47 @@ impl Gains {
 
 /// One edit: gains, and where they apply.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "LayerTable", into = "LayerTable")]
 pub struct Layer {
     /// The gains.
-    #[serde(flatten)]
     pub gains: Gains,
-    /// Where they apply; everywhere by default.
-    #[serde(
-        default = "everywhere",
-        skip_serializing_if = "is_everywhere",
-        deserialize_with = "region_or_text"
-    )]
+    /// Where they apply.
     pub region: Region,
 }
 
-fn everywhere() -> Region {
-    Region::Everywhere {}
+/// A layer as a recipe has it: `preset` or `gains`, and a `region` that is everywhere where it is left out.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LayerTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    preset: Option<Preset>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gains: Option<Vec<f64>>,
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "region_or_text")]
+    region: Option<Region>,
 }
 
-fn is_everywhere(region: &Region) -> bool {
-    *region == Region::Everywhere {}
+impl TryFrom<LayerTable> for Layer {
+    type Error = &'static str;
+
+    fn try_from(table: LayerTable) -> Result<Self, Self::Error> {
+        let gains = match (table.preset, table.gains) {
+            (Some(preset), None) => Gains::Preset(preset),
+            (None, Some(gains)) => Gains::Gains(gains),
+            _ => return Err("a layer needs either a preset or gains"),
+        };
+        Ok(Self { gains, region: table.region.unwrap_or(Region::Everywhere {}) })
+    }
+}
+
+impl From<Layer> for LayerTable {
+    fn from(layer: Layer) -> Self {
+        let (preset, gains) = match layer.gains {
+            Gains::Preset(preset) => (Some(preset), None),
+            Gains::Gains(gains) => (None, Some(gains)),
+        };
+        Self { preset, gains, region: Some(layer.region).filter(|r| *r != Region::Everywhere {}) }
+    }
 }
 
 /// An edit: layers in any order, and the fields that their regions may name.
@@ -142,16 +163,19 @@ impl<'a> Edit<'a> {
 }
 
 /// A region as a table, or as a text as on a command line.
-fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Region, D::Error> {
+fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Region>, D::Error> {
     #[derive(Deserialize)]
-    #[serde(untagged)]
+    #[serde(
+        untagged,
+        expecting = "no such region; write it as on the command line, as in 'ball:vertex=3,radius=5%'"
+    )]
     enum Form {
         Text(String),
         Tree(Region),
     }
     match Form::deserialize(deserializer)? {
-        Form::Text(text) => parse_region(&text).map_err(D::Error::custom),
-        Form::Tree(region) => Ok(region),
+        Form::Text(text) => parse_region(&text).map(Some).map_err(D::Error::custom),
+        Form::Tree(region) => Ok(Some(region)),
     }
 }
 

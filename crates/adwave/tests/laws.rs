@@ -13,7 +13,7 @@ const ROW_SUM: f64 = 1e-14;
 /// A few roundings for each of 128 steps, relative to the signal.
 const CONSTANT: f64 = 1e-13;
 /// What the default accuracy promises of a band, for signals of about unit size.
-const ACCURACY: f64 = 1e-9;
+const ACCURACY: f64 = 1e-10;
 /// Adding up nine bands, relative to the diagonal.
 const RECONSTRUCTION: f64 = 1e-12;
 /// What rotating the coordinates and back rounds, through 128 steps, relative to the diagonal.

@@ -1,51 +1,57 @@
-//! `adwave basis`: the scaling function and the wavelet of one vertex, as fields.
+//! `adwave basis`: scaling functions and wavelets, of one vertex as fields or of all as sparse matrices.
 
 use crate::args::{BasisArgs, GlobalArgs};
 use crate::error::CliError;
-use crate::output::{check_writable, format_of, number, print, write_shape};
+use crate::output::{available_memory, check_writable, number, print, table, write_error, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::load;
 use adwave::Decomposer;
 use adwave::bands::Schedule;
-use adwave_io::{Field, FieldValues};
+use adwave::basis::{BasisParams, CompressedRows};
+use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, MatrixValues};
 use serde_json::json;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub(crate) fn run(args: &BasisArgs, global: &GlobalArgs) -> Result<(), CliError> {
-    format_of(&args.output)?;
     check_writable(&args.output)?;
-    let schedule = Schedule::dyadic(args.level)?;
-    let input = with_spinner(global, "reading", || load(&args.shape))?;
-    let n_vertices = input.shape.n_vertices();
-    if args.vertex >= n_vertices {
+    match (args.vertex, args.level, args.levels) {
+        (Some(vertex), Some(level), _) => of_vertex(args, global, vertex, level),
+        (_, _, Some(levels)) => of_all(args, global, levels),
+        _ => Err(CliError::Input("say which: --vertex V --level J, or --levels J".to_owned())),
+    }
+}
+
+fn of_vertex(args: &BasisArgs, global: &GlobalArgs, vertex: usize, level: usize) -> Result<(), CliError> {
+    if !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
+        let path = args.output.display();
         return Err(CliError::Input(format!(
-            "there is no vertex {}; {} has {n_vertices} vertices, counted from 0",
-            args.vertex, input.name
+            "{path}: the functions of a vertex are written as .vtp or .ply"
         )));
     }
+    let schedule = Schedule::dyadic(level)?;
+    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let n_vertices = input.shape.n_vertices();
     let decomposer = Decomposer::new(&input.shape, &args.shape.operator());
     let start = Instant::now();
-    let functions = with_progress(global, "walking", |progress| {
-        decomposer.basis_of_vertex(args.vertex, &schedule, progress)
-    })
-    .map_err(|_| CliError::Cancelled)?;
+    let functions =
+        with_progress(global, "walking", |progress| decomposer.basis_of_vertex(vertex, &schedule, progress))?;
     let seconds = start.elapsed().as_secs_f64();
     let mut file = super::transform::fresh(&input.file);
     for (name, values) in [("phi", &functions.scaling_function), ("psi", &functions.wavelet)] {
         file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values.clone())));
     }
     write_shape(global, &file, &args.output)?;
-    let support = functions.scaling_function.iter().filter(|&&v| v != 0.0).count();
-    let (phi, psi) = (functions.scaling_function[args.vertex], functions.wavelet[args.vertex]);
-    let sigma = schedule.sigma(decomposer.diffusion().step_length())[args.level];
+    let (phi, psi) = (functions.scaling_function[vertex], functions.wavelet[vertex]);
+    let sigma = schedule.sigma(decomposer.diffusion().step_length())[level];
+    let steps = schedule.steps()[level - 1];
     let text = format!(
-        "vertex {} of {}, level {}: {} steps, sigma {}\n\
-         phi reaches {support} of {n_vertices} vertices; phi {} and psi {} at the vertex itself; {:.1} ms\n{}\n",
-        args.vertex,
+        "vertex {vertex} of {}, level {level}: {steps} steps, sigma {}\n\
+         phi reaches {} of {n_vertices} vertices; phi {} and psi {} at the vertex itself; {:.1} ms\n{}\n",
         input.name,
-        args.level,
-        schedule.steps()[args.level - 1],
         number(sigma),
+        functions.support,
         number(phi),
         number(psi),
         1e3 * seconds,
@@ -54,14 +60,109 @@ pub(crate) fn run(args: &BasisArgs, global: &GlobalArgs) -> Result<(), CliError>
     let json = json!({
         "shape": input.name,
         "output": args.output.display().to_string(),
-        "vertex": args.vertex,
-        "level": args.level,
-        "steps": schedule.steps()[args.level - 1],
+        "vertex": vertex,
+        "level": level,
+        "steps": steps,
         "sigma": sigma,
-        "support": support,
+        "support": functions.support,
         "phi_at_vertex": phi,
         "psi_at_vertex": psi,
         "seconds": seconds,
     });
     print(global, &text, &json)
+}
+
+fn of_all(args: &BasisArgs, global: &GlobalArgs, levels: usize) -> Result<(), CliError> {
+    let ending = args.output.extension().map(OsStr::to_ascii_lowercase);
+    let matrix_market = match ending.as_ref().and_then(|e| e.to_str()) {
+        Some("npz") => false,
+        Some("mtx") => true,
+        _ => {
+            let path = args.output.display();
+            return Err(CliError::Input(format!("{path}: matrices are written as .npz or .mtx")));
+        }
+    };
+    let mut params = BasisParams::new(Schedule::dyadic(levels)?).with_drop_tolerance(args.drop_tolerance);
+    if let Some(bytes) = available_memory() {
+        params = params.with_memory_limit(bytes);
+    }
+    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let decomposer = Decomposer::new(&input.shape, &args.shape.operator());
+    let weld = &decomposer.domain().weld;
+    let start = Instant::now();
+    let mut basis = with_progress(global, "walking", |progress| {
+        adwave::basis::basis(decomposer.diffusion(), &params, progress)
+    })?;
+    let seconds = start.elapsed().as_secs_f64();
+    let welded = weld.n_classes() < weld.n_vertices();
+    let mut files = Vec::new();
+    if welded {
+        let path = numbered(&args.output, "classes", "npy");
+        adwave_io::write_npy(&path, &[weld.n_vertices()], ArrayValues::U32(weld.classes()))
+            .map_err(write_error)?;
+        files.push(path);
+    } else {
+        basis = basis.in_shape_order(weld)?;
+    }
+    let extension = if matrix_market { "mtx" } else { "npz" };
+    for level in 1..=levels {
+        for (name, matrix) in [("phi", None), ("psi", Some(basis.wavelet(level)))] {
+            let path = numbered(&args.output, &format!("{name}{level}"), extension);
+            let matrix = matrix.as_ref().unwrap_or(&basis.scaling[level - 1]);
+            with_spinner(global, "writing", || write_matrix(&path, matrix, matrix_market))?;
+            files.push(path);
+        }
+    }
+    let mut text = format!(
+        "{}: functions of {} vertices on {levels} levels in {seconds:.3} s\n\n",
+        input.name,
+        weld.n_classes()
+    );
+    text += &table(
+        ["level", "entries", "a vertex", "MB"],
+        (0..levels).map(|j| {
+            let nnz = basis.info.nnz[j];
+            [
+                (j + 1).to_string(),
+                nnz.to_string(),
+                number(nnz as f64 / weld.n_classes() as f64),
+                number(basis.info.bytes[j] as f64 / 1e6),
+            ]
+        }),
+    );
+    text.push('\n');
+    for path in &files {
+        text += &format!("{}\n", path.display());
+    }
+    let json = json!({
+        "shape": input.name,
+        "rows": weld.n_classes(),
+        "levels": levels,
+        "entries": basis.info.nnz,
+        "bytes": basis.info.bytes,
+        "largest_dropped": basis.info.largest_dropped,
+        "seconds": seconds,
+        "files": files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>(),
+    });
+    print(global, &text, &json)
+}
+
+/// `OUT.npz` → `OUT.phi1.npz`.
+fn numbered(output: &Path, part: &str, extension: &str) -> PathBuf {
+    output.with_extension(format!("{part}.{extension}"))
+}
+
+fn write_matrix(path: &Path, matrix: &CompressedRows<f32>, matrix_market: bool) -> Result<(), CliError> {
+    let rows = adwave_io::CompressedRows {
+        n_columns: matrix.n_rows(),
+        offsets: &matrix.offsets,
+        indices: &matrix.columns,
+        values: MatrixValues::F32(&matrix.values),
+    };
+    if matrix_market {
+        adwave_io::write_matrix_market(path, &rows)
+    } else {
+        adwave_io::write_sparse_npz(path, &rows, Compression::Stored)
+    }
+    .map_err(write_error)
 }

@@ -98,7 +98,7 @@ fn health_lines(text: &mut String, shape: &Shape, health: &Health, diagonal: f64
         line("surface", format!("{surface}, area {}{volume}{euler}", number(health.area)));
     }
     line("edges", health.n_edges.to_string());
-    line("components", health.n_components.to_string());
+    line("components", (health.n_components - health.n_isolated).to_string());
     if diagonal > 0.0 {
         line("diagonal", number(diagonal));
     }

@@ -25,18 +25,18 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
     }
     check_writable(&args.output)?;
     let params = bands_params(&args.levels)?;
-    let start = Instant::now();
+    let mut watch = Stopwatch::start();
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load(&input, &args.field)?;
-    let read = start.elapsed();
+    let read = watch.lap();
     let decomposer =
         with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
     let (schedule, why) = schedule(&args.levels, &decomposer)?;
-    let prepared = start.elapsed();
+    let prepared = watch.lap();
     let bands = with_progress(global, "splitting", |progress| {
         decomposer.decompose(&signal.values, signal.n_channels, &schedule, &params, progress)
     })?;
-    let split = start.elapsed();
+    let split = watch.lap();
     with_spinner(global, "writing", || {
         if npz {
             write_npz(&args.output, &input, &bands)
@@ -44,19 +44,17 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
             write_fields(global, &args.output, &input, &bands)
         }
     })?;
-    let written = start.elapsed();
+    let written = watch.lap();
 
     let energy = bands.energy(&decomposer.areas());
-    let seconds = [read, prepared - read, split - prepared, written - split].map(|t| t.as_secs_f64());
     let diagonal = decomposer.diagonal();
     let mut text = format!(
-        "{}: {} vertices, {} channel{} of {}\n{} levels: {why}\n\n",
+        "{}: {} vertices, {} channel{} of {}\n{why}\n\n",
         input.name,
         bands.n_vertices,
         bands.n_channels,
         if bands.n_channels == 1 { "" } else { "s" },
         args.field,
-        bands.n_levels(),
     );
     text += &table(
         ["level", "steps", "sigma", "% of diagonal", "rms of W"],
@@ -67,11 +65,7 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
         }),
     );
     text += &format!(
-        "\nread {:.3} s, walk {:.3} s, bands {:.3} s, written {:.3} s{}\n{}\n",
-        seconds[0],
-        seconds[1],
-        seconds[2],
-        seconds[3],
+        "\nread {read:.3} s, walk {prepared:.3} s, bands {split:.3} s, written {written:.3} s{}\n{}\n",
         peak_memory().map_or(String::new(), |bytes| format!(", peak memory {} MB", bytes / 1_000_000)),
         args.output.display(),
     );
@@ -87,7 +81,7 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
         "sigma": bands.sigma,
         "energy": energy,
         "diagonal": diagonal,
-        "seconds": {"read": seconds[0], "walk": seconds[1], "bands": seconds[2], "write": seconds[3]},
+        "seconds": {"read": read, "walk": prepared, "bands": split, "write": written},
         "peak_memory_bytes": peak_memory(),
     });
     print(global, &text, &json)
@@ -131,4 +125,19 @@ pub(crate) fn fresh(file: &ShapeFile) -> ShapeFile {
     let mut file = file.clone();
     file.forget_original();
     file
+}
+
+/// Seconds from lap to lap.
+struct Stopwatch(Instant);
+
+impl Stopwatch {
+    fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    fn lap(&mut self) -> f64 {
+        let seconds = self.0.elapsed().as_secs_f64();
+        self.0 = Instant::now();
+        seconds
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::series::{Growth, Series};
 use crate::operator::Diffusion;
-use crate::sparse::{MAX_CHANNELS, Recurrence, Sum, Walk};
+use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, Walk, Weighing};
 use crate::{Cancelled, Progress};
 
 /// What an evaluation took and what it promises.
@@ -12,8 +12,19 @@ pub(crate) struct Outcome {
     pub(crate) degree: u64,
     /// Products with Φ₁ over all blocks of channels.
     pub(crate) products: u64,
+    /// Terms added over all series and blocks.
+    pub(crate) terms: u64,
     /// Largest relative error of any result, but for rounding.
     pub(crate) error_bound: f64,
+}
+
+/// A walk prepared for the recurrence.
+#[derive(Debug)]
+pub(crate) struct Prepared<'a> {
+    pub(crate) walk: Walk<'a>,
+    /// μ of the norm in which errors are bounded.
+    weights: Vec<f64>,
+    pub(crate) growth: Growth,
 }
 
 /// Weights μ of the norm `‖g‖² = Σ_x μ(x)|g(x)|²` in which errors are bounded, and how `‖T_k(Y)‖` grows in it.
@@ -22,7 +33,7 @@ pub(crate) struct Outcome {
 /// without area have π = 0: the walk leaves them for vertices R with π > 0 and never comes back, `Y = [Y_R 0; B 0]`. There
 /// `T_k(Y) = B·(T_k(Y_R) − T_k(0))/Y_R + T_k(0)`, and `|T_k(y) − T_k(0)| ≤ 1.2k|y|`. With `μ(x) = min_y π(y)/(B(x,y)·m(y))`,
 /// m(y) the number of such x that lead to y, B has a norm of at most 1, so that `‖T_k(Y)‖ ≤ 2 + 1.2k`.
-pub(crate) fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
+fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
     let mut weights = diffusion.stationary().to_vec();
     let transient: Vec<usize> =
         (0..weights.len()).filter(|&x| weights[x] == 0.0 && !diffusion.row(x).0.is_empty()).collect();
@@ -47,72 +58,73 @@ pub(crate) fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
     (weights, Growth::Linear)
 }
 
-/// `‖g‖` over the channels `at .. at + width` of `n_channels`.
-fn norm(weights: &[f64], g: &[f64], n_channels: usize, at: usize, width: usize) -> f64 {
-    let square = |x: usize| {
-        let row = &g[x * n_channels + at..][..width];
-        weights[x] * row.iter().map(|v| v * v).sum::<f64>()
-    };
-    crate::reduce::sum(weights.len(), square).sqrt()
-}
+impl<'a> Prepared<'a> {
+    pub(crate) fn new(diffusion: &'a Diffusion) -> Self {
+        let (weights, growth) = norm_weights(diffusion);
+        Self { walk: Walk::new(diffusion), weights, growth }
+    }
 
-/// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most
-/// `accuracy` in the norm of `weights`.
-///
-/// A series is cut where its tail times `‖u‖` is at most `accuracy` times a lower bound of the norm of its value, which is
-/// known as soon as its sum so far exceeds what is missing. So the degree follows the signal: it is lower for a smooth one.
-/// A value that all but vanishes beside u gets all terms that double precision can tell apart.
-pub(crate) fn evaluate(
-    walk: &Walk<'_>,
-    weights: &[f64],
-    signal: &[f64],
-    n_channels: usize,
-    series: &[Series],
-    accuracy: f64,
-    outs: &mut [&mut [f64]],
-    progress: Progress<'_>,
-) -> Result<Outcome, Cancelled> {
-    let mut outcome = Outcome::default();
-    for at in (0..n_channels).step_by(MAX_CHANNELS) {
-        let width = MAX_CHANNELS.min(n_channels - at);
-        let mut recurrence = Recurrence::new(walk, signal, n_channels, at, width);
-        let start = norm(weights, recurrence.now(), width, 0, width);
-        let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
-        let nothing_moves = recurrence.now().iter().all(|&u| u == 0.0);
-        loop {
-            let last = if nothing_moves { 0 } else { cuts.iter().map(|cut| cut.degree).max().unwrap_or(0) };
-            progress.step(recurrence.k() as u64, last as u64)?;
-            let left = last - recurrence.k().min(last);
-            let n_passes = left.div_ceil(walk.steps_per_pass());
-            // Passes of equal length: a short last one would cost as much memory traffic as a long one.
-            let n_steps = if n_passes == 0 { 0 } else { left.div_ceil(n_passes) };
-            let mut sums: Vec<Sum<'_>> = cuts
-                .iter()
-                .zip(&mut *outs)
-                .map(|(cut, out)| Sum { coefficients: &cut.series.coefficients[..=cut.degree], out })
-                .collect();
-            recurrence.advance(n_steps, &mut sums);
-            let k = recurrence.k();
-            for (cut, out) in cuts.iter_mut().zip(&*outs) {
-                if cut.is_due(k) {
-                    cut.decide(k, start, norm(weights, out, n_channels, at, width), accuracy);
+    /// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most
+    /// `accuracy` in the norm of `weights`.
+    ///
+    /// A series is cut where its tail times `‖u‖` is at most `accuracy` times a lower bound of the norm of its value, which is
+    /// known as soon as its sum so far exceeds what is missing. So the degree follows the signal: it is lower for a smooth one.
+    /// A value that all but vanishes beside u gets all terms that double precision can tell apart.
+    pub(crate) fn evaluate(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        series: &[Series],
+        accuracy: f64,
+        outs: &mut [&mut [f64]],
+        progress: Progress<'_>,
+    ) -> Result<Outcome, Cancelled> {
+        let Self { walk, weights, .. } = self;
+        let mut outcome = Outcome::default();
+        for at in (0..n_channels).step_by(MAX_CHANNELS) {
+            let width = MAX_CHANNELS.min(n_channels - at);
+            let mut recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width));
+            let start = recurrence.square().sqrt();
+            let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
+            loop {
+                let last =
+                    if recurrence.moves() { cuts.iter().map(|cut| cut.degree).max().unwrap_or(0) } else { 0 };
+                let k = recurrence.k();
+                progress.step(k as u64, last as u64)?;
+                let left = last - k.min(last);
+                // Passes of equal length: a short last one would cost as much memory traffic as a long one.
+                let n_steps = left.div_ceil(left.div_ceil(walk.steps_per_pass()).max(1));
+                let mut sums: Vec<Sum<'_>> = cuts
+                    .iter()
+                    .zip(&mut *outs)
+                    .map(|(cut, out)| Sum {
+                        coefficients: &cut.series.coefficients[..=cut.degree],
+                        out,
+                        weighing: cut.weighing_after(k + n_steps),
+                        square: 0.0,
+                    })
+                    .collect();
+                let next = if k + n_steps < last { Next::Continues } else { Next::Ends };
+                recurrence.advance(n_steps, &mut sums, next);
+                let norms: Vec<f64> = sums.iter().map(|sum| sum.square.sqrt()).collect();
+                for (cut, norm) in cuts.iter_mut().zip(norms) {
+                    cut.decide(k + n_steps, start, norm, accuracy);
+                }
+                if next == Next::Ends {
+                    break;
                 }
             }
-            if k >= last {
-                break;
+            let k = recurrence.k() as u64;
+            outcome.degree = outcome.degree.max(k);
+            outcome.products += k + 1;
+            outcome.terms += cuts.iter().map(|cut| (cut.degree as u64).min(k) + 1).sum::<u64>();
+            if recurrence.moves() {
+                outcome.error_bound =
+                    cuts.iter().map(|cut| cut.error_bound(start)).fold(outcome.error_bound, f64::max);
             }
         }
-        let k = recurrence.k() as u64;
-        outcome.degree = outcome.degree.max(k);
-        outcome.products += k + 1;
-        if !nothing_moves {
-            for (cut, out) in cuts.iter().zip(&*outs) {
-                let bound = cut.error_bound(start, || norm(weights, out, n_channels, at, width));
-                outcome.error_bound = outcome.error_bound.max(bound);
-            }
-        }
+        Ok(outcome)
     }
-    Ok(outcome)
 }
 
 /// Where a series is cut.
@@ -128,26 +140,36 @@ impl<'a> Cut<'a> {
         Self { series, degree: series.degree(), least: None }
     }
 
-    /// Whether a look at the sum so far, of the terms up to `k`, may tell where to cut.
-    fn is_due(&self, k: usize) -> bool {
-        // ‖value‖ ≤ total·‖u‖: before the tail is well below that, nothing can be said.
-        self.least.is_none() && k < self.degree && self.series.tail[k] < 0.25 * self.series.total
+    /// Whether the norm of the sum of the terms up to `k` may tell where to cut.
+    fn weighing_after(&self, k: usize) -> Weighing {
+        let tail = self.series.tail[k.min(self.degree)];
+        // ‖value‖ ≤ total·‖u‖: before the tail is well below that, nothing can be said. And where nothing is missing,
+        // there is nothing to say.
+        if self.least.is_none() && tail > 0.0 && tail < 0.25 * self.series.total {
+            Weighing::Weighed
+        } else {
+            Weighing::Unweighed
+        }
     }
 
-    fn decide(&mut self, k: usize, start: f64, so_far: f64, accuracy: f64) {
+    /// Decides where to cut, if `norm` is that of the sum of the terms up to `k`.
+    fn decide(&mut self, k: usize, start: f64, norm: f64, accuracy: f64) {
+        if self.weighing_after(k) == Weighing::Unweighed {
+            return;
+        }
+        let k = k.min(self.degree);
         let missing = self.series.tail[k] * start;
-        if missing < 0.5 * so_far {
-            let least = so_far - missing;
+        if k == self.degree {
+            self.least = Some((norm - missing).max(0.0));
+        } else if missing < 0.5 * norm {
+            let least = norm - missing;
             self.least = Some(least);
             self.degree = self.series.degree_within(accuracy * least / start, k);
         }
     }
 
-    fn error_bound(&self, start: f64, value: impl Fn() -> f64) -> f64 {
+    fn error_bound(&self, start: f64) -> f64 {
         let missing = self.series.tail[self.degree] * start;
-        if missing == 0.0 {
-            return 0.0;
-        }
-        missing / self.least.unwrap_or_else(|| (value() - missing).max(0.0))
+        if missing == 0.0 { 0.0 } else { missing / self.least.unwrap_or(0.0) }
     }
 }

@@ -168,6 +168,7 @@ pub fn decompose(
 ///
 /// # Panics
 /// Unless there is one finite factor a level.
+#[expect(clippy::too_many_arguments, reason = "the arguments of `decompose` and the factors")]
 pub fn weighted_bands(
     diffusion: &Diffusion,
     weld: &Weld,

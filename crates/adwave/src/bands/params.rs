@@ -22,7 +22,7 @@ pub enum Engine {
 ///
 /// ```
 /// use adwave::bands::BandsParams;
-/// assert_eq!(BandsParams::default().accuracy, 1e-9);
+/// assert_eq!(BandsParams::default().accuracy, 1e-10);
 /// assert!(BandsParams::default().with_accuracy(1e-5).check().is_ok());
 /// assert!(BandsParams::default().with_accuracy(0.0).check().is_err());
 /// ```
@@ -39,7 +39,7 @@ pub struct BandsParams {
 
 impl Default for BandsParams {
     fn default() -> Self {
-        Self { accuracy: 1e-9, engine: Engine::Auto, max_bytes: None }
+        Self { accuracy: 1e-10, engine: Engine::Auto, max_bytes: None }
     }
 }
 
@@ -85,6 +85,8 @@ pub struct BandsInfo {
     pub degree: u64,
     /// Products with Φ₁ for each block of up to four channels, summed over the blocks.
     pub products: u64,
+    /// Terms added into the bands for each block of up to four channels, summed over the bands and the blocks.
+    pub terms: u64,
     /// Bound of the largest `‖error of W_f(j)‖ / ‖W_f(j)‖` over the bands, but for rounding; 0 for powers. It exceeds the
     /// stated accuracy only where a band all but vanishes beside W_f(1).
     pub error_bound: f64,

@@ -1,11 +1,11 @@
 //! The walk prepared once, for the bands of many signals.
 
-use super::chebyshev::{Outcome, evaluate, norm_weights};
+use super::chebyshev::{Outcome, Prepared};
 use super::series::{Growth, Series};
 use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
 use crate::operator::Diffusion;
 use crate::shape::Weld;
-use crate::sparse::{MAX_CHANNELS, Walk, apply};
+use crate::sparse::{MAX_CHANNELS, Walk, apply, difference, zeros};
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -31,13 +31,6 @@ pub struct Transform<'a> {
     prepared: Option<Prepared<'a>>,
 }
 
-#[derive(Debug)]
-struct Prepared<'a> {
-    walk: Walk<'a>,
-    weights: Vec<f64>,
-    growth: Growth,
-}
-
 impl<'a> Transform<'a> {
     /// Prepares `diffusion`. O(entries).
     ///
@@ -50,10 +43,7 @@ impl<'a> Transform<'a> {
         } else {
             Engine::Powers
         };
-        let prepared = (engine == Engine::Chebyshev).then(|| {
-            let (weights, growth) = norm_weights(diffusion);
-            Prepared { walk: Walk::new(diffusion), weights, growth }
-        });
+        let prepared = (engine == Engine::Chebyshev).then(|| Prepared::new(diffusion));
         Ok(Self { diffusion, params: *params, engine, prepared })
     }
 
@@ -83,17 +73,16 @@ impl<'a> Transform<'a> {
         assert_eq!(wavelets.len(), schedule.n_levels(), "one output a level");
         assert!(wavelets.iter().all(|w| w.len() == signal.len()), "outputs as long as the signal");
         let steps = schedule.steps_from_zero();
-        let outcome = match &self.prepared {
-            Some(prepared) => {
-                let series = bands(&steps, prepared.growth);
-                self.evaluate(prepared, signal, n_channels, &series, wavelets, progress)?
+        let outcome = if let Some(prepared) = &self.prepared {
+            let series = bands(&steps, prepared.growth);
+            prepared.evaluate(signal, n_channels, &series, self.params.accuracy, wavelets, progress)?
+        } else {
+            for wavelet in &mut *wavelets {
+                wavelet.fill(0.0);
             }
-            None => {
-                wavelets.iter_mut().for_each(|w| w.fill(0.0));
-                self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
-                    add(1.0, now, wavelets[level]);
-                })?
-            }
+            self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
+                add(1.0, now, wavelets[level]);
+            })?
         };
         Ok(self.info(outcome, n_channels))
     }
@@ -122,32 +111,16 @@ impl<'a> Transform<'a> {
         assert!(factors.iter().all(|g| g.is_finite()), "finite factors");
         assert_eq!(out.len(), signal.len(), "an output as long as the signal");
         let steps = schedule.steps_from_zero();
-        let outcome = match &self.prepared {
-            Some(prepared) => {
-                let series = Series::combination(&bands(&steps, prepared.growth), factors, prepared.growth);
-                self.evaluate(prepared, signal, n_channels, &[series], &mut [out], progress)?
-            }
-            None => {
-                out.fill(0.0);
-                self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
-                    add(factors[level], now, out);
-                })?
-            }
+        let outcome = if let Some(prepared) = &self.prepared {
+            let series = Series::combination(&bands(&steps, prepared.growth), factors, prepared.growth);
+            prepared.evaluate(signal, n_channels, &[series], self.params.accuracy, &mut [out], progress)?
+        } else {
+            out.fill(0.0);
+            self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
+                add(factors[level], now, out);
+            })?
         };
         Ok(self.info(outcome, n_channels))
-    }
-
-    fn evaluate(
-        &self,
-        prepared: &Prepared<'a>,
-        signal: &[f64],
-        n_channels: usize,
-        series: &[Series],
-        outs: &mut [&mut [f64]],
-        progress: Progress<'_>,
-    ) -> Result<Outcome, Cancelled> {
-        let Prepared { walk, weights, .. } = prepared;
-        evaluate(walk, weights, signal, n_channels, series, self.params.accuracy, outs, progress)
     }
 
     /// All bands of a signal in the order of the shape; see [`decompose`](super::decompose).
@@ -165,8 +138,8 @@ impl<'a> Transform<'a> {
         let (n_vertices, n_levels) = (weld.n_vertices(), schedule.n_levels());
         super::decompose::check_signal(signal, n_vertices, n_channels)?;
         let mean = weld.mean(signal, n_channels);
-        let mut scaling = vec![signal.to_vec()];
-        scaling.extend((0..n_levels).map(|_| vec![0.0; signal.len()]));
+        let mut scaling: Vec<Vec<f64>> = (0..=n_levels).map(|_| zeros(signal.len())).collect();
+        scaling[0].par_iter_mut().zip(signal).with_min_len(1 << 14).for_each(|(s, f)| *s = *f);
         // The wavelets come in the order of the analysis into what will hold the scaling coefficients.
         let mut outs: Vec<&mut [f64]> = scaling[1..].iter_mut().map(|s| &mut s[..mean.len()]).collect();
         let info = self.wavelets_into(&mean, n_channels, schedule, &mut outs, progress)?;
@@ -175,12 +148,12 @@ impl<'a> Transform<'a> {
         for level in 1..=n_levels {
             let (finer, rest) = scaling.split_at_mut(level);
             let (fine, coarse) = (&finer[level - 1], &mut rest[0]);
-            let mut band = vec![0.0; signal.len()];
+            let mut band = zeros(signal.len());
             band.par_chunks_exact_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, band)| {
                 band.copy_from_slice(&coarse[weld.class_of(x) * n_channels..][..n_channels]);
             });
             if level == 1 && is_welded {
-                self.finish_welded(weld, &mean, signal, n_channels, coarse, &mut band);
+                finish_welded(weld, &mean, signal, n_channels, coarse, &mut band);
             } else {
                 coarse
                     .par_iter_mut()
@@ -202,32 +175,6 @@ impl<'a> Transform<'a> {
         })
     }
 
-    /// S_f(1) and W_f(1) where vertices are welded: S_f(1) is one value for all of them, and what tells them apart is in
-    /// W_f(1).
-    fn finish_welded(
-        &self,
-        weld: &Weld,
-        mean: &[f64],
-        signal: &[f64],
-        n_channels: usize,
-        scaling: &mut [f64],
-        wavelet: &mut [f64],
-    ) {
-        scaling
-            .par_chunks_exact_mut(n_channels)
-            .zip(wavelet.par_chunks_exact_mut(n_channels))
-            .zip(signal.par_chunks_exact(n_channels))
-            .with_min_len(1 << 12)
-            .enumerate()
-            .for_each(|(x, ((scaling, wavelet), signal))| {
-                let mean = &mean[weld.class_of(x) * n_channels..][..n_channels];
-                for (((s, w), f), m) in scaling.iter_mut().zip(wavelet).zip(signal).zip(mean) {
-                    *s = m - *w;
-                    *w += f - m;
-                }
-            });
-    }
-
     /// Calls `each(level, Φ₁ⁱu)` for i = 0 … n_J − 1, level counted from 0. As `W_f(j)` is a sum of these, it has the
     /// relative accuracy of u, which a difference of two S_f would not have.
     fn sum_powers(
@@ -241,7 +188,7 @@ impl<'a> Transform<'a> {
         let total = steps[steps.len() - 1];
         let mut now = vec![0.0; signal.len()];
         let mut next = vec![0.0; signal.len()];
-        Walk::new(self.diffusion).difference(signal, n_channels, 0, n_channels, &mut now);
+        difference(self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now);
         for (level, range) in steps.windows(2).enumerate() {
             for i in range[0]..range[1] {
                 progress.step(i, total)?;
@@ -253,15 +200,16 @@ impl<'a> Transform<'a> {
             }
         }
         progress.step(total, total)?;
-        Ok(Outcome { degree: total - 1, products: total, error_bound: 0.0 })
+        Ok(Outcome { degree: total - 1, products: total, terms: total, error_bound: 0.0 })
     }
 
     fn info(&self, outcome: Outcome, n_channels: usize) -> BandsInfo {
-        let Outcome { degree, products, error_bound } = outcome;
+        let Outcome { degree, products, terms, error_bound } = outcome;
         BandsInfo {
             engine: self.engine,
             degree,
             products,
+            terms,
             error_bound,
             bytes: self.working_bytes(n_channels),
         }
@@ -284,7 +232,7 @@ impl<'a> Transform<'a> {
         match &self.prepared {
             Some(prepared) => {
                 let width = n_channels.min(MAX_CHANNELS) as u64;
-                diffusion + prepared.walk.bytes() + 8 * n + 2 * 8 * n * width
+                diffusion + prepared.walk.bytes() + 8 * n + 4 * 8 * n * width
             }
             None => diffusion + 2 * 8 * n * n_channels as u64,
         }
@@ -297,4 +245,29 @@ fn bands(steps: &[u64], growth: Growth) -> Vec<Series> {
 
 fn add(factor: f64, now: &[f64], out: &mut [f64]) {
     out.par_iter_mut().zip(now).with_min_len(1 << 14).for_each(|(out, v)| *out += factor * v);
+}
+
+/// S_f(1) and W_f(1) where vertices are welded: S_f(1) is one value for all of them, and what tells them apart is in
+/// W_f(1).
+fn finish_welded(
+    weld: &Weld,
+    mean: &[f64],
+    signal: &[f64],
+    n_channels: usize,
+    scaling: &mut [f64],
+    wavelet: &mut [f64],
+) {
+    scaling
+        .par_chunks_exact_mut(n_channels)
+        .zip(wavelet.par_chunks_exact_mut(n_channels))
+        .zip(signal.par_chunks_exact(n_channels))
+        .with_min_len(1 << 12)
+        .enumerate()
+        .for_each(|(x, ((scaling, wavelet), signal))| {
+            let mean = &mean[weld.class_of(x) * n_channels..][..n_channels];
+            for (((s, w), f), m) in scaling.iter_mut().zip(wavelet).zip(signal).zip(mean) {
+                *s = m - *w;
+                *w += f - m;
+            }
+        });
 }

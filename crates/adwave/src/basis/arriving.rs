@@ -2,55 +2,56 @@
 
 use crate::operator::Diffusion;
 
-/// The columns of Φ₁: the entries of column `y` are at `offsets[y]..offsets[y + 1]`, by rising row, without diagonal.
+/// Entries of a column come in groups of this many, so that the length of a column is easy to predict for a processor.
+pub(super) const GROUP: usize = 4;
+
+/// Rows and weights of some entries of a column; entries that only fill up name the column itself, with weight 0.
+pub(super) type Group = [(u32, f32); GROUP];
+
+/// The columns of Φ₁: the entries of column `y`, its diagonal first, are the groups `starts[y]..starts[y + 1]`.
 #[derive(Debug)]
 pub(super) struct Arriving {
-    offsets: Vec<usize>,
-    sources: Vec<u32>,
-    weights: Vec<f32>,
-    diagonal: Vec<f32>,
+    starts: Vec<usize>,
+    groups: Vec<Group>,
 }
 
 impl Arriving {
     /// Transposes Φ₁. O(entries).
     pub(super) fn new(diffusion: &Diffusion) -> Self {
         let n = diffusion.n_vertices();
-        let mut offsets = vec![0_usize; n + 1];
+        let mut filled = vec![1_usize; n]; // the diagonal
         for &y in &diffusion.neighbours().neighbours {
-            offsets[y as usize + 1] += 1;
+            filled[y as usize] += 1;
         }
+        let mut starts = vec![0_usize; n + 1];
         for y in 0..n {
-            offsets[y + 1] += offsets[y];
+            starts[y + 1] = starts[y] + filled[y].div_ceil(GROUP);
         }
-        let mut next = offsets.clone();
-        let mut sources = vec![0; offsets[n]];
-        let mut weights = vec![0.0; offsets[n]];
+        let mut groups = Vec::with_capacity(starts[n]);
+        for y in 0..n {
+            groups.resize(starts[y + 1], [(y as u32, 0.0); GROUP]);
+            groups[starts[y]][0].1 = diffusion.diagonal(y) as f32;
+        }
+        filled.fill(1);
         for x in 0..n {
             let (columns, values) = diffusion.row(x);
             for (&y, &w) in columns.iter().zip(values) {
-                let at = &mut next[y as usize];
-                sources[*at] = x as u32;
-                weights[*at] = w as f32;
+                let at = &mut filled[y as usize];
+                groups[starts[y as usize] + *at / GROUP][*at % GROUP] = (x as u32, w as f32);
                 *at += 1;
             }
         }
-        let diagonal = (0..n).map(|x| diffusion.diagonal(x) as f32).collect();
-        Self { offsets, sources, weights, diagonal }
+        Self { starts, groups }
     }
 
-    /// The off-diagonal entries of column `y`: rows and weights.
-    pub(super) fn column(&self, y: u32) -> impl Iterator<Item = (u32, f32)> + '_ {
-        let range = self.offsets[y as usize]..self.offsets[y as usize + 1];
-        self.sources[range.clone()].iter().copied().zip(self.weights[range].iter().copied())
-    }
-
-    /// `Φ₁(y,y)`.
-    pub(super) fn diagonal(&self, y: u32) -> f32 {
-        self.diagonal[y as usize]
+    /// The entries of column `y`.
+    #[inline]
+    pub(super) fn column(&self, y: u32) -> &[Group] {
+        &self.groups[self.starts[y as usize]..self.starts[y as usize + 1]]
     }
 
     /// Bytes that this takes for a walk of `nnz` entries over `n` vertices.
     pub(super) fn bytes(n: usize, nnz: usize) -> u64 {
-        8 * nnz as u64 + 20 * n as u64
+        (size_of::<(u32, f32)>() * (nnz + n * (GROUP - 1)) + 16 * n) as u64
     }
 }

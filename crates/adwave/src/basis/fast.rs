@@ -51,13 +51,13 @@ impl Workers {
     }
 
     /// Bytes of all workers and of a batch, for levels of `nnz` entries.
-    pub(super) fn bytes(&self, n: usize, nnz: &[u64]) -> u64 {
+    pub(super) fn bytes(n: usize, nnz: &[u64]) -> u64 {
         let threads = rayon::current_num_threads() as u64;
         let of_row = |nnz: u64| nnz / n.max(1) as u64 + 1;
         let widest = nnz.iter().map(|&nnz| of_row(nnz)).max().unwrap_or(0);
-        // Two columns of values and one turned over, over about three times the vertices of a single row, each with a
+        // Three columns of values and one turned over, over about three times the vertices of a single row, each with a
         // local row of about ten entries.
-        let worker = 5 * n as u64 + 3 * widest * (3 * 4 * LANES as u64 + 80);
+        let worker = 5 * n as u64 + 3 * widest * (4 * 4 * LANES as u64 + 80);
         let packed: u64 = nnz.iter().map(|&nnz| 8 * LANES as u64 * of_row(nnz)).sum();
         threads * (worker + BLOCKS_A_THREAD as u64 * packed)
     }
@@ -73,9 +73,9 @@ struct Slot {
 /// Φ_1 … Φ_J for the steps of `params.schedule`, in single precision.
 ///
 /// Rows of `Φ₁^{n_j}` with entries below ε dropped and the rest divided by its sum. Agrees with [`basis_by_squaring`] to
-/// 1e-5 in every value; what is dropped here is dropped once, and not again at every level. Every step is a product with
-/// Φ₁ᵀ, so the cost is O(n_J · entries of Φ_J): ten entries of the walk and 32 rows at a time. Works for every diffusion,
-/// reversible or not. The same bits on any number of threads.
+/// 1e-5 in every value and 2 % in the number of entries; what is dropped here is dropped once, not again at every level.
+/// Each step of the walk is a product with Φ₁ᵀ over the vertices reached, so the cost is O(n_J · entries of Φ_J) at most; from 256 steps beyond the 64th on a Chebyshev recurrence takes their place, where the walk
+/// is reversible. Works for every diffusion, reversible or not. The same bits on any number of threads.
 ///
 /// # Errors
 /// [`BasisError::TooLarge`] before anything large is allocated; [`BasisError::EmptyRow`]; a bad tolerance; cancelled.
@@ -103,8 +103,7 @@ pub fn basis(
     let n_blocks = n.div_ceil(LANES);
     progress.step(0, n_blocks as u64)?;
     let arriving = Arriving::new(diffusion);
-    let arch = pulp::Arch::new();
-    let walk = Walk { diffusion, arriving: &arriving, params, arch, progress };
+    let walk = Walk::new(diffusion, &arriving, params, progress);
     let workers = Workers::new(n);
     let forecast = forecast::<f32>(&walk, &workers, 1)?;
 

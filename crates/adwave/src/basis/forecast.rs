@@ -63,7 +63,7 @@ pub(super) fn forecast<V: Value>(
         .map(|level| of_block.iter().map(|nnz| nnz[level]).sum::<u64>() / samples.max(1) as u64)
         .collect();
     let stored: u64 = nnz.iter().map(|&nnz| bytes::<V>(n, nnz)).sum();
-    let work = Arriving::bytes(n, walk.diffusion.nnz()) + workers.bytes(n, &nnz);
+    let work = Arriving::bytes(n, walk.diffusion.nnz()) + Workers::bytes(n, &nnz);
     let needed = stored.saturating_mul(copies).saturating_add(work);
     if needed > limit {
         return Err(BasisError::TooLarge { n_levels: steps.len(), n_vertices: n, needed, limit });

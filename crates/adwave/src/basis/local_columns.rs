@@ -5,7 +5,7 @@
 //! lanes of a vector. Once in a few products the list is built anew: vertices where every lane is small are left out,
 //! and those within a few steps of the rest are taken in.
 
-use super::arriving::Arriving;
+use super::arriving::{Arriving, Group};
 use super::marks::Marks;
 use crate::operator::Diffusion;
 
@@ -14,9 +14,6 @@ pub(super) const LANES: usize = 32;
 
 /// One value of each lane.
 pub(super) type Lanes = [f32; LANES];
-
-/// Entries of a local row come in groups of this many, so that the length of a row is easy to predict for a processor.
-const GROUP: usize = 2;
 
 /// No local number.
 const ABSENT: u32 = u32::MAX;
@@ -28,16 +25,23 @@ pub(super) struct LocalColumns {
     pub(super) active: Vec<u32>,
     /// `now[k][l]`: what lane `l` has at vertex `active[k]`.
     pub(super) now: Vec<Lanes>,
-    next: Vec<Lanes>,
+    /// Where the next columns are built; in a recurrence, the columns before these.
+    pub(super) other: Vec<Lanes>,
+    /// Sums of a recurrence, one for each level that it serves.
+    pub(super) sums: Vec<Vec<Lanes>>,
+    spare: Vec<Lanes>,
     /// Local matrix: entries of row `k` are the groups `starts[k]..starts[k + 1]`, the diagonal among them.
     starts: Vec<u32>,
-    groups: Vec<[(u32, f32); GROUP]>,
+    groups: Vec<Group>,
     /// Local number of each vertex of the shape.
     number: Vec<u32>,
     marks: Marks,
     front: Vec<u32>,
     next_front: Vec<u32>,
     before: Vec<u32>,
+    /// Where each active vertex stood in the list before.
+    origin: Vec<u32>,
+    is_large: Vec<bool>,
 }
 
 impl LocalColumns {
@@ -46,7 +50,9 @@ impl LocalColumns {
         Self {
             active: Vec::new(),
             now: Vec::new(),
-            next: Vec::new(),
+            other: Vec::new(),
+            sums: Vec::new(),
+            spare: Vec::new(),
             starts: Vec::new(),
             groups: Vec::new(),
             number: vec![ABSENT; n],
@@ -54,6 +60,8 @@ impl LocalColumns {
             front: Vec::new(),
             next_front: Vec::new(),
             before: Vec::new(),
+            origin: Vec::new(),
+            is_large: Vec::new(),
         }
     }
 
@@ -62,8 +70,11 @@ impl LocalColumns {
         self.forget_numbers();
         self.active.clear();
         self.active.extend(first as u32..end as u32);
+        self.sums.clear();
         self.now.clear();
         self.now.resize(end - first, [0.0; LANES]);
+        self.other.clear();
+        self.other.resize(end - first, [0.0; LANES]);
         for (l, row) in self.now.iter_mut().enumerate() {
             row[l] = 1.0;
         }
@@ -77,14 +88,26 @@ impl LocalColumns {
 
     /// Leaves out vertices where no lane exceeds `floor`, takes in those within `rings` steps of the others, and builds
     /// the local matrix. With `floor` 0 nothing that any walk has reached is left out.
-    pub(super) fn regrow(&mut self, diffusion: &Diffusion, arriving: &Arriving, floor: f32, rings: u64) {
+    pub(super) fn regrow(
+        &mut self,
+        diffusion: &Diffusion,
+        arriving: &Arriving,
+        arch: pulp::Arch,
+        floor: f32,
+        rings: u64,
+    ) {
         self.forget_numbers();
         self.front.clear();
-        for (&x, lanes) in self.active.iter().zip(&self.now) {
-            if largest(lanes) > floor {
-                self.marks.insert(x);
-                self.front.push(x);
-            }
+        self.is_large.clear();
+        self.is_large.resize(self.active.len(), false);
+        // In a walk the other columns are scratch; in a recurrence they are the term before.
+        let others = if self.sums.is_empty() { None } else { Some(&self.other) };
+        for columns in [&self.now].into_iter().chain(others).chain(&self.sums) {
+            arch.dispatch(FindLarge { columns, floor, is_large: &mut self.is_large });
+        }
+        for (&x, _) in self.active.iter().zip(&self.is_large).filter(|(_, is_large)| **is_large) {
+            self.marks.insert(x);
+            self.front.push(x);
         }
         for _ in 0..rings {
             if self.front.is_empty() {
@@ -103,25 +126,31 @@ impl LocalColumns {
         std::mem::swap(&mut self.active, &mut self.before);
         self.active.clear();
         self.marks.drain_sorted(&mut self.active);
-        self.carry_over();
+        self.carry_over(arch);
         self.build_matrix(arriving);
     }
 
     /// Moves the values from the old list of active vertices to the new one.
-    fn carry_over(&mut self) {
-        self.next.clear();
-        self.next.reserve(self.active.len());
+    fn carry_over(&mut self, arch: pulp::Arch) {
+        self.origin.clear();
         let mut k = 0;
         for &x in &self.active {
             while k < self.before.len() && self.before[k] < x {
                 k += 1;
             }
             let known = k < self.before.len() && self.before[k] == x;
-            self.next.push(if known { self.now[k] } else { [0.0; LANES] });
+            self.origin.push(if known { k as u32 } else { ABSENT });
         }
-        std::mem::swap(&mut self.now, &mut self.next);
-        self.next.clear();
-        self.next.resize(self.active.len(), [0.0; LANES]);
+        let in_recurrence = !self.sums.is_empty();
+        carry(arch, &mut self.now, &self.origin, &mut self.spare);
+        if in_recurrence {
+            carry(arch, &mut self.other, &self.origin, &mut self.spare);
+            for sum in &mut self.sums {
+                carry(arch, sum, &self.origin, &mut self.spare);
+            }
+        } else {
+            self.other.resize(self.active.len(), [0.0; LANES]);
+        }
     }
 
     fn build_matrix(&mut self, arriving: &Arriving) {
@@ -132,23 +161,13 @@ impl LocalColumns {
         self.starts.push(0);
         self.groups.clear();
         for (&y, k) in self.active.iter().zip(0_u32..) {
-            // Entries that fill up the last group have weight 0 and name this row, which is in the cache.
-            let mut group = [(k, 0.0); GROUP];
-            group[0].1 = arriving.diagonal(y);
-            let mut filled = 1;
-            for (x, w) in arriving.column(y) {
-                let source = self.number[x as usize];
-                if source == ABSENT {
-                    continue;
-                }
-                if filled == GROUP {
-                    self.groups.push(std::mem::replace(&mut group, [(k, 0.0); GROUP]));
-                    filled = 0;
-                }
-                group[filled] = (source, w);
-                filled += 1;
+            for group in arriving.column(y) {
+                // Vertices that are not active have nothing to give. No branch: at the rim it would be guessed wrongly.
+                self.groups.push(group.map(|(x, w)| {
+                    let source = self.number[x as usize];
+                    if source == ABSENT { (k, 0.0) } else { (source, w) }
+                }));
             }
-            self.groups.push(group);
             self.starts.push(self.groups.len() as u32);
         }
     }
@@ -159,28 +178,67 @@ impl LocalColumns {
             starts: &self.starts,
             groups: &self.groups,
             now: &self.now,
-            next: &mut self.next,
+            next: &mut self.other,
         });
-        std::mem::swap(&mut self.now, &mut self.next);
+        std::mem::swap(&mut self.now, &mut self.other);
+    }
+
+    /// The local matrix: where the groups of each row start, and the groups.
+    pub(super) fn matrix(&self) -> (&[u32], &[Group]) {
+        (&self.starts, &self.groups)
     }
 }
 
-/// The largest of the lanes.
-#[inline(always)]
-fn largest(lanes: &Lanes) -> f32 {
-    let mut wide = [0.0_f32; 8];
-    for part in lanes.as_chunks::<8>().0 {
-        for (w, &v) in wide.iter_mut().zip(part) {
-            *w = if v > *w { v } else { *w };
+/// Renumbers columns: row `k` becomes what stood at `origin[k]`, or zeros.
+fn carry(arch: pulp::Arch, columns: &mut Vec<Lanes>, origin: &[u32], spare: &mut Vec<Lanes>) {
+    spare.resize(origin.len(), [0.0; LANES]);
+    arch.dispatch(Carry { from: columns, origin, to: spare });
+    std::mem::swap(columns, spare);
+}
+
+struct Carry<'a> {
+    from: &'a [Lanes],
+    origin: &'a [u32],
+    to: &'a mut [Lanes],
+}
+
+impl pulp::NullaryFnOnce for Carry<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (row, &k) in self.to.iter_mut().zip(self.origin) {
+            *row = if k == ABSENT { [0.0; LANES] } else { self.from[k as usize] };
         }
     }
-    wide.into_iter().fold(0.0, f32::max)
+}
+
+/// Marks the rows in which the magnitude of some lane exceeds `floor`.
+struct FindLarge<'a> {
+    columns: &'a [Lanes],
+    floor: f32,
+    is_large: &'a mut [bool],
+}
+
+impl pulp::NullaryFnOnce for FindLarge<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (is_large, row) in self.is_large.iter_mut().zip(self.columns) {
+            let mut large = 0_u32;
+            for v in row {
+                large |= u32::from(v.abs() > self.floor);
+            }
+            *is_large |= large != 0;
+        }
+    }
 }
 
 /// `next = A·now` for the local matrix, compiled for every instruction set and picked at run time.
 struct Product<'a> {
     starts: &'a [u32],
-    groups: &'a [[(u32, f32); GROUP]],
+    groups: &'a [Group],
     now: &'a [Lanes],
     next: &'a mut [Lanes],
 }
@@ -192,17 +250,41 @@ impl pulp::NullaryFnOnce for Product<'_> {
     fn call(self) {
         let Self { starts, groups, now, next } = self;
         for (row, range) in next.iter_mut().zip(starts.windows(2)) {
-            let mut sum = [0.0_f32; LANES];
-            for group in &groups[range[0] as usize..range[1] as usize] {
-                for &(source, w) in group {
-                    let from = &now[source as usize];
-                    // Products and sums are rounded apart, so that every instruction set gives the same bits.
-                    for l in 0..LANES {
-                        sum[l] += w * from[l];
-                    }
-                }
-            }
-            *row = sum;
+            *row = row_times(&groups[range[0] as usize..range[1] as usize], now);
         }
     }
+}
+
+/// Groups of a row that are summed one after the other; longer rows are summed in such parts, because the error of a
+/// sum in single precision grows with the number of its terms.
+const GROUPS_A_SUM: usize = 32;
+
+/// One row of the local matrix times the columns.
+#[inline(always)]
+pub(super) fn row_times(groups: &[Group], columns: &[Lanes]) -> Lanes {
+    if groups.len() <= GROUPS_A_SUM {
+        return part_times(groups, columns);
+    }
+    let mut sum = [0.0_f64; LANES];
+    for part in groups.chunks(GROUPS_A_SUM) {
+        for (s, p) in sum.iter_mut().zip(part_times(part, columns)) {
+            *s += f64::from(p);
+        }
+    }
+    sum.map(|s| s as f32)
+}
+
+#[inline(always)]
+fn part_times(groups: &[Group], columns: &[Lanes]) -> Lanes {
+    let mut sum = [0.0_f32; LANES];
+    for group in groups {
+        for &(source, w) in group {
+            let from = &columns[source as usize];
+            // Products and sums are rounded apart, so that every instruction set gives the same bits.
+            for l in 0..LANES {
+                sum[l] += w * from[l];
+            }
+        }
+    }
+    sum
 }

@@ -12,20 +12,24 @@
 //! All of it counts vertices as [`Diffusion`](crate::operator::Diffusion) does: in the numbering of the
 //! [`Domain`](crate::shape::Domain). [`Basis::in_shape_order`] renumbers where that is a permutation of the shape's vertices.
 
+// Code that is compiled for several instruction sets is only so where it is inlined into the place that picks one.
+#![allow(clippy::inline_always)]
+
 mod arriving;
-//ONE mod binomial;
+mod binomial;
+mod deep;
 mod fast;
 mod forecast;
 mod local_columns;
 mod marks;
-//ONE mod one_vertex;
+mod one_vertex;
 mod pack;
 mod rows;
 mod squaring;
 mod sweep;
 
 pub use fast::basis;
-//ONE pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
+pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
 pub use rows::{CompressedRows, Value};
 pub use squaring::basis_by_squaring;
 
@@ -109,13 +113,13 @@ pub enum BasisError {
     },
     /// Every entry of a row is below the tolerance.
     #[error(
-        "all entries of row {row} of level {level} are below the drop tolerance of {tolerance}; lower it or ask for fewer levels"
+        "no entry of row {row} reaches the drop tolerance of {tolerance} after {steps} steps; lower it or ask for fewer levels"
     )]
     EmptyRow {
         /// The row.
         row: usize,
-        /// The level, from 1.
-        level: usize,
+        /// Steps of the level.
+        steps: u64,
         /// The tolerance.
         tolerance: f64,
     },

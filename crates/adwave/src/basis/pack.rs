@@ -1,6 +1,6 @@
 //! From dense columns to sparse rows: entries below the tolerance are dropped, the rest of each row divided by its sum.
 
-use super::local_columns::{LANES, Lanes, LocalColumns};
+use super::local_columns::{LANES, Lanes};
 
 /// Entries that are looked at together: where all are dropped, or all kept, none is looked at by itself.
 const RUN: usize = 16;
@@ -25,6 +25,15 @@ impl PackedRows {
     }
 }
 
+/// Columns over the active vertices, at one level.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Columns<'a> {
+    /// Active vertices by rising index.
+    pub(super) active: &'a [u32],
+    /// The lanes at each.
+    pub(super) rows: &'a [Lanes],
+}
+
 /// What a level keeps of the rows of a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kept {
@@ -37,8 +46,8 @@ pub(super) struct Kept {
 }
 
 /// Counts and sums what a level keeps: positive values of at least `tolerance`.
-pub(super) fn kept(arch: pulp::Arch, columns: &LocalColumns, tolerance: f32) -> Kept {
-    arch.dispatch(Count { rows: &columns.now, floor: smallest_kept(tolerance) })
+pub(super) fn kept(arch: pulp::Arch, rows: &[Lanes], tolerance: f32) -> Kept {
+    arch.dispatch(Count { rows, floor: smallest_kept(tolerance) })
 }
 
 /// The tolerance itself, or the smallest positive number: a stored entry is never 0.
@@ -80,7 +89,7 @@ impl pulp::NullaryFnOnce for Count<'_> {
 /// Packs the first `n_lanes` lanes into `out`; `lanes_first` is scratch.
 pub(super) fn pack(
     arch: pulp::Arch,
-    columns: &LocalColumns,
+    columns: Columns<'_>,
     n_lanes: usize,
     tolerance: f32,
     kept: &Kept,
@@ -100,8 +109,8 @@ pub(super) fn pack(
         lanes_first.resize(stride * LANES, 0.0);
     }
     arch.dispatch(Pack {
-        active: &columns.active,
-        rows: &columns.now,
+        active: columns.active,
+        rows: columns.rows,
         n_lanes,
         stride,
         floor: smallest_kept(tolerance),

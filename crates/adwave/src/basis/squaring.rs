@@ -33,7 +33,7 @@ pub fn basis_by_squaring(
     progress.step(0, n_levels as u64)?;
     let needed = {
         let arriving = Arriving::new(diffusion);
-        let walk = Walk { diffusion, arriving: &arriving, params, arch: pulp::Arch::new(), progress };
+        let walk = Walk::new(diffusion, &arriving, params, progress);
         // A level lies in memory twice while its parts are put together; to count all of them twice is on the safe side.
         forecast::<f64>(&walk, &Workers::new(diffusion.n_vertices()), 2)?.bytes
     };
@@ -42,7 +42,7 @@ pub fn basis_by_squaring(
     info.largest_dropped.push(0.0);
     for j in 1..n_levels {
         progress.step(j as u64, n_levels as u64)?;
-        let (squared, dropped) = square(&scaling[j - 1], j + 1, params.drop_tolerance, progress)?;
+        let (squared, dropped) = square(&scaling[j - 1], steps[j], params.drop_tolerance, progress)?;
         scaling.push(squared);
         info.largest_dropped.push(dropped);
     }
@@ -77,7 +77,7 @@ fn first_level(diffusion: &Diffusion) -> CompressedRows<f64> {
 /// `[AA]_{r,ε}` and the largest share of a row that was dropped.
 fn square(
     matrix: &CompressedRows<f64>,
-    level: usize,
+    steps: u64,
     tolerance: f64,
     progress: Progress<'_>,
 ) -> Result<(CompressedRows<f64>, f64), BasisError> {
@@ -131,6 +131,6 @@ fn square(
     }
     match empty_row.into_inner() {
         u64::MAX => Ok((squared, f64::from_bits(largest_dropped.into_inner()))),
-        row => Err(BasisError::EmptyRow { row: row as usize, level, tolerance }),
+        row => Err(BasisError::EmptyRow { row: row as usize, steps, tolerance }),
     }
 }

@@ -50,10 +50,22 @@ pub struct Diffusion {
 impl Diffusion {
     /// Φ₁ of a local operator (eq. 4–5): `Φ₁(x,y) = T(x,y) / 2Σ_z T(x,z)`, `Φ₁(x,x) = ½`; an identity row where T has an
     /// empty one. O(entries).
+    ///
+    /// # Panics
+    /// When the rows of the operator do not fit together, which those of [`local_operator`](super::local_operator) do.
     pub fn new(operator: LocalOperator) -> Self {
         let LocalOperator { neighbours, values, log_factor, areas, mean_square, is_reversible, .. } =
             operator;
         let n = neighbours.n_vertices();
+        // Products index by these without looking again.
+        assert!(
+            neighbours.offsets[0] == 0
+                && neighbours.offsets.is_sorted()
+                && neighbours.offsets[n] == neighbours.neighbours.len()
+                && values.len() == neighbours.neighbours.len()
+                && neighbours.neighbours.iter().all(|&y| (y as usize) < n),
+            "the neighbours of a local operator are vertices of it, one value each"
+        );
         let mut weights = values;
         let row_sum: Vec<f64> = (0..n)
             .into_par_iter()

@@ -98,7 +98,7 @@ mod tests {
         for c in 0..8 {
             let links = link(1 << c, 0);
             assert_eq!(links.n_loops, 1);
-            assert_eq!(links.loop_of.iter().filter(|&&l| l == 0).count(), 3);
+            assert_eq!(links.loop_of.iter().filter(|&&l| l != Links::NONE).count(), 3);
         }
     }
 

@@ -6,17 +6,22 @@
 /// A point or direction in model units.
 pub(super) type V3 = nalgebra::Vector3<f64>;
 
+/// A side of a closed surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// f < 0
+    Inside,
+    /// f > 0
+    Outside,
+}
+
 /// A solid described by the sign of a function.
 pub(super) trait Implicit: Sync {
     /// f(p), negative inside, zero on the surface, about the signed distance near it. Model units.
     fn value(&self, p: V3) -> f64;
 
-    /// A 1-Lipschitz function whose sign is that of [`value`](Self::value) wherever its size exceeds
-    /// [`slack`](Self::slack). Model units.
-    fn coarse(&self, p: V3) -> f64;
-
-    /// Bound on how far [`value`](Self::value) may differ in sign from [`coarse`](Self::coarse), model units.
-    fn slack(&self) -> f64;
+    /// On which side a whole ball lies, if a bound shows that the surface does not cross it. Model units.
+    fn side_of_ball(&self, centre: V3, radius: f64) -> Option<Side>;
 
     /// Two opposite corners of a box that holds the solid.
     fn bounds(&self) -> (V3, V3);

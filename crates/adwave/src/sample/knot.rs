@@ -20,20 +20,15 @@ const ROW_HEIGHT: f64 = 0.866;
 /// Pieces for the length of the curve; the midpoint rule on a closed smooth curve is exact to rounding long before.
 const LENGTH_PIECES: usize = 4096;
 
-/// The curve's point and its derivatives by u, where u runs once through the knot in [0, 1].
-fn curve(u: f64) -> [V3; 3] {
+/// The curve's point and its derivative by u, where u runs once through the knot in [0, 1].
+fn curve(u: f64) -> [V3; 2] {
     let (a, b) = (TAU * TURNS, TAU * WINDINGS);
     let ((sa, ca), (sb, cb)) = ((a * u).sin_cos(), (b * u).sin_cos());
     let out = MAJOR_RADIUS + MINOR_RADIUS * cb;
-    let (out1, out2) = (-MINOR_RADIUS * b * sb, -MINOR_RADIUS * b * b * cb);
+    let turn = -MINOR_RADIUS * b * sb;
     [
         V3::new(out * ca, out * sa, MINOR_RADIUS * sb),
-        V3::new(out1 * ca - out * a * sa, out1 * sa + out * a * ca, MINOR_RADIUS * b * cb),
-        V3::new(
-            out2 * ca - 2.0 * out1 * a * sa - out * a * a * ca,
-            out2 * sa + 2.0 * out1 * a * ca - out * a * a * sa,
-            -MINOR_RADIUS * b * b * sb,
-        ),
+        V3::new(turn * ca - out * a * sa, turn * sa + out * a * ca, MINOR_RADIUS * b * cb),
     ]
 }
 
@@ -44,18 +39,49 @@ pub(super) fn length() -> f64 {
     (0..LENGTH_PIECES).map(|i| curve((i as f64 + 0.5) / n)[1].norm() / n).sum()
 }
 
-/// Circles in the normal planes of the curve, counted from its principal normal, which turns smoothly with it
-/// because the curvature of a torus knot of these radii never vanishes.
+/// Circles in the normal planes of the curve, from a frame that turns as little as possible along it; what is missing
+/// to close it after one round is spread evenly, so that the triangles are sheared as little as can be.
 pub(super) fn knot(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     let ratio = length() / (TAU * TUBE_RADIUS) * ROW_HEIGHT;
     let (rings, around) = grid_shape(n_vertices, ratio);
+    // The grid asks for whole and half steps.
+    let n_steps = 2 * rings;
+    let normals = least_turning_normals(n_steps);
     closed_grid(rings, around, |u, v| {
-        let [point, first, second] = curve(u);
-        let tangent = first.normalize();
-        let normal = (second - tangent * second.dot(&tangent)).normalize();
-        let binormal = tangent.cross(&normal);
-        // ∂u × ∂v = tangent × (direction of growing v) points outwards when v turns this way.
+        let step = (u * n_steps as f64).round() as usize % n_steps;
+        let [point, derivative] = curve(step as f64 / n_steps as f64);
+        let normal = normals[step];
+        let binormal = derivative.normalize().cross(&normal);
+        // ∂u × ∂v points outwards when v turns this way.
         let (sin, cos) = (TAU * v).sin_cos();
         point + (normal * cos - binormal * sin) * TUBE_RADIUS
     })
+}
+
+/// Unit normals at `n_steps` even steps of u (Wang, Jüttler, Zheng & Liu, *Computation of rotation minimizing frames*,
+/// TOG 2008: two reflections take each frame to the next).
+fn least_turning_normals(n_steps: usize) -> Vec<V3> {
+    let mut normals = Vec::with_capacity(n_steps + 1);
+    let [mut point, derivative] = curve(0.0);
+    let mut tangent = derivative.normalize();
+    let mut normal = tangent.cross(&V3::z()).normalize();
+    normals.push(normal);
+    for i in 1..=n_steps {
+        let [next, derivative] = curve(i as f64 / n_steps as f64);
+        let next_tangent = derivative.normalize();
+        let chord = next - point;
+        let reflect = |w: V3, axis: V3| w - axis * (2.0 * w.dot(&axis) / axis.norm_squared());
+        let across = next_tangent - reflect(tangent, chord);
+        normal = reflect(reflect(normal, chord), across);
+        normals.push(normal);
+        (point, tangent) = (next, next_tangent);
+    }
+    let last = normals.pop().expect("a frame at the end");
+    let missing = last.cross(&normals[0]).dot(&tangent).atan2(last.dot(&normals[0]));
+    for (i, normal) in normals.iter_mut().enumerate() {
+        let (sin, cos) = (missing * i as f64 / n_steps as f64).sin_cos();
+        let tangent = curve(i as f64 / n_steps as f64)[1].normalize();
+        *normal = *normal * cos + tangent.cross(normal) * sin;
+    }
+    normals
 }

@@ -3,6 +3,8 @@
 //! Each is computed, not stored; the same name and number of vertices give the same bits on any number of threads.
 //! The closed forms of the first four are known; the creature stands in for a scanned figure.
 
+#![allow(clippy::cast_possible_wrap, reason = "grid coordinates and counts stay far below 2^31 here")]
+
 mod cell;
 mod creature;
 mod implicit;

@@ -1,13 +1,13 @@
 //! Closed triangle meshes of implicit surfaces: dual marching cubes on a sparse grid.
 //!
-//! The grid is searched from coarse to fine and space that the 1-Lipschitz bound shows empty is skipped, so the cost
+//! The grid is searched from coarse to fine and balls of space that a bound shows empty are skipped, so the cost
 //! is that of the surface, not of the volume. In each cell the crossed edges fall into loops; each loop gives a
 //! vertex and each crossed grid edge a quad of the four cells round it: the dual of a marching-cubes surface. That
 //! dual is a manifold unless two loops meet twice on one ambiguous face, and such faces are linked the other way
 //! (Wenger, *Isosurfaces*, 2013; Schaefer, Ju & Warren, *Manifold dual contouring*, TVCG 2007).
 
 use super::cell::{Links, corner_offset, edge_index, link};
-use super::implicit::{Implicit, V3};
+use super::implicit::{Implicit, Side, V3};
 use rayon::prelude::*;
 
 /// Cells along a block's edge.
@@ -64,12 +64,12 @@ impl CrossedGrid {
         // Every level of the descent keeps its order, whatever thread does the work.
         loop {
             let width = f64::from(size) * BLOCK as f64 * spacing;
-            let reach = 0.5 * width * 3.0_f64.sqrt() + field.slack();
+            let reach = 0.5 * width * 3.0_f64.sqrt();
             nodes = nodes
                 .into_par_iter()
                 .filter(|at| {
                     let centre = V3::from_fn(|a, _| (f64::from(at[a]) + 0.5) * width) + origin;
-                    field.coarse(centre).abs() <= reach
+                    field.side_of_ball(centre, reach).is_none()
                 })
                 .collect();
             if size == 1 {
@@ -310,9 +310,9 @@ fn refine<F: Implicit>(
     values: &mut [f64],
 ) {
     let half = width / 2;
-    let centre = field.coarse(corner(low.map(|x| x + half)));
-    let empty = centre.abs() > half as f64 * spacing * 3.0_f64.sqrt() + field.slack();
-    if !empty && width > 2 {
+    let reach = half as f64 * spacing * 3.0_f64.sqrt();
+    let side = field.side_of_ball(corner(low.map(|x| x + half)), reach);
+    if side.is_none() && width > 2 {
         for i in boxes(2) {
             refine(field, corner, std::array::from_fn(|a| low[a] + half * i[a]), half, spacing, values);
         }
@@ -321,10 +321,11 @@ fn refine<F: Implicit>(
     for i in boxes(width + 1) {
         let i = std::array::from_fn(|a| low[a] + i[a]);
         let value = &mut values[corner_index(i)];
-        if !empty && !value.is_finite() {
-            *value = field.value(corner(i));
-        } else if empty && value.is_nan() {
-            *value = f64::INFINITY.copysign(centre);
+        match side {
+            None if !value.is_finite() => *value = field.value(corner(i)),
+            Some(Side::Inside) if value.is_nan() => *value = f64::NEG_INFINITY,
+            Some(Side::Outside) if value.is_nan() => *value = f64::INFINITY,
+            _ => {}
         }
     }
 }

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 /// Part of the way to the mean of its surroundings that a vertex goes in one round.
 const SMOOTHING: f64 = 0.7;
 /// Rounds of flips, smoothing and one step of projection.
-const ROUNDS: usize = 7;
+const ROUNDS: usize = 6;
 /// Steps of the projection at the end, each a secant step along the normal.
-const PROJECTION_STEPS: usize = 4;
+const PROJECTION_STEPS: usize = 3;
 /// A projection step is at most this part of the vertex's mean edge length, so that no face turns over.
 const STEP_LIMIT: f64 = 0.3;
 /// Sweeps of flips in a round.

@@ -1,9 +1,12 @@
 //! The products that everything runs on.
 
+mod kernel;
 mod product;
 mod recurrence;
+mod tiles;
 mod walk;
 
+pub(crate) use kernel::zeros;
 pub use product::apply;
-pub(crate) use recurrence::{Recurrence, Sum};
-pub(crate) use walk::{MAX_CHANNELS, Walk};
+pub(crate) use recurrence::{Next, Recurrence, Sum, Weighing};
+pub(crate) use walk::{MAX_CHANNELS, Walk, difference};

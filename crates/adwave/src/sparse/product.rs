@@ -1,5 +1,6 @@
 //! One step of the walk applied to a block of channels.
 
+use super::kernel::{Rows, Target, apply_rows};
 use crate::operator::Diffusion;
 use rayon::prelude::*;
 
@@ -47,22 +48,16 @@ pub fn apply(diffusion: &Diffusion, x: &[f64], y: &mut [f64], n_channels: usize)
 }
 
 fn apply_fixed<const D: usize>(diffusion: &Diffusion, x: &[f64], y: &mut [f64]) {
-    let x = x.as_chunks::<D>().0;
-    y.as_chunks_mut::<D>().0.par_chunks_mut(ROWS_AT_A_TIME).enumerate().for_each(|(chunk, rows)| {
-        for (r, out) in rows.iter_mut().enumerate() {
-            let row = chunk * ROWS_AT_A_TIME + r;
-            let (columns, weights) = diffusion.row(row);
-            let here = x[row];
-            let mut moved = [0.0; D];
-            for (&column, &w) in columns.iter().zip(weights) {
-                let there = &x[column as usize];
-                for c in 0..D {
-                    moved[c] += w * (there[c] - here[c]);
-                }
-            }
-            for c in 0..D {
-                out[c] = here[c] + moved[c];
-            }
-        }
+    let target = Target::detect();
+    let neighbours = diffusion.neighbours();
+    y.par_chunks_mut(ROWS_AT_A_TIME * D).enumerate().for_each(|(chunk, out)| {
+        let rows = Rows {
+            offsets: &neighbours.offsets,
+            columns: &neighbours.neighbours,
+            weights: diffusion.weights(),
+            first: chunk * ROWS_AT_A_TIME,
+            x,
+        };
+        apply_rows::<D>(target, &rows, out);
     });
 }

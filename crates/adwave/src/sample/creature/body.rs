@@ -34,113 +34,153 @@ fn at(x: f64, y: f64, z: f64) -> V3 {
 
 /// All parts; the first is the torso, which most others join.
 pub(super) fn parts() -> Vec<Part> {
-    let mut parts = vec![torso(), shell(), tail(), head()];
+    let mut parts = vec![torso(), shell(), tail(), head(), nose()];
     for side in Side::BOTH {
-        parts.extend([ear(side), leg(side), foot(side), arm(side), hand(side)]);
+        parts.extend([eye(side), ear(side), leg(side), knee(side), foot(side), arm(side)]);
+        parts.extend(hand(side));
     }
     parts
 }
 
 fn torso() -> Part {
+    let (half_width, front) = (0.165, 0.08);
     Part::new(0.0)
         .bone(at(0.0, 1.00, 0.0), 0.225, at(0.0, 1.19, -0.01), 0.19, 0.1)
-        .ball(at(0.0, 0.87, 0.055), 0.235, 0.1)
+        .ball(at(0.0, 0.88, 0.065), 0.24, 0.1)
         .ball(at(0.0, 0.73, 0.0), 0.2, 0.1)
-        .ball(at(0.085, 1.13, 0.105), 0.1, 0.05)
-        .ball(at(-0.085, 1.13, 0.105), 0.1, 0.05)
-        .ball(at(0.0, 0.80, 0.295), 0.016, 0.02)
-        .carved()
-        .skin(Skin::BellyPlates { size: 0.075, height: 0.006, half_width: 0.16, front: 0.1 })
+        .ball(at(0.085, 1.14, 0.105), 0.1, 0.04)
+        .ball(at(-0.085, 1.14, 0.105), 0.1, 0.04)
+        .skin(Skin::BellyPlates { size: 0.078, height: 0.007, half_width, front })
+        .skin(Skin::Flanks { size: 0.06, height: 0.0045, half_width, front })
 }
 
 fn shell() -> Part {
     Part::new(0.02)
-        .bone(at(0.0, 0.84, -0.09), 0.275, at(0.0, 1.10, -0.085), 0.245, 0.02)
-        .ball(at(0.0, 0.98, 0.50), 0.52, 0.03)
+        .bone(at(0.0, 0.85, -0.10), 0.28, at(0.0, 1.10, -0.095), 0.25, 0.02)
+        .ball(at(0.0, 0.98, 0.50), 0.515, 0.03)
         .carved()
-        .skin(Skin::Scutes {
-            centre: at(0.0, 0.97, -0.09),
-            radius: 0.27,
+        .skin(Skin::Scales {
+            centre: at(0.0, 0.97, -0.10),
+            radius: 0.275,
             half_height: 0.41,
-            n_rows: 15.0,
-            n_columns: 21.0,
-            height: 0.012,
+            n_rows: 13.0,
+            n_columns: 18.0,
+            height: 0.014,
         })
 }
 
 fn tail() -> Part {
-    Part::new(0.05)
-        .chain(
-            &[
-                (at(0.0, 0.66, -0.16), 0.135),
-                (at(0.02, 0.45, -0.40), 0.1),
-                (at(0.08, 0.27, -0.57), 0.08),
-                (at(0.20, 0.16, -0.70), 0.063),
-                (at(0.36, 0.15, -0.74), 0.05),
-                (at(0.49, 0.22, -0.70), 0.037),
-                (at(0.55, 0.33, -0.66), 0.022),
-            ],
-            0.06,
-        )
-        .skin(Skin::Rings { size: 0.062, height: 0.007, from: 0.12, to: 1.22 })
+    let joints = [
+        (at(0.0, 0.66, -0.16), 0.135),
+        (at(0.02, 0.45, -0.40), 0.1),
+        (at(0.08, 0.27, -0.57), 0.08),
+        (at(0.20, 0.16, -0.70), 0.063),
+        (at(0.36, 0.15, -0.74), 0.05),
+        (at(0.49, 0.22, -0.70), 0.037),
+        (at(0.55, 0.33, -0.66), 0.022),
+    ];
+    Part::new(0.05).chain(&curved(&joints, 4), 0.03).skin(Skin::Rings {
+        size: 0.065,
+        height: 0.007,
+        from: 0.12,
+        to: 1.3,
+    })
 }
+
+/// Balls along the Catmull–Rom curve through `joints`, `n_pieces` to each stretch; radii linear in between.
+fn curved(joints: &[(V3, f64)], n_pieces: usize) -> Vec<(V3, f64)> {
+    let last = joints.len() - 1;
+    let mut balls = Vec::with_capacity(last * n_pieces + 1);
+    for i in 0..last {
+        let [p0, p1, p2, p3] = [i.max(1) - 1, i, i + 1, (i + 2).min(last)].map(|j| joints[j].0);
+        for k in 0..n_pieces {
+            let t = k as f64 / n_pieces as f64;
+            let slope = (p2 - p0)
+                + (p0 * 2.0 - p1 * 5.0 + p2 * 4.0 - p3) * t
+                + (p1 * 3.0 - p0 - p2 * 3.0 + p3) * (t * t);
+            balls.push((p1 + slope * (0.5 * t), joints[i].1 + t * (joints[i + 1].1 - joints[i].1)));
+        }
+    }
+    balls.push(joints[last]);
+    balls
+}
+
+/// Lengths in the head are given for a head of half the size of the chest and then grow by this factor.
+const HEAD: f64 = 1.13;
 
 /// From the head's own axes (origin in the skull, y up, z along the snout) to the model.
 fn head_at(x: f64, y: f64, z: f64) -> V3 {
-    at(0.0, 1.52, 0.06) + Rotation3::from_euler_angles(0.12, 0.22, -0.06) * at(x, y, z)
+    at(0.0, 1.53, 0.07) + Rotation3::from_euler_angles(0.10, 0.22, -0.06) * at(x, y, z) * HEAD
 }
 
 fn head() -> Part {
     let mut head = Part::new(0.05)
-        .bone(head_at(0.0, 0.01, -0.02), 0.15, head_at(0.0, -0.02, 0.08), 0.125, 0.06)
-        .bone(at(0.0, 1.20, -0.02), 0.15, head_at(0.0, -0.06, -0.02), 0.115, 0.06)
-        .bone(head_at(0.0, -0.02, 0.12), 0.10, head_at(0.0, -0.06, 0.33), 0.058, 0.06);
+        .bone(head_at(0.0, 0.02, -0.02), 0.15 * HEAD, head_at(0.0, -0.02, 0.08), 0.12 * HEAD, 0.06)
+        .bone(at(0.0, 1.20, -0.02), 0.16, head_at(0.0, -0.06, -0.02), 0.115 * HEAD, 0.06)
+        .bone(head_at(0.0, -0.025, 0.12), 0.092 * HEAD, head_at(0.0, -0.06, 0.34), 0.056 * HEAD, 0.06);
     for x in [0.085, -0.085] {
-        head = head.ball(head_at(x, -0.06, 0.07), 0.065, 0.05).bone(
-            head_at(0.4 * x, 0.075, 0.135),
-            0.028,
-            head_at(1.4 * x, 0.075, 0.085),
-            0.03,
+        head = head.ball(head_at(x, -0.07, 0.07), 0.06 * HEAD, 0.05).bone(
+            head_at(0.35 * x, 0.080, 0.138),
+            0.022 * HEAD,
+            head_at(1.35 * x, 0.085, 0.085),
+            0.030 * HEAD,
             0.03,
         );
     }
-    head = head.bone(head_at(0.0, -0.105, 0.06), 0.075, head_at(0.0, -0.145, 0.265), 0.036, 0.012).ball(
-        head_at(0.0, -0.035, 0.375),
-        0.04,
-        0.02,
-    );
+    // The lower jaw hangs a little open, with a sharp crease below the snout.
+    head = head.bone(head_at(0.0, -0.11, 0.06), 0.07 * HEAD, head_at(0.0, -0.165, 0.26), 0.034 * HEAD, 0.01);
     for x in [0.085, -0.085] {
-        head = head
-            .ball(head_at(1.05 * x, 0.035, 0.15), 0.043, 0.015)
-            .carved()
-            .ball(head_at(x, 0.032, 0.128), 0.038, 0.005)
-            .ball(head_at(1.15 * x, 0.034, 0.166), 0.014, 0.01)
-            .carved()
-            .ball(head_at(0.24 * x, -0.03, 0.413), 0.012, 0.012)
-            .carved();
+        head = head.ball(head_at(1.02 * x, 0.028, 0.148), 0.043 * HEAD, 0.02).carved();
     }
-    head.skin(Skin::Pebbles { size: 0.055, height: 0.003 })
+    head.skin(Skin::Pebbles { size: 0.058, height: 0.0035 })
+}
+
+/// Nose and eyes: smooth parts on the head.
+fn nose() -> Part {
+    let mut nose = Part::new(0.015).ball(head_at(0.0, -0.035, 0.385), 0.044 * HEAD, 0.02);
+    for x in [0.019, -0.019] {
+        nose = nose.ball(head_at(x, -0.030, 0.428), 0.0135 * HEAD, 0.008).carved();
+    }
+    nose
+}
+
+fn eye(side: Side) -> Part {
+    let s = side.sign();
+    let ball = head_at(s * 0.078, 0.034, 0.120);
+    let direction = |x: f64, y: f64, z: f64| (head_at(s * x, y, z) - head_at(0.0, 0.0, 0.0)).normalize();
+    // A ball this large cuts like a plane.
+    let flat = 0.5;
+    // The lid is a cap just outside the eyeball, open downwards and forwards; the pupil is a dimple.
+    Part::new(0.006)
+        .ball(ball, 0.0475 * HEAD, 0.003)
+        .ball(ball + direction(0.05, -0.75, 0.65) * (flat - 0.004), flat, 0.003)
+        .carved()
+        .ball(ball, 0.041 * HEAD, 0.003)
+        .ball(ball + direction(0.42, -0.12, 0.9) * (0.047 * HEAD), 0.0145 * HEAD, 0.006)
+        .carved()
 }
 
 fn ear(side: Side) -> Part {
     let s = side.sign();
-    let outward = head_at(s * 0.40, 0.0, 1.0) - head_at(0.0, 0.0, 0.0);
+    let outward = (head_at(s * 0.40, 0.0, 1.0) - head_at(0.0, 0.0, 0.0)).normalize();
     let ear_at = |t: f64, forward: f64| {
         let base = head_at(s * 0.085, 0.10, -0.03);
-        let tip = head_at(s * 0.27, 0.37, -0.07);
-        base.lerp(&tip, t) + outward.normalize() * forward
+        let tip = head_at(s * 0.28, 0.37, -0.07);
+        base.lerp(&tip, t) + outward * forward
     };
     Part::new(0.03)
-        .bone(ear_at(0.0, 0.0), 0.05, ear_at(0.5, 0.0), 0.095, 0.02)
-        .flattened(outward, 2.2)
-        .bone(ear_at(0.5, 0.0), 0.095, ear_at(1.05, 0.0), 0.024, 0.02)
-        .flattened(outward, 2.2)
-        .bone(ear_at(0.22, 0.048), 0.04, ear_at(0.50, 0.048), 0.068, 0.015)
+        .bone(ear_at(0.0, 0.0), 0.055, ear_at(0.48, 0.0), 0.11, 0.02)
+        .flattened(outward, 2.3)
+        .bone(ear_at(0.48, 0.0), 0.11, ear_at(1.05, 0.0), 0.026, 0.02)
+        .flattened(outward, 2.3)
+        .bone(ear_at(0.20, 0.054), 0.045, ear_at(0.48, 0.054), 0.080, 0.015)
         .flattened(outward, 1.8)
         .carved()
-        .bone(ear_at(0.50, 0.048), 0.068, ear_at(0.85, 0.044), 0.03, 0.015)
+        .bone(ear_at(0.48, 0.054), 0.080, ear_at(0.85, 0.050), 0.035, 0.015)
         .flattened(outward, 1.8)
         .carved()
+        // A fold along the inside.
+        .bone(ear_at(0.15, 0.022), 0.022, ear_at(0.62, 0.008), 0.012, 0.02)
 }
 
 fn leg(side: Side) -> Part {
@@ -148,10 +188,15 @@ fn leg(side: Side) -> Part {
     Part::new(0.05)
         .bone(side.at(0.15, 0.66, 0.01), 0.165, knee, 0.10, 0.05)
         .bone(knee, 0.095, side.at(0.25, 0.13, -0.01), 0.07, 0.04)
-        // The calf, and the kneecap.
-        .bone(side.at(0.265, 0.30, 0.03), 0.075, side.at(0.255, 0.20, 0.0), 0.06, 0.04)
-        .ball(side.at(0.285, 0.405, 0.19), 0.042, 0.03)
+        // The calf.
+        .ball(side.at(0.265, 0.27, 0.01), 0.085, 0.05)
         .skin(Skin::Pebbles { size: 0.068, height: 0.006 })
+        .skin(Skin::Rings { size: 0.06, height: 0.004, from: 0.47, to: 0.65 })
+}
+
+/// A smooth cap on the knee.
+fn knee(side: Side) -> Part {
+    Part::new(0.015).ball(side.at(0.285, 0.415, 0.185), 0.058, 0.02).flattened(side.at(0.15, 0.05, 1.0), 1.25)
 }
 
 fn foot(side: Side) -> Part {
@@ -198,15 +243,18 @@ fn arm(side: Side) -> Part {
         .ball(elbow.lerp(&wrist, 0.3), 0.082, 0.05)
         .ball(elbow + back * 0.055, 0.038, 0.03)
         .skin(Skin::Pebbles { size: 0.062, height: 0.0055 })
+        .skin(Skin::Rings { size: 0.06, height: 0.004, from: 0.40, to: 0.62 })
 }
 
-fn hand(side: Side) -> Part {
+/// The hand, and its claws as a part without skin.
+fn hand(side: Side) -> [Part; 2] {
     let [_, elbow, wrist] = arm_joints(side);
     let along = (wrist - elbow).normalize();
     // The palm looks forward, the thumb points up and inward.
     let palm = (at(0.0, -0.1, 1.0) - along * along.dot(&at(0.0, -0.1, 1.0))).normalize();
     let across = palm.cross(&along) * side.sign();
     let hand_at = |a: f64, c: f64, f: f64| wrist + along * a + across * c + palm * f;
+    let mut claws = Part::new(0.006);
     let mut hand = Part::new(0.03)
         .bone(hand_at(0.0, 0.0, 0.0), 0.055, hand_at(0.10, 0.0, 0.0), 0.075, 0.03)
         .flattened(palm, 1.45);
@@ -219,10 +267,14 @@ fn hand(side: Side) -> Part {
         let bent = (direction + palm * 0.45).normalize();
         let tip = knuckle + bent * (0.065 * size);
         let claw = (direction + palm * 0.9).normalize();
-        hand = hand
-            .bone(root, 0.032 * size, knuckle, 0.030 * size, 0.012)
-            .bone(knuckle, 0.031 * size, tip, 0.026 * size, 0.01)
-            .bone(tip + bent * 0.012, 0.018 * size, tip + claw * (0.065 * size), 0.008, 0.006);
+        hand = hand.branch(start).bone(root, 0.032 * size, knuckle, 0.030 * size, 0.012).bone(
+            knuckle,
+            0.031 * size,
+            tip,
+            0.026 * size,
+            0.01,
+        );
+        claws = claws.bone(tip + bent * 0.012, 0.018 * size, tip + claw * (0.068 * size), 0.0095, 0.006);
     }
-    hand
+    [hand.skin(Skin::Rings { size: 0.045, height: 0.0024, from: 0.15, to: 9.0 }), claws]
 }

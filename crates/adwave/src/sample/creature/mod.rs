@@ -3,14 +3,14 @@
 //!
 //! It is an implicit surface in model units, so every number of vertices samples one and the same shape: parts made
 //! of round cones ([`body`]), joined with fillets, and skin carved in ([`skin`]). y is up, it faces +z, and it is
-//! about 1.9 units high.
+//! about 2 units high.
 
 mod body;
 mod part;
 mod skin;
 
 use super::SampleError;
-use super::implicit::{Implicit, V3, smooth_carve, smooth_union, smoothstep};
+use super::implicit::{Implicit, Side, V3, smooth_carve, smooth_union, smoothstep};
 use super::polygonise::{CrossedGrid, Surface};
 use super::relax::{opposite_corners, relax};
 use part::Part;
@@ -18,15 +18,21 @@ use part::Part;
 /// The fewest vertices at which fingers and ears are resolved enough to be what they are.
 pub(super) const MIN_VERTICES: usize = 2_000;
 /// The number of vertices is met within this part of the number asked for.
-pub(super) const COUNT_TOLERANCE: f64 = 0.015;
-/// Vertices of the trial grid that tells how the count grows, at most.
-const TRIAL_VERTICES: usize = 60_000;
+pub(super) const COUNT_TOLERANCE: f64 = 0.018;
+/// Vertices of the finer trial grid that tells how the count grows.
+const TRIAL_VERTICES: usize = 150_000;
 /// Grids tried until count and genus fit.
 const MAX_TRIES: usize = 12;
-/// Surface area in model units squared times vertices per cell area: first guess of the spacing only.
-const FIRST_GUESS: f64 = 6.0;
+/// Vertices times cell area, model units squared: about 3/2 of the surface area. A first guess only.
+const FIRST_GUESS: f64 = 7.6;
 /// Parts within this distance of the nearest one share their skin, model units.
 const SKIN_BLEND: f64 = 0.03;
+/// The fillets lower the union by less than this below the nearest part, model units.
+const FILLET_DEPTH: f64 = 0.03;
+/// Room round the bones for fillets and skin, model units.
+const MARGIN: f64 = 0.03;
+/// The body has fewer parts than this.
+const MOST_PARTS: usize = 32;
 /// The soles are cut flat at y = 0 with this rounding, model units.
 const SOLE_ROUNDING: f64 = 0.02;
 
@@ -41,22 +47,24 @@ pub(super) struct Creature {
 impl Creature {
     pub(super) fn new() -> Self {
         let parts = body::parts();
+        assert!(parts.len() <= MOST_PARTS);
         let mut low = V3::repeat(f64::INFINITY);
         let mut high = V3::repeat(f64::NEG_INFINITY);
         for (centre, radius) in parts.iter().flat_map(Part::balls) {
-            let reach = V3::repeat(radius + skin::MAX_HEIGHT);
+            let reach = V3::repeat(radius + MARGIN);
             low = low.inf(&(centre - reach));
             high = high.sup(&(centre + reach));
         }
         Self { parts, low, high }
     }
 
-    /// Distance to the joined parts without skin, and each part's own distance where it matters.
-    fn joined(&self, p: V3, mut note: impl FnMut(usize, f64)) -> f64 {
+    /// Distance to the joined parts without skin. `note` hears the parts, each with its own distance, that come
+    /// within [`SKIN_BLEND`] of the nearest one anywhere in the ball of radius `reach` round `p`.
+    fn joined(&self, p: V3, reach: f64, mut note: impl FnMut(usize, f64)) -> f64 {
         let mut total = f64::INFINITY;
         for (i, part) in self.parts.iter().enumerate() {
             // Beyond the fillet's width the union is the smaller one to the last bit, so skipping changes nothing.
-            if part.farther_than(p, total + part.blend.max(SKIN_BLEND)) {
+            if part.farther_than(p, total + part.blend.max(SKIN_BLEND + FILLET_DEPTH) + 2.0 * reach) {
                 continue;
             }
             let distance = part.distance(p);
@@ -69,14 +77,14 @@ impl Creature {
 
 impl Implicit for Creature {
     fn value(&self, p: V3) -> f64 {
-        const MOST_PARTS: usize = 32;
         let mut near = [(0, 0.0); MOST_PARTS];
-        let mut n_near = 0;
-        let total = self.joined(p, |i, distance| {
+        let (mut n_near, mut highest) = (0, 0.0_f64);
+        let total = self.joined(p, 0.0, |i, distance| {
             near[n_near] = (i, distance);
             n_near += 1;
+            highest = highest.max(self.parts[i].highest_skin());
         });
-        if total.abs() > 2.0 * skin::MAX_HEIGHT {
+        if total.abs() > highest {
             return total;
         }
         let near = &near[..n_near];
@@ -93,12 +101,11 @@ impl Implicit for Creature {
         total - height / weights * smoothstep(0.0, 0.05, p.y)
     }
 
-    fn coarse(&self, p: V3) -> f64 {
-        self.joined(p, |_, _| ())
-    }
-
-    fn slack(&self) -> f64 {
-        skin::MAX_HEIGHT
+    fn side_of_ball(&self, centre: V3, radius: f64) -> Option<Side> {
+        // The joined parts are 1-Lipschitz; the skin adds at most its height.
+        let mut highest = 0.0_f64;
+        let total = self.joined(centre, radius, |i, _| highest = highest.max(self.parts[i].highest_skin()));
+        (total.abs() > radius + highest).then_some(if total < 0.0 { Side::Inside } else { Side::Outside })
     }
 
     fn bounds(&self) -> (V3, V3) {
@@ -116,47 +123,83 @@ impl Implicit for Creature {
 pub(super) fn creature(n_vertices: usize) -> Result<Surface, SampleError> {
     let field = Creature::new();
     let target = n_vertices as f64;
-    let trial = target.min(TRIAL_VERTICES as f64);
     let mut per_cell_area = FIRST_GUESS;
-    if n_vertices > TRIAL_VERTICES {
-        let spacing = (per_cell_area / trial).sqrt();
-        per_cell_area = CrossedGrid::new(&field, spacing).n_vertices() as f64 * spacing * spacing;
-    }
     let mut nudge = 1.0;
+    if n_vertices > 2 * TRIAL_VERTICES {
+        // Finer grids see more of the skin: vertices times cell area, c(h), grows about linearly as h falls.
+        let h = (FIRST_GUESS / TRIAL_VERTICES as f64).sqrt();
+        let c = [2.0 * h, h].map(|h| CrossedGrid::new(&field, h).n_vertices() as f64 * h * h);
+        let finer = (c[1] / target).sqrt();
+        per_cell_area = c[1] + (c[1] - c[0]) * (h - finer) / h;
+    }
     for _ in 0..MAX_TRIES {
         let spacing = (per_cell_area / (target * nudge)).sqrt();
-        let grid = CrossedGrid::new(&field, spacing);
-        let count = grid.n_vertices() as f64;
-        per_cell_area = count * spacing * spacing;
+        let mut surface = CrossedGrid::new(&field, spacing).into_surface();
+        keep_largest_component(&mut surface);
+        let count = surface.points.len() as f64;
         if (count - target).abs() > COUNT_TOLERANCE * target {
+            per_cell_area = count * spacing * spacing;
             continue;
         }
-        let mut surface = grid.into_surface();
-        if is_sphere(&surface) {
+        if euler_characteristic(&surface) == 2 {
             relax(&field, &mut surface);
             return Ok(surface);
         }
         // Another grid within the tolerance, above and below in turn.
-        nudge = if nudge > 1.0 { 2.0 - nudge } else { 2.0 - nudge + 0.2 * COUNT_TOLERANCE };
+        nudge = if nudge > 1.0 { 2.0 - nudge } else { 2.0 - nudge + 0.15 * COUNT_TOLERANCE };
     }
     Err(SampleError::NotReached { name: "creature", n_vertices, tries: MAX_TRIES })
 }
 
-/// One component and Euler characteristic 2.
-fn is_sphere(surface: &Surface) -> bool {
-    let n_faces = surface.triangles.len();
-    if surface.points.len() + n_faces != 3 * n_faces / 2 + 2 {
-        return false;
-    }
+/// Vertices − edges + faces of a closed triangle mesh.
+fn euler_characteristic(surface: &Surface) -> i64 {
+    surface.points.len() as i64 - surface.triangles.len() as i64 / 2
+}
+
+/// Drops all but the component with the most vertices: on coarse grids tips of claws break off, on fine ones a crest
+/// of the skin may.
+fn keep_largest_component(surface: &mut Surface) {
     let opposite = opposite_corners(&surface.triangles);
-    let mut seen = vec![false; n_faces];
-    let mut open = vec![0];
-    let mut n_seen = 0;
-    while let Some(face) = open.pop() {
-        if !std::mem::replace(&mut seen[face], true) {
-            n_seen += 1;
-            open.extend((0..3).map(|k| opposite[3 * face + k] as usize / 3));
+    let mut component = vec![u32::MAX; surface.triangles.len()];
+    let mut sizes = Vec::new();
+    let mut open = Vec::new();
+    for start in 0..component.len() {
+        if component[start] != u32::MAX {
+            continue;
         }
+        let name = sizes.len() as u32;
+        let mut size = 0_usize;
+        component[start] = name;
+        open.push(start);
+        while let Some(face) = open.pop() {
+            size += 1;
+            for k in 0..3 {
+                let next = opposite[3 * face + k] as usize / 3;
+                if component[next] == u32::MAX {
+                    component[next] = name;
+                    open.push(next);
+                }
+            }
+        }
+        sizes.push(size);
     }
-    n_seen == n_faces
+    if sizes.len() < 2 {
+        return;
+    }
+    // The first of the largest, whatever the sizes.
+    let largest = (0..sizes.len()).rev().max_by_key(|&c| sizes[c]).expect("two or more") as u32;
+    let mut faces = component.iter();
+    surface.triangles.retain(|_| faces.next() == Some(&largest));
+    let mut new_index = vec![u32::MAX; surface.points.len()];
+    for &v in surface.triangles.as_flattened() {
+        new_index[v as usize] = 0;
+    }
+    for (kept, index) in (0..).zip(new_index.iter_mut().filter(|i| **i == 0)) {
+        *index = kept;
+    }
+    let mut index = new_index.iter();
+    surface.points.retain(|_| index.next() != Some(&u32::MAX));
+    for v in surface.triangles.as_flattened_mut() {
+        *v = new_index[*v as usize];
+    }
 }

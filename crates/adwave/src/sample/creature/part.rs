@@ -1,7 +1,13 @@
 //! A part of the creature: a chain of round cones with its own fillet and skin.
 
-use super::super::implicit::{Flatten, RoundCone, V3, smooth_carve, smooth_union};
+use super::super::implicit::{Flatten, RoundCone, V3, smooth_carve, smooth_union, smoothstep};
 use super::skin::{Place, Skin};
+
+/// Length of the axis of a round cone that stands for a ball, model units.
+const BALL_AXIS: f64 = 2e-4;
+
+/// Bones within this distance of the nearest one share the place along the chain, model units.
+const BEND_BLEND: f64 = 0.015;
 
 /// What a bone does to the part so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +41,11 @@ impl Bone {
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     bones: Vec<Bone>,
+    /// Length of the chain so far, model units.
+    next_arc: f64,
     skin: Vec<Skin>,
+    /// Sum of the layers' largest heights, model units.
+    highest: f64,
     /// Width of the fillet to the parts before, model units.
     pub(super) blend: f64,
     centre: V3,
@@ -46,20 +56,31 @@ pub(super) struct Part {
 
 impl Part {
     pub(super) fn new(blend: f64) -> Self {
-        Self { bones: Vec::new(), skin: Vec::new(), blend, centre: V3::zeros(), radius: 0.0, stretch: 1.0 }
+        Self {
+            bones: Vec::new(),
+            next_arc: 0.0,
+            skin: Vec::new(),
+            highest: 0.0,
+            blend,
+            centre: V3::zeros(),
+            radius: 0.0,
+            stretch: 1.0,
+        }
     }
 
     /// Adds a round cone from ball (`a`, `ra`) to ball (`b`, `rb`).
     pub(super) fn bone(mut self, a: V3, ra: f64, b: V3, rb: f64, blend: f64) -> Self {
-        let arc = self.bones.last().map_or(0.0, |bone| bone.arc + bone.cone.length());
-        self.bones.push(Bone {
-            cone: RoundCone::new(a, ra, b, rb),
-            flatten: None,
-            role: Role::Add,
-            blend,
-            arc,
-        });
+        let cone = RoundCone::new(a, ra, b, rb);
+        let arc = self.next_arc;
+        self.next_arc += cone.length();
+        self.bones.push(Bone { cone, flatten: None, role: Role::Add, blend, arc });
         self.bounded()
+    }
+
+    /// Starts a new branch at the distance `arc` along the chain.
+    pub(super) fn branch(mut self, arc: f64) -> Self {
+        self.next_arc = arc;
+        self
     }
 
     /// Adds round cones through the balls in turn.
@@ -72,7 +93,7 @@ impl Part {
 
     /// Adds a ball (as a very short round cone).
     pub(super) fn ball(self, centre: V3, radius: f64, blend: f64) -> Self {
-        let offset = V3::new(0.0, 1e-4, 0.0);
+        let offset = V3::new(0.0, 0.5 * BALL_AXIS, 0.0);
         self.bone(centre - offset, radius, centre + offset, radius, blend)
     }
 
@@ -92,6 +113,7 @@ impl Part {
 
     /// Adds a layer of skin.
     pub(super) fn skin(mut self, skin: Skin) -> Self {
+        self.highest += skin.highest();
         self.skin.push(skin);
         self
     }
@@ -134,18 +156,33 @@ impl Part {
         total
     }
 
+    /// Bound on the size of [`skin_height`](Self::skin_height).
+    pub(super) fn highest_skin(&self) -> f64 {
+        self.highest
+    }
+
     /// Height of the skin at `p`, positive outwards, model units.
     pub(super) fn skin_height(&self, p: V3) -> f64 {
         if self.skin.is_empty() {
             return 0.0;
         }
-        let solid = self.bones.iter().filter(|b| b.role == Role::Add);
-        let (_, bone) = solid
-            .map(|b| (b.distance(p), b))
-            .reduce(|near, other| if other.0 < near.0 { other } else { near })
-            .expect("a part has a bone");
-        let along = bone.arc + bone.cone.fraction(p) * bone.cone.length();
+        let nearest = self.rods().map(|b| b.distance(p)).fold(f64::INFINITY, f64::min);
+        // On the inner side of a bend the two bones disagree; the blend keeps the pattern whole there.
+        let (mut along, mut weights) = (0.0, 0.0);
+        for bone in self.rods() {
+            let weight = smoothstep(BEND_BLEND, 0.0, bone.distance(p) - nearest);
+            if weight > 0.0 {
+                along += weight * (bone.arc + bone.cone.fraction(p) * bone.cone.length());
+                weights += weight;
+            }
+        }
+        let along = if weights > 0.0 { along / weights } else { 0.0 };
         let place = Place { at: p, along };
         self.skin.iter().map(|skin| skin.height(&place)).sum()
+    }
+
+    /// The solid bones but not the balls, which swell the chain and are no places along it.
+    fn rods(&self) -> impl Iterator<Item = &Bone> {
+        self.bones.iter().filter(|b| b.role == Role::Add && b.cone.length() > 2.0 * BALL_AXIS)
     }
 }

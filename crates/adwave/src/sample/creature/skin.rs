@@ -1,10 +1,7 @@
 //! Skin: small heights in model units over the smooth body, each kind with its own pattern and wavelength.
 
 use super::super::implicit::{V3, smoothstep};
-use std::f64::consts::TAU;
-
-/// No skin is higher or deeper than this, model units.
-pub(super) const MAX_HEIGHT: f64 = 0.022;
+use std::f64::consts::{PI, TAU};
 
 /// Where on a part a height is asked for.
 #[derive(Clone, Copy, Debug)]
@@ -21,13 +18,26 @@ pub(super) enum Skin {
     Pebbles { size: f64, height: f64 },
     /// Rings round the chain, `size` apart, between `from` and `to` along it.
     Rings { size: f64, height: f64, from: f64, to: f64 },
-    /// Rows of domed plates like tiles on an upright ellipsoid.
-    Scutes { centre: V3, radius: f64, half_height: f64, n_rows: f64, n_columns: f64, height: f64 },
+    /// Rows of overlapping scales on an upright ellipsoid.
+    Scales { centre: V3, radius: f64, half_height: f64, n_rows: f64, n_columns: f64, height: f64 },
+    /// Pebbles where [`BellyPlates`](Self::BellyPlates) of the same extent are not.
+    Flanks { size: f64, height: f64, half_width: f64, front: f64 },
     /// Broad plates across the belly, `size` apart in y, where |x| < `half_width` and z > `front`.
     BellyPlates { size: f64, height: f64, half_width: f64, front: f64 },
 }
 
 impl Skin {
+    /// Bound on the size of the height.
+    pub(super) fn highest(&self) -> f64 {
+        match *self {
+            Self::Pebbles { height, .. }
+            | Self::Rings { height, .. }
+            | Self::Scales { height, .. }
+            | Self::Flanks { height, .. }
+            | Self::BellyPlates { height, .. } => height,
+        }
+    }
+
     /// Height at a place, positive outwards.
     pub(super) fn height(&self, place: &Place) -> f64 {
         let p = place.at;
@@ -38,61 +48,109 @@ impl Skin {
                     smoothstep(from, from + size, place.along) * smoothstep(to, to - size, place.along);
                 height * mask * ring(place.along / size)
             }
-            Self::Scutes { centre, radius, half_height, n_rows, n_columns, height } => {
+            Self::Scales { centre, radius, half_height, n_rows, n_columns, height } => {
                 let q = p - centre;
                 let latitude = (q.y / half_height).atan2(q.x.hypot(q.z) / radius);
-                height * scute(latitude, q.x.atan2(-q.z), n_rows, n_columns)
+                height * scales(latitude, q.x.atan2(-q.z), n_rows, n_columns)
+            }
+            Self::Flanks { size, height, half_width, front } => {
+                height * (1.0 - belly(p, half_width, front)) * pebbles(p / size)
             }
             Self::BellyPlates { size, height, half_width, front } => {
-                let mask = smoothstep(half_width, 0.8 * half_width, p.x.abs())
-                    * smoothstep(front, front + 0.06, p.z);
                 // The plates sag towards the middle.
-                height * mask * ring((p.y + 0.5 * p.x * p.x) / size)
+                height * belly(p, half_width, front) * ring((p.y + 0.5 * p.x * p.x) / size)
             }
         }
     }
 }
 
-/// A row of rounded ridges with narrow valleys, period 1, between −1 and 1.
-fn ring(x: f64) -> f64 {
-    // |cos| has sharp valleys; a quarter of a sine leans the ridge over like a scale.
-    let lean = x + 0.08 * (TAU * x).sin();
-    2.0 * (TAU * 0.5 * lean).cos().abs().sqrt() - 1.0
+/// 1 on the belly, 0 off it.
+fn belly(p: V3, half_width: f64, front: f64) -> f64 {
+    smoothstep(half_width, 0.8 * half_width, p.x.abs()) * smoothstep(front, front + 0.06, p.z)
 }
 
-/// Domed plates in rows of latitude, every other row shifted by half a plate, between −1 and 1. Angles in radians.
-fn scute(latitude: f64, longitude: f64, n_rows: f64, n_columns: f64) -> f64 {
-    let row = (latitude / TAU * 2.0 + 0.5) * n_rows;
-    let row_middle = row.floor() + 0.5;
-    let count = (n_columns * ((row_middle / n_rows - 0.5) * TAU * 0.5).cos()).round().max(3.0);
-    let shift = 0.5 * (row.floor() % 2.0);
-    let column = longitude / TAU * count + shift;
-    let (u, v) = (column - column.floor() - 0.5, row - row_middle);
-    let edge = (0.5 - u.abs()).min(0.5 - v.abs());
-    let plate = smoothstep(0.0, 0.2, edge);
-    // Each plate rises towards its lower edge, as roof tiles do.
-    plate * (1.3 - 0.7 * (u * u + v * v) * 2.0 - 0.35 * v) - 0.6
+/// A row of rounded ridges with narrow valleys, period 1, between −1 and 1.
+fn ring(x: f64) -> f64 {
+    // The sine leans the ridge over like a scale.
+    let lean = x + 0.05 * (TAU * x).sin();
+    let wave = (PI * lean).cos().powi(2);
+    // Flat tops and narrow valleys.
+    2.0 * wave * (1.0 + VALLEY) / (wave + VALLEY) - 1.0
+}
+
+/// Part of a ring's width that its valley takes, about.
+const VALLEY: f64 = 0.3;
+
+/// Overlapping rounded scales in rows of latitude, every other row shifted by half a scale, each rising towards its
+/// lower edge and lying over the row below; between −1 and 1. Angles in radians.
+fn scales(latitude: f64, longitude: f64, n_rows: f64, n_columns: f64) -> f64 {
+    // Rows are counted downwards from the upper pole.
+    let down = (0.5 - latitude / PI) * n_rows;
+    let row = down.floor();
+    let [above, own, below] = [-1.0, 0.0, 1.0].map(|d| scale(row + d, down, longitude, n_rows, n_columns));
+    let own_covers = smoothstep(0.0, SCALE_EDGE, own.edge);
+    let above_covers = smoothstep(0.0, SCALE_EDGE, above.edge);
+    let height = below.height + (own.height - below.height) * own_covers;
+    height + (above.height - height) * above_covers
+}
+
+/// Width of a scale's rounded edge in rows.
+const SCALE_EDGE: f64 = 0.22;
+/// How far a scale hangs over the next row at its middle, in rows.
+const SCALE_OVERLAP: f64 = 0.62;
+
+struct Scale {
+    /// Height between −1 and 1.
+    height: f64,
+    /// Distance to the lower edge in rows, positive on the scale.
+    edge: f64,
+}
+
+/// The scale of row `row` at this longitude.
+fn scale(row: f64, down: f64, longitude: f64, n_rows: f64, n_columns: f64) -> Scale {
+    let count = (n_columns * (PI * (0.5 - (row + 0.7) / n_rows)).cos()).round().max(3.0);
+    let column = longitude / TAU * count + 0.5 * (row.rem_euclid(2.0));
+    let u = 2.0 * (column - column.floor() - 0.5);
+    let v = down - row;
+    let rounding = 1.0 - u.abs().powi(3);
+    let edge = 1.0 + SCALE_OVERLAP * rounding - SCALE_EDGE - v;
+    let rise = v / (1.0 + SCALE_OVERLAP);
+    Scale { height: (1.25 * rise + 0.75 * rounding - 1.0).clamp(-1.0, 1.0), edge }
 }
 
 /// Cells round randomly placed seeds, about 1 apart: high in the middle, creased between; between −1 and 1.
 fn pebbles(p: V3) -> f64 {
     let base = p.map(f64::floor);
+    let within = p - base;
+    // The least distance along an axis to the seeds of the cell `step` further.
+    let gap = |axis: usize, step: i32| match step {
+        0 => 0.0,
+        1 => 1.0 + SEED_MARGIN - within[axis],
+        _ => within[axis] + SEED_MARGIN,
+    };
     let (mut nearest, mut second) = (f64::INFINITY, f64::INFINITY);
-    for k in -1..=1 {
-        for j in -1..=1 {
-            for i in -1..=1 {
-                let cell = [base.x as i32 + i, base.y as i32 + j, base.z as i32 + k];
-                let d2 = (seed_point(cell) - p).norm_squared();
-                second = second.min(d2.max(nearest));
-                nearest = nearest.min(d2);
+    // The own cell first: what it finds rules most of the others out.
+    for k in [0, -1, 1] {
+        for j in [0, -1, 1] {
+            for i in [0, -1, 1] {
+                if gap(0, i).powi(2) + gap(1, j).powi(2) + gap(2, k).powi(2) < second {
+                    let cell = [base.x as i32 + i, base.y as i32 + j, base.z as i32 + k];
+                    let d2 = (seed_point(cell) - p).norm_squared();
+                    second = second.min(d2.max(nearest));
+                    nearest = nearest.min(d2);
+                }
             }
         }
     }
-    let crease = smoothstep(0.0, 0.4, second.sqrt() - nearest.sqrt());
+    // A wider crease keeps the slope across the surface below 1, so that no grain comes off.
+    let crease = smoothstep(0.0, 0.5, second.sqrt() - nearest.sqrt());
     2.0 * crease * (1.0 - 0.45 * nearest) - 1.0
 }
 
-/// The seed of an integer cell: its middle moved by up to 0.38 along each axis.
+/// A seed keeps this far from the walls of its cell, in cells.
+const SEED_MARGIN: f64 = 0.12;
+
+/// The seed of an integer cell: its middle moved at random, but not past [`SEED_MARGIN`].
 fn seed_point(cell: [i32; 3]) -> V3 {
     let mut h = 0x9e37_79b9_u32;
     for c in cell {
@@ -102,8 +160,8 @@ fn seed_point(cell: [i32; 3]) -> V3 {
         h ^= h >> 16;
     }
     V3::from_fn(|a, _| {
-        let tenth = f64::from(h >> (10 * a) & 1023) / 1023.0;
-        f64::from(cell[a]) + 0.5 + 0.76 * (tenth - 0.5)
+        let fraction = f64::from(h >> (10 * a) & 1023) / 1023.0;
+        f64::from(cell[a]) + 0.5 + (1.0 - 2.0 * SEED_MARGIN) * (fraction - 0.5)
     })
 }
 
@@ -117,7 +175,7 @@ mod tests {
         fn patterns_stay_between_minus_one_and_one(x in -9.0..9.0_f64, y in -9.0..9.0_f64, z in -9.0..9.0_f64) {
             prop_assert!(pebbles(V3::new(x, y, z)).abs() <= 1.0);
             prop_assert!(ring(x).abs() <= 1.0);
-            prop_assert!(scute((x * 0.17).clamp(-1.5, 1.5), y.clamp(-3.1, 3.1), 16.0, 21.0).abs() <= 1.0);
+            prop_assert!(scales((x * 0.17).clamp(-1.5, 1.5), y.clamp(-3.1, 3.1), 16.0, 21.0).abs() <= 1.0);
         }
     }
 }

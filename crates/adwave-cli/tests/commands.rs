@@ -1,0 +1,182 @@
+//! What each command does with good input.
+
+mod common;
+
+use common::{adwave, json};
+use predicates::str::contains;
+use std::fs;
+
+#[test]
+fn every_command_explains_itself_with_examples() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["info", "transform", "filter", "basis", "sample"] {
+        adwave(folder.path()).args([command, "--help"]).assert().success().stdout(contains("Examples:"));
+    }
+    adwave(folder.path()).args(["completions", "bash"]).assert().success().stdout(contains("adwave"));
+    adwave(folder.path()).arg("man").assert().success().stdout(contains(".TH adwave"));
+    adwave(folder.path()).arg("sample").assert().success().stdout(contains("creature"));
+}
+
+#[test]
+fn info_counts_what_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("two.obj"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\nf 4 5 6\n",
+    )
+    .unwrap();
+    let info = json(folder.path(), "info two.obj");
+    let health = &info["health"];
+    assert_eq!(info["kind"], "mesh");
+    assert_eq!((&health["vertices"], &health["faces"]), (&7.into(), &2.into()));
+    assert_eq!(health["welded_vertices"], 2);
+    assert_eq!(health["unreferenced_vertices"], 1);
+    assert_eq!(health["boundary_edges"], 4);
+    assert_eq!(health["edges"], 5);
+    assert_eq!(health["area"], 1.0);
+    assert_eq!(info["steps"][4], 8);
+    let apart = json(folder.path(), "info two.obj --no-weld");
+    assert_eq!(apart["health"]["boundary_edges"], 6);
+    let cloud = json(folder.path(), "info two.obj --as cloud");
+    assert_eq!(cloud["kind"], "cloud");
+    let graph = json(folder.path(), "info two.obj --as graph");
+    assert_eq!((&graph["kind"], &graph["health"]["edges"]), (&"graph".into(), &6.into()));
+}
+
+#[test]
+fn a_shape_can_come_from_a_pipe_and_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = adwave(folder.path())
+        .args(["info", "-", "--json"])
+        .write_stdin("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+        .assert()
+        .success();
+    assert!(String::from_utf8_lossy(&output.get_output().stdout).contains("\"off\""));
+    let info = json(folder.path(), "info sample:sphere --vertices 500");
+    assert_eq!(info["health"]["euler_characteristic"], 2);
+}
+
+#[test]
+fn transform_writes_fields_that_filter_and_transform_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let report = json(path, "transform sample:torus --vertices 2000 --levels 5 -o bands.ply");
+    assert_eq!(report["steps"].as_array().unwrap().len(), 6);
+    assert_eq!(report["channels"], 3);
+    let info = json(path, "info bands.ply");
+    let names: Vec<&str> =
+        info["fields"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
+    for name in ["S0", "S5", "W1", "W5"] {
+        assert!(names.contains(&name), "{name} is not among {names:?}");
+    }
+    let again = json(path, "transform bands.ply --field W3 -o again.vtp --steps 1,3,7");
+    assert_eq!(again["steps"], serde_json::json!([0, 1, 3, 7]));
+    adwave(path).args(["transform", "sample:torus", "-o", "bands.npz", "-q"]).assert().success().stdout("");
+    assert!(fs::read(path.join("bands.npz")).unwrap().starts_with(b"PK"));
+}
+
+#[test]
+fn filtering_keeps_everything_but_the_coordinates() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let obj = "# a cube corner\nmtllib stone.mtl\no rock\nv 0 0 0\nv 1.50 0 0\nv 0 1 0 \nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n\
+               usemtl grey\ns 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\nf 1/1 4/2 2/3\n# end\n";
+    fs::write(path.join("in.obj"), obj).unwrap();
+    adwave(path).args(["filter", "in.obj", "-o", "same.obj", "--gains", "1,1,1"]).assert().success();
+    assert_eq!(fs::read_to_string(path.join("same.obj")).unwrap(), obj);
+    let report = json(path, "filter in.obj -o smooth.obj --preset suppress --levels 2");
+    assert!(report["moved"]["rms"].as_f64().unwrap() > 0.01);
+    let smooth = fs::read_to_string(path.join("smooth.obj")).unwrap();
+    let kept =
+        |text: &str| text.lines().filter(|l| !l.starts_with("v ")).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(kept(&smooth), kept(obj));
+    assert!(!smooth.contains("v 1.50 0 0"));
+}
+
+#[test]
+fn filtering_leaves_vertices_outside_the_region_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    adwave(path).args(["sample", "plane", "--vertices", "900", "-o", "in.obj"]).assert().success();
+    let line = "filter in.obj -o out.obj --preset suppress --region 'ball:vertex=0,radius=20%' --save-recipe edit.toml";
+    let report = json(path, line);
+    assert!(report["moved"]["max"].as_f64().unwrap() > 0.0);
+    let (before, after) =
+        (fs::read_to_string(path.join("in.obj")).unwrap(), fs::read_to_string(path.join("out.obj")).unwrap());
+    let moved = before.lines().zip(after.lines()).filter(|(a, b)| a != b).count();
+    assert!((5..300).contains(&moved), "{moved} vertices moved");
+    adwave(path).args(["filter", "in.obj", "-o", "replayed.obj", "--recipe", "edit.toml"]).assert().success();
+    assert_eq!(fs::read_to_string(path.join("replayed.obj")).unwrap(), after);
+}
+
+#[test]
+fn a_field_is_filtered_in_its_own_type() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let ply = "ply\nformat ascii 1.0\ncomment kept\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+               property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float heat\n\
+               element face 2\nproperty list uchar int vertex_indices\nend_header\n\
+               0 0 0 255 0 0 1.5\n1 0 0 0 255 0 2\n1 1 0 0 0 255 3\n0 1 0 9 9 9 4\n3 0 1 2\n3 0 2 3\n";
+    fs::write(path.join("in.ply"), ply).unwrap();
+    adwave(path)
+        .args(["filter", "in.ply", "-o", "out.ply", "--field", "color", "--preset", "suppress"])
+        .assert()
+        .success();
+    let out = fs::read_to_string(path.join("out.ply")).unwrap();
+    assert!(out.contains("comment kept"));
+    let rows: Vec<Vec<&str>> = out
+        .lines()
+        .skip_while(|l| *l != "end_header")
+        .skip(1)
+        .take(4)
+        .map(|l| l.split_whitespace().collect())
+        .collect();
+    assert_eq!(rows[0][..3], ["0", "0", "0"]);
+    // A field that was changed becomes the last of the vertex, in its own type.
+    assert_eq!(rows[0][3], "1.5");
+    let red: u8 = rows[0][4].parse().unwrap();
+    assert!(red < 255);
+    assert!(out.contains("property uchar red"));
+}
+
+#[test]
+fn a_wavelet_sums_to_zero_over_the_shape() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let report = json(path, "basis sample:sphere --vertices 1000 --vertex 3 --level 4 -o w.ply");
+    assert!(report["support"].as_u64().unwrap() > 7);
+    assert!(report["phi_at_vertex"].as_f64().unwrap() > 0.0);
+    let report = json(path, "basis sample:sphere --vertices 300 --levels 2 -o b.npz");
+    assert_eq!(report["files"].as_array().unwrap().len(), 4);
+    assert!(path.join("b.phi2.npz").is_file() && path.join("b.psi1.npz").is_file());
+}
+
+#[test]
+fn the_demo_shows_all_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let output = adwave(path).args(["demo", "--vertices", "20000"]).assert().success();
+    let text = String::from_utf8_lossy(&output.get_output().stdout).into_owned();
+    for word in ["level", "sigma", "energy", "suppress.ply", "local-edit.ply", "Next"] {
+        assert!(text.contains(word), "no '{word}' in\n{text}");
+    }
+    for file in ["creature.ply", "enhance.ply", "band1.ply", "band2.ply", "bands.vtp", "local-edit.toml"] {
+        assert!(path.join("adwave-demo").join(file).is_file(), "{file}");
+    }
+    // What is printed can be followed.
+    let line = "filter sample:creature --vertices 20000 -o edit.ply --recipe adwave-demo/local-edit.toml -q";
+    adwave(path).args(common::words(line)).assert().success();
+}
+
+#[test]
+fn any_number_of_threads_writes_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for threads in ["1", "2", "5"] {
+        let out = format!("{threads}.npz");
+        let line = ["transform", "sample:knot", "--vertices", "5000", "-o", &out, "--threads", threads, "-q"];
+        adwave(path).args(line).assert().success();
+    }
+    let bytes = |name: &str| fs::read(path.join(name)).unwrap();
+    assert!(bytes("1.npz") == bytes("2.npz") && bytes("2.npz") == bytes("5.npz"));
+}

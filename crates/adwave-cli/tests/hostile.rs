@@ -1,0 +1,220 @@
+//! Bad usage, bad input, bad machines: one clear line, the right exit code, old files intact.
+
+mod common;
+
+use common::{adwave, files_below, real_files, refused, words};
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) {
+    fs::write(folder.join(name), content).unwrap();
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_said_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let nan_row = "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n";
+    let binary_ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n\0\0\0\0\0\0\0\0";
+    write(path, "empty.obj", "");
+    write(path, "none.obj", "# no vertices\n");
+    write(path, "nan.obj", nan_row);
+    write(path, "inf.obj", nan_row.replace("nan", "inf"));
+    write(path, "range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    write(path, "cut.ply", binary_ply);
+    write(
+        path,
+        "huge.ply",
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty double x\nproperty double y\nproperty double z\nend_header\n",
+    );
+    write(path, "text.docx", "just some words, no shape at all");
+    for (file, named) in [
+        ("empty.obj", "empty"),
+        ("none.obj", "no vert"),
+        ("nan.obj", "vertex 2"),
+        ("inf.obj", "vertex 2"),
+        ("range.obj", "line 4"),
+        ("cut.ply", "byte"),
+        ("huge.ply", "byte"),
+        ("text.docx", "format"),
+        ("missing.obj", "missing.obj"),
+        (".", "."),
+    ] {
+        for command in ["info", "transform -o o.npz", "filter -o o.ply --preset suppress"] {
+            let (verb, rest) = command.split_once(' ').unwrap_or((command, ""));
+            let error = refused(path, &format!("{verb} {file} {rest}"));
+            assert!(error.contains(named) && error.contains(file), "{verb} {file}: {error}");
+        }
+    }
+    assert!(!path.join("o.npz").exists() && !path.join("o.ply").exists());
+}
+
+#[test]
+fn what_is_wrong_with_a_request_is_said_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write(path, "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write(path, "b.xyz", "0 0 0\n1 1 1\n");
+    write(path, "bad.toml", "levels = 3\n[[layer]]\npresett = 'suppress'\n");
+    write(path, "short.npy", b"\x93NUMPY\x01\x00\x46\x00{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }            \n\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0");
+    for (line, named) in [
+        ("transform a.obj -o o.npz --levels 0", "at least one level"),
+        ("transform a.obj -o o.npz --levels 40", "32"),
+        ("transform a.obj -o o.npz --steps 1,4,4", "increase"),
+        ("transform a.obj -o o.npz --steps 0,4", "0 steps"),
+        ("transform a.obj -o o.npz --lengths 3,2", "increasing"),
+        ("transform a.obj -o o.npz --accuracy 0", "accuracy"),
+        ("transform a.obj -o o.npz --accuracy nan", "accuracy"),
+        ("transform a.obj -o o.npz --accuracy 1e-30", "accuracy"),
+        ("transform a.obj -o o.npz --field heat", "heat"),
+        ("transform a.obj -o o.npz --field short.npy", "2 rows"),
+        ("transform a.obj -o o.npz --vertices 10", "--vertices"),
+        ("transform a.obj -o nowhere/o.npz", "nowhere"),
+        ("transform a.obj -o o.docx", ".npz"),
+        ("transform a.obj -o .", "."),
+        ("filter a.obj -o o.obj", "--preset"),
+        ("filter a.obj -o o.obj --gains 1,2 --levels 3", "2 gains"),
+        ("filter a.obj -o o.obj --gains nan,2", "level 1"),
+        ("filter a.obj -o o.obj --preset suppress --region 'ball:vertex=3,radius=1'", "vertex 3"),
+        ("filter a.obj -o o.obj --preset suppress --region 'field:name=heat'", "no fields"),
+        ("filter a.obj -o o.obj --preset suppress --region 'ball:vertex=1,radius=0'", "radius"),
+        ("filter a.obj -o o.obj --recipe bad.toml", "line 3"),
+        ("filter a.obj -o o.obj --recipe none.toml", "none.toml"),
+        ("filter a.obj -o o.docx --preset suppress", "o.docx"),
+        ("filter a.obj -o o.las --preset suppress", "las"),
+        ("filter a.obj -o nowhere/o.obj --preset suppress", "nowhere"),
+        ("basis a.obj --vertex 3 --level 2 -o o.ply", "vertex 3"),
+        ("basis a.obj --vertex 1 --level 0 -o o.ply", "level"),
+        ("basis a.obj --levels 40 -o o.npz", "32"),
+        ("basis a.obj --levels 3 -o o.npz --drop-tolerance 2", "2"),
+        ("info sample:teapot", "creature"),
+        ("info sample:sphere --vertices 1", "1 vertices"),
+        ("info sample:sphere --noise=-1", "deviation"),
+        ("info b.xyz --as graph", "no edges"),
+        ("sample sphere", "-o"),
+        ("sample sphere -o o.docx", "o.docx"),
+    ] {
+        let error = refused(path, line);
+        assert!(error.contains(named), "{line}: {error}");
+    }
+    let left: Vec<_> = fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 4, "files were left behind: {left:?}");
+}
+
+#[test]
+fn usage_errors_exit_with_2_too() {
+    let folder = tempfile::tempdir().unwrap();
+    for line in
+        ["", "fly", "info", "filter a.obj", "filter a.obj -o b.obj --preset shiny", "info a --threads 0"]
+    {
+        adwave(folder.path()).args(words(line)).assert().code(2);
+    }
+    let line = "filter a.obj -o b.obj --preset suppress --region 'bal:radius=1'";
+    let output = adwave(folder.path()).args(words(line)).assert().code(2);
+    assert!(String::from_utf8_lossy(&output.get_output().stderr).contains("no region 'bal'"));
+}
+
+#[test]
+fn odd_shapes_are_done_and_give_finite_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write(path, "one.xyz", "1 2 3\n");
+    write(path, "equal.xyz", "1 2 3\n".repeat(50));
+    write(path, "line.xyz", (0..50).map(|i| format!("{i} 0 0\n")).collect::<String>());
+    write(path, "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    write(path, "far.obj", "v 1e90 0 0\nv 0 1e90 0\nv 0 0 1e90\nf 1 2 3\n");
+    write(path, "tiny.obj", "v 1e-200 0 0\nv 0 1e-200 0\nv 0 0 1e-200\nf 1 2 3\n");
+    write(
+        path,
+        "fan.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 3\nf 2 2 2\nf 1 3\n",
+    );
+    for name in ["one.xyz", "equal.xyz", "line.xyz", "flat.obj", "far.obj", "tiny.obj", "fan.obj"] {
+        for line in [
+            format!("info {name} --json"),
+            format!("transform {name} -o o.ply --levels 6 --json"),
+            format!("transform {name} -o o.npz --levels 6 --no-weld --json"),
+            format!("filter {name} -o o.obj --preset enhance --json"),
+            format!("filter {name} -o o.obj --preset suppress --region 'ball:vertex=0,radius=50%' --json"),
+        ] {
+            let output = adwave(path).args(words(&line)).output().unwrap();
+            let error = String::from_utf8_lossy(&output.stderr);
+            if line.contains("50%") && !output.status.success() {
+                // Half of nothing is no radius.
+                assert_eq!(output.status.code(), Some(2), "{line}: {error}");
+                assert!(error.contains("radius"), "{line}: {error}");
+                continue;
+            }
+            assert!(output.status.success(), "{line}: {error}");
+            let text = String::from_utf8_lossy(&output.stdout).to_lowercase();
+            assert!(
+                !text.contains("nan") && !text.contains("inf,") && !text.contains("null,\n      \"max"),
+                "{line}: {text}"
+            );
+        }
+        let obj = fs::read_to_string(path.join("o.obj")).unwrap().to_lowercase();
+        assert!(!obj.contains("nan") && !obj.contains("inf"), "{name}: {obj}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_reported_and_leaves_the_old_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = adwave(folder.path()).args(["sample", "sphere", "-o", "/dev/full"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "no ending tells the format");
+    write(folder.path(), "old.ply", "precious");
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("full.ply")).unwrap();
+    let output = adwave(folder.path()).args(["sample", "sphere", "-o", "full.ply"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("full.ply"));
+    assert_eq!(fs::read_to_string(folder.path().join("old.ply")).unwrap(), "precious");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_stops_soon_and_leaves_the_old_file() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "old.npz", "precious");
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("adwave"))
+        .current_dir(folder.path())
+        .args(["transform", "sample:sphere", "--vertices", "100000", "--levels", "24", "-o", "old.npz", "-q"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let asked = Instant::now();
+    let status = child.wait().unwrap();
+    assert!(asked.elapsed() < Duration::from_secs(10));
+    assert_eq!(status.code(), Some(130));
+    assert_eq!(fs::read_to_string(folder.path().join("old.npz")).unwrap(), "precious");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "temporary files were left");
+}
+
+#[test]
+fn every_messy_file_gives_a_result_or_one_line() {
+    let Some(data) = real_files() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let files = files_below(&data.join("messy"));
+    assert!(files.len() > 100);
+    let mut n_done = 0;
+    for file in files {
+        let start = Instant::now();
+        let output = adwave(folder.path())
+            .args(["transform", file.to_str().unwrap(), "-o", "o.ply", "--levels", "8", "-q"])
+            .timeout(Duration::from_secs(30))
+            .output()
+            .unwrap();
+        let error = String::from_utf8_lossy(&output.stderr);
+        match output.status.code() {
+            Some(0) => n_done += 1,
+            Some(2) => assert_eq!(error.trim_end().lines().count(), 1, "{}: {error}", file.display()),
+            other => panic!("{}: {other:?} {error}", file.display()),
+        }
+        assert!(start.elapsed() < Duration::from_secs(30), "{}", file.display());
+    }
+    assert!(n_done > 80, "only {n_done} files gave a result");
+}

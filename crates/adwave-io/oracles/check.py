@@ -1,0 +1,55 @@
+"""Reads what `cargo run -p adwave-io --example oracle_files -- FOLDER` has written with NumPy, SciPy and PyVista.
+
+Needs: pip install numpy scipy pyvista. Run: python check.py FOLDER
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyvista as pv
+import scipy.io
+import scipy.sparse
+
+folder = Path(sys.argv[1])
+points = np.array([[0, 0, 0.1], [1, 0, 0.2], [1, 1, 0.3], [0, 1, 0.4], [0.5, 2, 0.5]])
+
+mesh = pv.read(folder / "mesh.vtp")
+assert mesh.points.dtype == np.float64 and np.array_equal(mesh.points, points)
+assert mesh.faces.tolist() == [4, 0, 1, 2, 3, 3, 3, 2, 4]
+assert mesh.point_data["quality"].dtype == np.float32
+assert np.array_equal(mesh.point_data["quality"], np.array([0, 0.1, 0.2, 0.3, 0.4], np.float32))
+assert np.array_equal(mesh.point_data["flow"], np.arange(15.0).reshape(5, 3))
+assert mesh.point_data["color"].dtype == np.uint8 and mesh.point_data["color"].shape == (5, 3)
+assert mesh.point_data["label"].tolist() == [-1, 0, 1, 2, 3]
+assert mesh.cell_data["part"].tolist() == [7, 9]
+
+cloud = pv.read(folder / "cloud.vtp")
+assert np.array_equal(cloud.points, points) and cloud.n_verts == 5
+
+wire = pv.read(folder / "wire.vtp")
+assert wire.lines.tolist() == [2, 0, 1, 2, 1, 4]
+
+large = pv.read(folder / "large.vtp")
+assert np.array_equal(large.points[:, 0], np.arange(300_000.0))
+assert np.array_equal(large.point_data["i"], np.arange(300_000))
+
+for name in ["mesh.ply", "ascii.ply", "mesh.obj", "mesh.stl"]:
+    other = pv.read(folder / name)
+    assert other.n_points == 5, name
+    assert np.allclose(other.bounds, mesh.bounds, rtol=1e-6), name
+assert pv.read(folder / "mesh.ply").faces.tolist() == mesh.faces.tolist()
+
+assert np.array_equal(np.load(folder / "a.npy"), np.arange(6.0).reshape(2, 3))
+for name in ["stored.npz", "deflated.npz"]:
+    archive = np.load(folder / name)
+    assert archive["x"].dtype == np.float32 and archive["x"].tolist() == [0.5, 1.5, 2.5]
+    assert archive["index"].dtype == np.uint32 and archive["index"].shape == (2, 1, 2)
+    assert archive["empty"].shape == (0, 3)
+    assert archive["n"].shape == () and archive["n"] == -5
+
+expected = np.array([[0, 1.5, 0], [2, 0, -3]])
+sparse = scipy.sparse.load_npz(folder / "sparse.npz")
+assert sparse.format == "csr" and np.array_equal(sparse.toarray(), expected)
+assert np.array_equal(scipy.io.mmread(folder / "sparse.mtx").toarray(), expected)
+print("all as written")

@@ -1,0 +1,206 @@
+//! Every file of the test inputs gives a shape or an error of one line, soon, and what is read can be written and
+//! read again.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use adwave_io::{Format, Precision, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes};
+
+/// Far more than any of the files, of a few megabytes, should take on a busy machine.
+const LONGEST: Duration = Duration::from_secs(30);
+
+fn files(folder: &Path, all: &mut Vec<PathBuf>) {
+    let mut entries: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            files(&path, all);
+        } else {
+            all.push(path);
+        }
+    }
+}
+
+fn all_files() -> Vec<(PathBuf, PathBuf)> {
+    let Some(root) = common::test_inputs() else { return Vec::new() };
+    let mut all = Vec::new();
+    for folder in ["messy", "paper", "pointclouds", "fields", "benchmarks"] {
+        files(&root.join(folder), &mut all);
+    }
+    all.into_iter().map(|p| (p.clone(), p.strip_prefix(&root).unwrap().to_path_buf())).collect()
+}
+
+/// Files that no reader can make sense of.
+const BROKEN: &[&str] = &[
+    "messy/tinyobjloader/models/invalid-relative-texture-index.obj",
+    "messy/tinyobjloader/models/invalid-relative-vertex-index.obj",
+    "messy/tinyobjloader/models/issue-140-zero-face-idx.obj",
+];
+
+#[test]
+fn every_file_gives_a_shape_or_an_error_of_one_line() {
+    let mut outcomes = BTreeMap::new();
+    for (path, name) in all_files() {
+        let start = Instant::now();
+        let outcome = match read_path(&path, &ReadLimits::default()) {
+            Ok(shape) => {
+                for field in shape.vertex_fields() {
+                    assert_eq!(field.len(), shape.n_vertices(), "{} {}", name.display(), field.name);
+                }
+                for field in shape.face_fields() {
+                    assert_eq!(field.len(), shape.faces().len(), "{} {}", name.display(), field.name);
+                }
+                assert!(shape.faces().corners().iter().all(|&c| (c as usize) < shape.n_vertices()));
+                format!(
+                    "{} {} v {} f {:?}",
+                    shape.format().unwrap(),
+                    shape.n_vertices(),
+                    shape.faces().len(),
+                    shape.field_names()
+                )
+            }
+            Err(error) => {
+                let message = error.to_string();
+                assert!(!message.contains('\n'), "{message}");
+                assert!(message.starts_with(&path.display().to_string()), "{message}");
+                format!("ERROR {}", message.rsplit_once(&format!("{}: ", path.display())).unwrap().1)
+            }
+        };
+        assert!(start.elapsed() < LONGEST, "{} took {:?}", name.display(), start.elapsed());
+        println!("{}: {outcome}", name.display());
+        outcomes.insert(name, outcome);
+    }
+    let shape = |name: &Path| !outcomes[name].starts_with("ERROR");
+    // Formats that are read must be read wherever such a file is sound; the broken ones are known.
+    for name in outcomes.keys() {
+        let ending = name.extension().and_then(|e| e.to_str()).unwrap_or("");
+        let ours = matches!(ending, "obj" | "ply" | "off" | "stl" | "pcd" | "las" | "xyz" | "pwn");
+        let broken = BROKEN.iter().any(|b| Path::new(b) == name);
+        assert_eq!(shape(name), ours && !broken, "{}: {}", name.display(), outcomes[name]);
+    }
+}
+
+fn same_bits(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+}
+
+fn same_points(a: &ShapeFile, b: &ShapeFile) -> bool {
+    a.points().len() == b.points().len()
+        && a.points().as_flattened().iter().zip(b.points().as_flattened()).all(|(&a, &b)| same_bits(a, b))
+}
+
+/// The corners of each face; an STL has its own three vertices for each triangle.
+fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
+    let what = format!("{} as {format}", name.display());
+    if matches!(format, Format::Stl | Format::StlAscii) {
+        let soup: Vec<[f64; 3]> = a
+            .faces()
+            .iter()
+            .flat_map(|f| f.windows(2).skip(1).flat_map(|w| [f[0], w[0], w[1]]))
+            .map(|v| a.points()[v as usize])
+            .collect();
+        assert_eq!(soup.len(), b.points().len(), "{what}");
+        let single = format == Format::Stl;
+        for (x, y) in soup.as_flattened().iter().zip(b.points().as_flattened()) {
+            let x = if single { f64::from(*x as f32) } else { *x };
+            assert!(same_bits(x, *y), "{what}: {x} became {y}");
+        }
+        return;
+    }
+    assert!(same_points(a, b), "{what}: points");
+    if matches!(format, Format::Obj | Format::Off | Format::Ply | Format::PlyAscii) {
+        assert_eq!(a.faces(), b.faces(), "{what}: faces");
+    }
+    if matches!(format, Format::Obj | Format::Ply | Format::PlyAscii) {
+        assert_eq!(a.edges().pairs, b.edges().pairs, "{what}: edges");
+    }
+}
+
+#[test]
+fn what_is_read_can_be_written_and_read_again() {
+    for (path, name) in all_files() {
+        let Ok(shape) = read_path(&path, &ReadLimits::default()) else { continue };
+        for format in Format::all().filter(|f| f.can_read() && f.can_write()) {
+            let mut bytes = Vec::new();
+            if let Err(error) = write_bytes(&shape, format, &mut bytes) {
+                let message = error.to_string();
+                assert!(message.contains("cannot hold") && !message.contains('\n'), "{message}");
+                continue;
+            }
+            // The names of the formats are no file endings for the text forms; the content must tell.
+            let hint = format!("a.{}", format.name());
+            let again = read_bytes(bytes, Some(&hint), &ReadLimits::default())
+                .unwrap_or_else(|e| panic!("{} as {format}: {e}", name.display()));
+            if format != Format::Mtx {
+                same_content(&name, format, &shape, &again);
+            }
+            if matches!(format, Format::Ply | Format::PlyAscii) {
+                for (a, b) in shape.vertex_fields().iter().zip(again.vertex_fields()) {
+                    assert_eq!((&a.name, a.n_channels), (&b.name, b.n_channels), "{}", name.display());
+                    let (x, y) = (a.to_f64(), b.to_f64());
+                    assert!(
+                        x.iter().zip(&y).all(|(&x, &y)| same_bits(x, y)),
+                        "{} {}",
+                        name.display(),
+                        a.name
+                    );
+                }
+                assert_eq!(shape.vertex_fields().len(), again.vertex_fields().len(), "{}", name.display());
+            }
+        }
+    }
+}
+
+/// What the writers make of a file that nothing was changed in: for the formats that keep their text and for PLY
+/// exactly the bytes that were read.
+#[test]
+fn an_unchanged_shape_is_written_byte_for_byte() {
+    let mut n = 0;
+    for (path, name) in all_files() {
+        let Ok(shape) = read_path(&path, &ReadLimits::default()) else { continue };
+        let format = shape.format().unwrap();
+        let kept = matches!(
+            format,
+            Format::Obj | Format::Ply | Format::PlyAscii | Format::Off | Format::Xyz | Format::PcdAscii
+        );
+        if !kept || (format == Format::Ply && shape.n_vertices() == 0) {
+            continue;
+        }
+        let mut bytes = Vec::new();
+        let report = write_bytes(&shape, format, &mut bytes).unwrap();
+        assert_eq!(report.left_out, [""; 0], "{}", name.display());
+        if bytes != std::fs::read(&path).unwrap() {
+            // Only a PLY without an element of vertices has no rows to keep.
+            assert!(shape.n_vertices() == 0, "{} changed", name.display());
+        }
+        n += 1;
+    }
+    assert!(n > 100 || common::test_inputs().is_none(), "only {n} files");
+}
+
+#[test]
+fn moved_points_keep_everything_else() {
+    for (path, name) in all_files() {
+        let Ok(mut shape) = read_path(&path, &ReadLimits::default()) else { continue };
+        let format = shape.format().unwrap();
+        if !format.can_write() || shape.points().is_empty() {
+            continue;
+        }
+        let points: Vec<[f64; 3]> = shape.points().iter().map(|p| p.map(|x| x * 0.5 + 1.0)).collect();
+        shape.set_points(points);
+        let mut bytes = Vec::new();
+        write_bytes(&shape, format, &mut bytes).unwrap();
+        let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
+        assert_eq!(again.format(), Some(format), "{}", name.display());
+        for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
+            let x = if shape.precision() == Precision::F32 { f64::from(*x as f32) } else { *x };
+            assert!(same_bits(x, *y), "{}: {x} became {y}", name.display());
+        }
+        assert_eq!(shape.faces(), again.faces(), "{}", name.display());
+        assert_eq!(shape.field_names(), again.field_names(), "{}", name.display());
+        assert_eq!(shape.edges(), again.edges(), "{}", name.display());
+    }
+}

@@ -1,0 +1,94 @@
+//! A file is replaced as a whole or not at all.
+
+use std::fs;
+use std::io::Write;
+
+use adwave_io::{Format, ShapeFile, WriteError, atomic_write, write_path};
+
+fn names(folder: &std::path::Path) -> Vec<String> {
+    let mut all: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    all.sort();
+    all
+}
+
+fn failing(out: &mut dyn Write) -> Result<(), WriteError> {
+    out.write_all(b"half")?;
+    Err(std::io::Error::other("the disk is full").into())
+}
+
+#[test]
+fn an_error_leaves_the_old_file_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    fs::write(&path, "old").unwrap();
+    let error = atomic_write(&path, failing).unwrap_err().to_string();
+    assert!(
+        error.contains("a.obj") && error.contains("the disk is full") && !error.contains('\n'),
+        "{error}"
+    );
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    assert_eq!(names(folder.path()), ["a.obj"]);
+    atomic_write(&folder.path().join("new"), failing).unwrap_err();
+    assert_eq!(names(folder.path()), ["a.obj"]);
+}
+
+#[test]
+fn a_panic_leaves_no_temporary_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    let outcome = std::panic::catch_unwind(|| {
+        let _: Result<(), _> = atomic_write(&path, |_| std::panic::resume_unwind(Box::new("stopped")));
+    });
+    assert!(outcome.is_err());
+    assert_eq!(names(folder.path()), [""; 0]);
+}
+
+#[test]
+fn a_missing_folder_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape = ShapeFile::from_cloud(vec![[0.0; 3]]);
+    let error = write_path(&shape, &folder.path().join("no/a.ply"), None).unwrap_err().to_string();
+    assert!(error.contains("does not exist; make it first"), "{error}");
+    let error = write_path(&shape, &folder.path().join("a.blend"), None).unwrap_err().to_string();
+    assert!(error.contains("use one of the endings .obj"), "{error}");
+}
+
+#[test]
+fn gz_compresses_and_the_text_form_stays_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ply.gz");
+    let shape = ShapeFile::from_cloud(vec![[0.0, 0.5, 1.0]]);
+    write_path(&shape, &path, Some(Format::PlyAscii)).unwrap();
+    assert!(fs::read(&path).unwrap().starts_with(&[0x1f, 0x8b]));
+    let again = adwave_io::read_path(&path, &adwave_io::ReadLimits::default()).unwrap();
+    assert_eq!((again.format(), again.points()), (Some(Format::PlyAscii), shape.points()));
+    let plain = folder.path().join("b.ply");
+    write_path(&again, &plain, None).unwrap();
+    assert!(fs::read(&plain).unwrap().starts_with(b"ply\nformat ascii"));
+}
+
+#[cfg(unix)]
+#[test]
+fn permissions_links_and_devices_are_respected() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a");
+    let write =
+        |path: &std::path::Path, text: &str| atomic_write(path, |w| Ok(w.write_all(text.as_bytes())?));
+    let mode = |path: &std::path::Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    write(&path, "one").unwrap();
+    // What any new file gets here.
+    fs::File::create(folder.path().join("plain")).unwrap();
+    assert_eq!(mode(&path), mode(&folder.path().join("plain")));
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+    write(&path, "two").unwrap();
+    assert_eq!(mode(&path), 0o640);
+    let link = folder.path().join("link");
+    symlink("a", &link).unwrap();
+    write(&link, "three").unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(fs::read(&path).unwrap(), b"three");
+    write(std::path::Path::new("/dev/null"), "gone").unwrap();
+    assert_eq!(names(folder.path()), ["a", "link", "plain"]);
+}

@@ -1,0 +1,256 @@
+//! Write → read is the identity for everything that the writer does not report as left out, for every format and
+//! every pair of formats; and broken bytes give an error of one line, never a panic.
+
+use adwave::shape::Polygons;
+use adwave_io::{
+    Edges, Field, FieldValues, Format, Precision, ReadLimits, ShapeFile, WriteReport, read_bytes, write_bytes,
+};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+fn both_ways() -> Vec<Format> {
+    Format::all().filter(|f| f.can_read() && f.can_write() && *f != Format::Mtx).collect()
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => -1e3..1e3_f64,
+        2 => any::<f32>().prop_map(f64::from),
+        2 => any::<f64>(),
+        1 => Just(0.1),
+        1 => Just(-0.0),
+    ]
+}
+
+fn values(n: usize) -> impl Strategy<Value = FieldValues> {
+    prop_oneof![
+        vec(any::<u8>(), n).prop_map(FieldValues::U8),
+        vec(any::<i8>(), n).prop_map(FieldValues::I8),
+        vec(any::<u16>(), n).prop_map(FieldValues::U16),
+        vec(any::<i16>(), n).prop_map(FieldValues::I16),
+        vec(any::<u32>(), n).prop_map(FieldValues::U32),
+        vec(any::<i32>(), n).prop_map(FieldValues::I32),
+        vec(any::<u64>(), n).prop_map(FieldValues::U64),
+        vec(any::<i64>(), n).prop_map(FieldValues::I64),
+        vec(any::<f32>(), n).prop_map(FieldValues::F32),
+        vec(number(), n).prop_map(FieldValues::F64),
+    ]
+}
+
+fn field(n: usize) -> impl Strategy<Value = Field> {
+    const NAMES: [(&str, usize); 8] = [
+        ("normal", 3),
+        ("color", 3),
+        ("color", 4),
+        ("texcoord", 2),
+        ("texcoord", 3),
+        ("quality", 1),
+        ("flow", 3),
+        ("hks", 5),
+    ];
+    (0..NAMES.len()).prop_flat_map(move |i| {
+        let (name, n_channels) = NAMES[i];
+        values(n * n_channels).prop_map(move |values| Field::new(name, n_channels, values))
+    })
+}
+
+fn shape() -> impl Strategy<Value = ShapeFile> {
+    (1..12_usize)
+        .prop_flat_map(|n| {
+            let faces = vec(vec(0..n as u32, 3..6), 0..10);
+            let face_fields = faces.prop_flat_map(|faces| {
+                let n_faces = faces.len();
+                (Just(faces), vec(field(n_faces), 0..2))
+            });
+            let edges = vec(proptest::array::uniform2(0..n as u32), 0..4);
+            (
+                vec(proptest::array::uniform3(number()), n),
+                face_fields,
+                vec(field(n), 0..4),
+                any::<bool>(),
+                edges,
+            )
+        })
+        .prop_map(|(mut points, (faces, face_fields), fields, is_single, pairs)| {
+            if is_single {
+                for p in &mut points {
+                    *p = p.map(|x| f64::from(x as f32));
+                }
+            }
+            let faces: Polygons = faces.iter().map(Vec::as_slice).collect();
+            let is_mesh = !faces.is_empty();
+            let mut shape = ShapeFile::from_mesh(points, faces);
+            if !pairs.is_empty() {
+                let mut whole =
+                    ShapeFile::from_graph(shape.n_vertices(), Edges { pairs, ..Edges::default() });
+                whole.set_points(shape.points().to_vec());
+                if !is_mesh {
+                    shape = whole;
+                }
+            }
+            shape.set_precision(if is_single { Precision::F32 } else { Precision::F64 });
+            for field in fields {
+                shape.add_vertex_field(field);
+            }
+            if is_mesh {
+                for field in face_fields {
+                    shape.add_face_field(field);
+                }
+            }
+            shape
+        })
+}
+
+fn same(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+}
+
+fn held<'a>(fields: &'a [Field], report: &'a WriteReport, kind: &'a str) -> impl Iterator<Item = &'a Field> {
+    fields.iter().filter(move |f| !report.left_out.contains(&format!("{kind} field `{}`", f.name)))
+}
+
+fn check_fields(
+    what: &str,
+    held: impl Iterator<Item = impl std::borrow::Borrow<Field>>,
+    read: &[Field],
+    scale: f64,
+) {
+    for field in held {
+        let field = field.borrow();
+        let again = read.iter().find(|f| f.name == field.name);
+        let again = again.unwrap_or_else(|| panic!("{what}: `{}` is gone", field.name));
+        assert_eq!(again.n_channels, field.n_channels, "{what}: {}", field.name);
+        for (x, y) in field.to_f64().iter().zip(again.to_f64()) {
+            let scale =
+                if field.name == "color" && matches!(field.values, FieldValues::U8(_)) { scale } else { 1.0 };
+            assert!(same(x / scale, y), "{what}: `{}` {x} became {y}", field.name);
+        }
+    }
+}
+
+/// Writes, reads, and checks all that is not left out; gives what was read.
+fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
+    let mut bytes = Vec::new();
+    let report = match write_bytes(shape, format, &mut bytes) {
+        Ok(report) => report,
+        Err(error) => {
+            let stl = matches!(format, Format::Stl | Format::StlAscii);
+            assert!(stl && shape.faces().is_empty(), "{format}: {error}");
+            return None;
+        }
+    };
+    // No name: the content alone must tell the format, but for what text of plain rows is called.
+    let again = read_bytes(bytes.clone(), None, &ReadLimits::default())
+        .unwrap_or_else(|e| panic!("{format}: {e}\n{}", String::from_utf8_lossy(&bytes)));
+    let what = format.to_string();
+    let left = |name: &str| report.left_out.iter().any(|l| l == name);
+    if matches!(format, Format::Stl | Format::StlAscii) {
+        let triangles: usize = shape.faces().iter().map(|f| f.len() - 2).sum();
+        assert_eq!(again.faces().len(), triangles);
+        return Some(again);
+    }
+    assert_eq!(again.n_vertices(), shape.n_vertices(), "{what}");
+    for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
+        assert!(same(*x, *y), "{what}: {x} became {y}");
+    }
+    if !left("faces") {
+        assert_eq!(again.faces(), shape.faces(), "{what}");
+    }
+    if !left("edges") {
+        assert_eq!(again.edges().pairs, shape.edges().pairs, "{what}");
+    }
+    let scale = if format == Format::Obj { 255.0 } else { 1.0 };
+    check_fields(&what, held(shape.vertex_fields(), &report, "vertex"), again.vertex_fields(), scale);
+    check_fields(&what, held(shape.face_fields(), &report, "face"), again.face_fields(), 1.0);
+    Some(again)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn nothing_is_lost_unreported(shape in shape()) {
+        for first in both_ways() {
+            let Some(read) = there_and_back(&shape, first) else { continue };
+            for second in both_ways() {
+                there_and_back(&read, second);
+            }
+        }
+    }
+
+    #[test]
+    fn an_added_field_joins_the_original(shape in shape(), extra in any::<u16>()) {
+        for format in both_ways().into_iter().filter(|f| !matches!(f, Format::Stl | Format::StlAscii)) {
+            let Some(mut read) = there_and_back(&shape, format) else { continue };
+            let n = read.n_vertices();
+            read.add_vertex_field(Field::new("added", 1, FieldValues::U16(vec![extra; n])));
+            let own = read.format().unwrap();
+            there_and_back(&read, own);
+            // And one that takes the place of the file's.
+            read.add_vertex_field(Field::new("color", 3, FieldValues::U8(vec![7; 3 * n])));
+            there_and_back(&read, own);
+        }
+    }
+
+    #[test]
+    fn graphs_come_back(n in 1..20_u32, seed in vec((any::<u32>(), any::<u32>(), number()), 1..20)) {
+        for direction in [adwave_io::Direction::Both, adwave_io::Direction::RowToColumn] {
+            let pairs: Vec<[u32; 2]> = seed
+                .iter()
+                .map(|&(a, b, _)| [a % n, b % n])
+                .map(|[a, b]| if direction == adwave_io::Direction::Both { [a.max(b), a.min(b)] } else { [a, b] })
+                .collect();
+            let weights = seed.iter().map(|s| if s.2.is_nan() { 1.0 } else { s.2 }).collect();
+            let edges = Edges { pairs, weights, direction };
+            let graph = ShapeFile::from_graph(n as usize, edges.clone());
+            let mut bytes = Vec::new();
+            write_bytes(&graph, Format::Mtx, &mut bytes).unwrap();
+            let read = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
+            prop_assert_eq!(read.n_vertices(), n as usize);
+            prop_assert_eq!(read.edges(), &edges);
+        }
+    }
+
+    #[test]
+    fn broken_bytes_give_one_line(shape in shape(), flips in vec((any::<usize>(), any::<u8>()), 1..6)) {
+        for format in both_ways() {
+            let mut bytes = Vec::new();
+            if write_bytes(&shape, format, &mut bytes).is_err() {
+                continue;
+            }
+            for end in 0..bytes.len() {
+                survives(bytes[..end].to_vec(), format);
+            }
+            for &(at, byte) in &flips {
+                let at = at % bytes.len();
+                bytes[at] = byte;
+                survives(bytes.clone(), format);
+            }
+        }
+    }
+
+    #[test]
+    fn noise_gives_one_line(noise in vec(any::<u8>(), 0..400)) {
+        const HEADS: [&[u8]; 8] = [
+            b"",
+            b"ply\nformat binary_big_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n",
+            b"# .PCD v0.7\nFIELDS x y z\nPOINTS 4000000000\nDATA binary_compressed\n",
+            b"LASF",
+            b"OFF\n4000000000 4000000000 0\n",
+            b"%%MatrixMarket matrix coordinate real general\n4000000000 4000000000 4000000000\n",
+            b"v 1 2 3\n",
+            b"solid ",
+        ];
+        for head in HEADS {
+            survives([head, noise.as_slice()].concat(), Format::Obj);
+        }
+    }
+}
+
+fn survives(bytes: Vec<u8>, format: Format) {
+    let hint = format!("a.{}", format.extensions().first().unwrap_or(&"txt"));
+    if let Err(error) = read_bytes(bytes, Some(&hint), &ReadLimits::default()) {
+        let message = error.to_string();
+        assert!(!message.contains('\n') && !message.contains('\r'), "{message:?}");
+    }
+}

@@ -1,0 +1,63 @@
+//! Times of a product, of the bands of 8 and 16 levels, and of powers, on a sphere of 262 146 vertices.
+//!
+//! `cargo bench -p adwave`. What a file of your own costs, and what the machine could do at best, the example
+//! `engine_timing` tells.
+
+#[path = "../examples/engine_timing/shapes.rs"]
+mod shapes;
+
+use adwave::Progress;
+use adwave::bands::{BandsParams, Schedule, Transform, smooth};
+use adwave::operator::{Diffusion, OperatorParams, local_operator};
+use adwave::shape::Domain;
+use adwave::sparse::apply;
+use criterion::{Criterion, criterion_group, criterion_main};
+
+fn engine(criterion: &mut Criterion) {
+    let mut sphere = shapes::Triangles::octahedron();
+    for _ in 0..8 {
+        sphere = sphere.subdivided().on_the_unit_sphere();
+    }
+    let params = OperatorParams::default();
+    let shape = sphere.into_shape();
+    let domain = Domain::new(&shape, params.weld);
+    let diffusion = Diffusion::new(local_operator(&shape, &domain, &params));
+    let signal = domain.points.as_flattened();
+    let mut group = criterion.benchmark_group("sphere of 262146 vertices");
+    group.sample_size(10);
+
+    let mut out = vec![0.0; signal.len()];
+    group.bench_function("product", |b| b.iter(|| apply(&diffusion, signal, &mut out, 3)));
+    group.bench_function("powers, 16 steps", |b| {
+        b.iter(|| smooth(&diffusion, signal, 3, &[16], Progress::none()).expect("not cancelled"));
+    });
+    let accurate = BandsParams::default().with_accuracy(1e-5);
+    group.bench_function("prepare", |b| {
+        b.iter(|| Transform::new(&diffusion, &accurate).expect("a valid accuracy"));
+    });
+    let transform = Transform::new(&diffusion, &accurate).expect("a valid accuracy");
+    for levels in [8, 16] {
+        let schedule = Schedule::dyadic(levels).expect("a valid number of levels");
+        let mut wavelets = vec![vec![0.0; signal.len()]; levels];
+        let mut outs: Vec<&mut [f64]> = wavelets.iter_mut().map(Vec::as_mut_slice).collect();
+        group.bench_function(format!("bands, {levels} levels"), |b| {
+            b.iter(|| {
+                transform
+                    .wavelets_into(signal, 3, &schedule, &mut outs, Progress::none())
+                    .expect("a valid request")
+            });
+        });
+        let factors = vec![0.5; levels];
+        group.bench_function(format!("weighted sum of {levels} bands"), |b| {
+            b.iter(|| {
+                transform
+                    .weighted_into(signal, 3, &schedule, &factors, &mut out, Progress::none())
+                    .expect("a valid request")
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, engine);
+criterion_main!(benches);

@@ -1,0 +1,244 @@
+//! Times the engine and compares it with what the memory of this machine allows, as lines of JSON.
+//!
+//! `cargo run --release -p adwave --example engine_timing -- MESH.obj [subdivisions] [sweep]`. The mesh is cut 1:4 as often
+//! as asked (2 if not). `sweep` adds the cost against the number of vertices and of levels. Times are seconds; `bound` is
+//! the bytes that must move divided by the bandwidth of `a = b + s·c` over arrays far larger than the caches, measured in
+//! the same run.
+
+mod shapes;
+
+use adwave::Progress;
+use adwave::bands::{BandsParams, Engine, Schedule, Transform, decompose, smooth, weighted_bands};
+use adwave::operator::{Diffusion, OperatorParams, local_operator};
+use adwave::shape::{Domain, Shape};
+use adwave::sparse::apply;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Relative error that every band may have.
+const ACCURACY: f64 = 1e-5;
+
+/// Least and median seconds of `repeats` calls.
+fn time(repeats: usize, mut call: impl FnMut()) -> (f64, f64) {
+    let mut seconds: Vec<f64> = (0..repeats)
+        .map(|_| {
+            let start = Instant::now();
+            call();
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    (seconds[0], seconds[repeats / 2])
+}
+
+/// Bytes a second of `a = b + s·c`, 24 bytes an element.
+fn triad() -> f64 {
+    const LEN: usize = 1 << 24;
+    let (b, c) = (vec![1.0_f64; LEN], vec![2.0_f64; LEN]);
+    let mut a = vec![0.0_f64; LEN];
+    let (least, _) = time(9, || {
+        a.par_chunks_mut(1 << 16).zip(b.par_chunks(1 << 16)).zip(c.par_chunks(1 << 16)).for_each(
+            |((a, b), c)| {
+                for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
+                    *a = b + 3.0 * c;
+                }
+            },
+        );
+    });
+    assert_eq!(a[LEN / 2], 7.0);
+    24.0 * LEN as f64 / least
+}
+
+fn outputs(levels: usize, len: usize) -> Vec<Vec<f64>> {
+    (0..levels).map(|_| vec![0.0; len]).collect()
+}
+
+fn wavelets_into(
+    transform: &Transform<'_>,
+    signal: &[f64],
+    levels: usize,
+    outs: &mut [Vec<f64>],
+) -> adwave::bands::BandsInfo {
+    let schedule = Schedule::dyadic(levels).expect("a valid number of levels");
+    let mut outs: Vec<&mut [f64]> = outs.iter_mut().map(Vec::as_mut_slice).collect();
+    transform.wavelets_into(signal, 3, &schedule, &mut outs, Progress::none()).expect("a valid request")
+}
+
+struct Subject {
+    shape: Shape,
+    domain: Domain,
+    diffusion: Diffusion,
+}
+
+impl Subject {
+    fn new(triangles: shapes::Triangles) -> Self {
+        let (shape, params) = (triangles.into_shape(), OperatorParams::default());
+        let domain = Domain::new(&shape, params.weld);
+        let diffusion = Diffusion::new(local_operator(&shape, &domain, &params));
+        Self { shape, domain, diffusion }
+    }
+
+    fn signal(&self) -> &[f64] {
+        self.domain.points.as_flattened()
+    }
+
+    fn transform(&self, accuracy: f64) -> Transform<'_> {
+        Transform::new(&self.diffusion, &BandsParams::default().with_accuracy(accuracy))
+            .expect("a valid accuracy")
+    }
+}
+
+fn product(subject: &Subject, bandwidth: f64) -> f64 {
+    let n = subject.diffusion.n_vertices();
+    let entries = subject.diffusion.weights().len();
+    let mut out = vec![0.0; 3 * n];
+    let (least, median) = time(25, || apply(&subject.diffusion, subject.signal(), &mut out, 3));
+    // Weights, columns, row ends; the signal in and out.
+    let bytes = 12 * entries + 8 * n + 48 * n;
+    let bound = bytes as f64 / bandwidth;
+    println!(
+        r#"{{"name":"product","n":{n},"min":{least},"median":{median},"bytes":{bytes},"bound":{bound},"part_of_bound":{}}}"#,
+        bound / least
+    );
+    least
+}
+
+fn transform(subject: &Subject, levels: usize, bandwidth: f64, one_product: f64) {
+    let n = subject.diffusion.n_vertices();
+    let (prepare, _) = time(3, || drop(subject.transform(ACCURACY)));
+    let transform = subject.transform(ACCURACY);
+    let mut outs = outputs(levels, 3 * n);
+    let mut info = wavelets_into(&transform, subject.signal(), levels, &mut outs);
+    let (least, median) = time(if levels > 10 { 3 } else { 11 }, || {
+        info = wavelets_into(&transform, subject.signal(), levels, &mut outs);
+    });
+    // Each product reads the walk and two vectors and writes one; each term reads two vectors and writes one.
+    let entries = subject.diffusion.weights().len() as u64;
+    let bytes = info.products * (12 * entries + 80 * n as u64) + info.terms * 72 * n as u64;
+    let bound = bytes as f64 / bandwidth;
+    let powers = one_product * (1_u64 << (levels - 1)) as f64;
+    println!(
+        r#"{{"name":"bands","levels":{levels},"n":{n},"accuracy":{ACCURACY},"min":{least},"median":{median},"prepare":{prepare},"degree":{},"products":{},"terms":{},"unfused_bytes":{bytes},"unfused_bound":{bound},"past_unfused_bound":{},"powers":{powers},"powers_ratio":{},"error_bound":{},"working_bytes_per_vertex":{}}}"#,
+        info.degree,
+        info.products,
+        info.terms,
+        bound / least,
+        powers / least,
+        info.error_bound,
+        info.bytes / n as u64
+    );
+    if levels <= 10 {
+        errors(subject, levels, &outs);
+    }
+}
+
+/// Relative error of every band against repeated products.
+fn errors(subject: &Subject, levels: usize, outs: &[Vec<f64>]) {
+    let params = BandsParams::default().with_engine(Engine::Powers);
+    let powers = Transform::new(&subject.diffusion, &params).expect("a valid accuracy");
+    let mut exact = outputs(levels, subject.signal().len());
+    wavelets_into(&powers, subject.signal(), levels, &mut exact);
+    let errors: Vec<String> = outs
+        .iter()
+        .zip(&exact)
+        .map(|(w, e)| {
+            let error: f64 = w.iter().zip(e).map(|(w, e)| (w - e).powi(2)).sum();
+            let square: f64 = e.iter().map(|e| e * e).sum();
+            format!("{:e}", (error / square).sqrt())
+        })
+        .collect();
+    println!(r#"{{"name":"errors","levels":{levels},"relative":[{}]}}"#, errors.join(","));
+}
+
+/// What a caller with a file's order and no prepared state waits for.
+fn one_off(subject: &Subject, levels: usize) {
+    let signal = subject.shape.points().expect("a mesh has points").as_flattened();
+    let schedule = Schedule::dyadic(levels).expect("a valid number of levels");
+    let params = BandsParams::default().with_accuracy(ACCURACY);
+    let (diffusion, weld) = (&subject.diffusion, &subject.domain.weld);
+    let (least, median) = time(5, || {
+        decompose(diffusion, weld, signal, 3, &schedule, &params, Progress::none()).expect("a valid request");
+    });
+    println!(r#"{{"name":"decompose","levels":{levels},"min":{least},"median":{median}}}"#);
+    let factors = vec![0.5; levels];
+    let (least, median) = time(5, || {
+        weighted_bands(diffusion, weld, signal, 3, &schedule, &factors, &params, Progress::none())
+            .expect("a valid request");
+    });
+    println!(r#"{{"name":"weighted_bands","levels":{levels},"min":{least},"median":{median}}}"#);
+}
+
+fn sphere(subdivisions: usize) -> Subject {
+    let mut triangles = shapes::Triangles::octahedron();
+    for _ in 0..subdivisions {
+        triangles = triangles.subdivided().on_the_unit_sphere();
+    }
+    Subject::new(triangles)
+}
+
+/// Cost against n (4·4^s + 2 vertices) and against J.
+fn sweep() {
+    for subdivisions in 6..=11 {
+        let subject = sphere(subdivisions);
+        let n = subject.diffusion.n_vertices();
+        let transform = subject.transform(ACCURACY);
+        let mut outs = outputs(8, 3 * n);
+        let (least, median) = time(if n > 1_000_000 { 3 } else { 9 }, || {
+            wavelets_into(&transform, subject.signal(), 8, &mut outs);
+        });
+        println!(r#"{{"name":"against_n","n":{n},"levels":8,"min":{least},"median":{median}}}"#);
+    }
+    let subject = sphere(8);
+    let n = subject.diffusion.n_vertices();
+    let transform = subject.transform(ACCURACY);
+    for levels in 1..=20 {
+        let mut outs = outputs(levels, 3 * n);
+        let mut info = wavelets_into(&transform, subject.signal(), levels, &mut outs);
+        let (least, _) = time(if levels > 14 { 1 } else { 5 }, || {
+            info = wavelets_into(&transform, subject.signal(), levels, &mut outs);
+        });
+        println!(
+            r#"{{"name":"against_levels","n":{n},"levels":{levels},"min":{least},"degree":{}}}"#,
+            info.degree
+        );
+    }
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let Some(path) = arguments.first() else {
+        println!("usage: engine_timing MESH.obj [subdivisions] [sweep]");
+        return;
+    };
+    let mut triangles = match shapes::Triangles::from_obj(path.as_ref()) {
+        Ok(triangles) => triangles,
+        Err(error) => {
+            println!("skipped: {path}: {error}");
+            return;
+        }
+    };
+    let plain = Subject::new(triangles.clone());
+    let subdivisions = arguments.get(1).and_then(|word| word.parse().ok()).unwrap_or(2);
+    for _ in 0..subdivisions {
+        triangles = triangles.subdivided();
+    }
+    let subject = Subject::new(triangles);
+    let bandwidth = triad();
+    println!(
+        r#"{{"name":"triad","bytes_per_second":{bandwidth},"threads":{}}}"#,
+        rayon::current_num_threads()
+    );
+    let one_product = product(&subject, bandwidth);
+    let (smoothing, _) = time(1, || {
+        smooth(&subject.diffusion, subject.signal(), 3, &[128], Progress::none()).expect("not cancelled");
+    });
+    println!(r#"{{"name":"powers","steps":128,"min":{smoothing}}}"#);
+    transform(&subject, 8, bandwidth, one_product);
+    transform(&subject, 16, bandwidth, one_product);
+    one_off(&subject, 8);
+    println!(r#"{{"name":"plain","n":{}}}"#, plain.diffusion.n_vertices());
+    one_off(&plain, 8);
+    if arguments.iter().any(|word| word == "sweep") {
+        sweep();
+    }
+}

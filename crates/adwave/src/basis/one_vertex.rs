@@ -1,0 +1,312 @@
+//! φ and ψ of one vertex, without a matrix.
+//!
+//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`. For a reversible walk it comes from the symmetric `S = D^½ Φ₁ D^{−½}`, D = diag π, as
+//! `φ(y) = (Sⁿe_x)(y)·√(π(y)/π(x))`, and both powers of a wavelet from one Chebyshev recurrence in `2S − I`, whose terms
+//! of degree k reach k rings. Otherwise the walk is taken step by step.
+
+use super::binomial::chebyshev_of_power;
+use super::{BasisError, check_tolerance};
+use crate::Progress;
+use crate::bands::MAX_STEPS;
+use crate::operator::Diffusion;
+
+/// What the cut of a Chebyshev sum may change in a function, before the factor √(π(y)/π(x)).
+const TAIL: f64 = 1e-11;
+
+/// Steps between two questions whether to go on.
+const STEPS_A_REPORT: usize = 16;
+
+/// A function over the vertices that is 0 at most of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SparseRow {
+    /// Vertices, by rising index.
+    pub columns: Vec<u32>,
+    /// The value at each.
+    pub values: Vec<f64>,
+}
+
+impl SparseRow {
+    /// The value at vertex `y`, 0 where none is stored.
+    pub fn get(&self, y: usize) -> f64 {
+        self.columns.binary_search(&(y as u32)).map_or(0.0, |at| self.values[at])
+    }
+
+    /// The values at all of `n_vertices` vertices.
+    ///
+    /// # Panics
+    /// When the row names a vertex beyond them.
+    pub fn to_dense(&self, n_vertices: usize) -> Vec<f64> {
+        let mut dense = vec![0.0; n_vertices];
+        for (&y, &value) in self.columns.iter().zip(&self.values) {
+            dense[y as usize] = value;
+        }
+        dense
+    }
+
+    fn as_slices(&self) -> (&[u32], &[f64]) {
+        (&self.columns, &self.values)
+    }
+}
+
+/// One scaling function and one wavelet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScalingAndWavelet {
+    /// φ_{j,x}, row x of Φ_j: ≥ 0, sums to 1.
+    pub scaling: SparseRow,
+    /// ψ_{j,x} = φ_{j−1,x} − φ_{j,x}: sums to 0.
+    pub wavelet: SparseRow,
+    /// Products with the walk that it took.
+    pub n_products: u64,
+}
+
+/// φ and ψ of `vertex` for a level of `steps` steps after one of `steps_before` (0 before the first level).
+///
+/// `φ_j = e_xᵀΦ₁^steps`, `ψ_j = e_xᵀΦ₁^steps_before − φ_j`. Values of φ below `drop_tolerance` are dropped and the rest
+/// divided by its sum, as in the matrices; with 0 every positive value is kept. Values err by 1e-10 at most on a reversible
+/// walk (times √(π(y)/π(x))), by rounding otherwise. Costs about `5√steps` products over the vertices within as many
+/// rings where the walk is reversible, `steps` products otherwise; memory O(vertices reached), and 4 bytes a vertex.
+///
+/// # Errors
+/// [`BasisError`]: no such vertex, steps that do not increase, a bad tolerance, one that drops all; cancelled.
+///
+/// ```
+/// use adwave::basis::one_vertex;
+/// use adwave::{Progress, operator::Diffusion};
+/// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
+/// let at = one_vertex(&walk, 0, 1, 2, 0.0, Progress::none())?;
+/// assert_eq!(at.scaling.values, [0.625, 0.375]);
+/// assert_eq!(at.wavelet.values, [0.125, -0.125]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn one_vertex(
+    diffusion: &Diffusion,
+    vertex: usize,
+    steps_before: u64,
+    steps: u64,
+    drop_tolerance: f64,
+    progress: Progress<'_>,
+) -> Result<ScalingAndWavelet, BasisError> {
+    let n_vertices = diffusion.n_vertices();
+    if vertex >= n_vertices {
+        return Err(BasisError::NoVertex { vertex, n_vertices });
+    }
+    if steps_before >= steps || steps > MAX_STEPS {
+        return Err(BasisError::BadSteps { fine: steps_before, coarse: steps });
+    }
+    check_tolerance(drop_tolerance)?;
+    progress.step(0, steps)?;
+    let ([fine, coarse], reached, n_products) =
+        match by_chebyshev(diffusion, vertex, [steps_before, steps], progress)? {
+            Some(found) => found,
+            None => by_steps(diffusion, vertex, [steps_before, steps], progress)?,
+        };
+    progress.step(steps, steps)?;
+    let mut order: Vec<(u32, u32)> = reached.iter().copied().zip(0..).collect();
+    order.sort_unstable();
+    let row = |values: &[f64], steps| {
+        let empty = BasisError::EmptyRow { row: vertex, steps, tolerance: drop_tolerance };
+        sparse_row(&order, values, drop_tolerance).ok_or(empty)
+    };
+    let (fine, scaling) = (row(&fine, steps_before)?, row(&coarse, steps)?);
+    let mut wavelet = SparseRow::default();
+    super::rows::subtract(fine.as_slices(), scaling.as_slices(), &mut wavelet.columns, &mut wavelet.values);
+    Ok(ScalingAndWavelet { scaling, wavelet, n_products })
+}
+
+/// Drops small values and divides the rest by its sum; `None` where nothing is left.
+fn sparse_row(order: &[(u32, u32)], values: &[f64], tolerance: f64) -> Option<SparseRow> {
+    let mut row = SparseRow::default();
+    for &(y, k) in order {
+        let value = values[k as usize];
+        if value >= tolerance && value > 0.0 {
+            row.columns.push(y);
+            row.values.push(value);
+        }
+    }
+    let sum: f64 = row.values.iter().sum();
+    for value in &mut row.values {
+        *value /= sum;
+    }
+    (sum > 0.0).then_some(row)
+}
+
+/// Two functions over the vertices that were reached, those vertices, and the number of products.
+type Found = ([Vec<f64>; 2], Vec<u32>, u64);
+
+/// The vertices within some rings of one, in the order of their rings.
+struct Rings {
+    vertices: Vec<u32>,
+    /// `ends[k]`: how many vertices lie within k rings. The last ring may be complete before the number asked for.
+    ends: Vec<usize>,
+    /// One more than the place of each vertex of the shape in `vertices`, 0 where it is in none.
+    place: Vec<u32>,
+}
+
+impl Rings {
+    fn new(diffusion: &Diffusion, vertex: usize, n_rings: usize) -> Self {
+        // Zeroed memory costs nothing where it is not touched.
+        let mut place = vec![0_u32; diffusion.n_vertices()];
+        place[vertex] = 1;
+        let mut vertices = vec![vertex as u32];
+        let mut ends = vec![1];
+        let mut first = 0;
+        while ends.len() <= n_rings && first < vertices.len() {
+            let end = vertices.len();
+            for k in first..end {
+                for &y in diffusion.row(vertices[k] as usize).0 {
+                    if place[y as usize] == 0 {
+                        vertices.push(y);
+                        place[y as usize] = vertices.len() as u32;
+                    }
+                }
+            }
+            first = end;
+            ends.push(vertices.len());
+        }
+        Self { vertices, ends, place }
+    }
+
+    fn within(&self, k: usize) -> usize {
+        self.ends[k.min(self.ends.len() - 1)]
+    }
+}
+
+/// Off-diagonal entries come in groups of this many, the last filled up with zeros: rows of a mesh are then nearly all
+/// of two groups, and a loop that always goes round twice costs less than one of five to seven rounds.
+const GROUP: usize = 4;
+
+/// `None` where the walk is not reversible, or π too small to divide by.
+fn by_chebyshev(
+    diffusion: &Diffusion,
+    vertex: usize,
+    steps: [u64; 2],
+    progress: Progress<'_>,
+) -> Result<Option<Found>, BasisError> {
+    if !diffusion.is_reversible() {
+        return Ok(None);
+    }
+    let coefficients = steps.map(|n| chebyshev_of_power(n, TAIL));
+    let degree = coefficients[1].len() - 1;
+    let rings = Rings::new(diffusion, vertex, degree);
+    let pi = diffusion.stationary();
+    let root: Vec<f64> = rings.vertices.iter().map(|&y| pi[y as usize].sqrt()).collect();
+    // Below, squares of these and their quotients would not be normal numbers.
+    if root.iter().any(|&r| r < 1e-150) {
+        return Ok(None);
+    }
+    let n = rings.vertices.len();
+    let mut starts = Vec::with_capacity(n + 1);
+    starts.push(0_u32);
+    let mut diagonal = Vec::with_capacity(n);
+    let mut groups: Vec<[(u32, f64); GROUP]> = Vec::with_capacity(2 * n);
+    for (k, &y) in rings.vertices.iter().enumerate().take(rings.within(degree.saturating_sub(1))) {
+        // 2S − I, whose entries are 2Φ₁(y,z)·√(π(y)/π(z)) and 2Φ₁(y,y) − 1.
+        let (columns, weights) = diffusion.row(y as usize);
+        let mut left = 1.0;
+        for (some, some_weights) in columns.chunks(GROUP).zip(weights.chunks(GROUP)) {
+            let mut group = [(k as u32, 0.0); GROUP];
+            for (entry, (&z, &w)) in group.iter_mut().zip(some.iter().zip(some_weights)) {
+                left -= w;
+                let place = rings.place[z as usize] - 1;
+                *entry = (place, 2.0 * w * root[k] / root[place as usize]);
+            }
+            groups.push(group);
+        }
+        diagonal.push(2.0 * left - 1.0);
+        starts.push(groups.len() as u32);
+    }
+    let mut sums = [vec![0.0; n], vec![0.0; n]];
+    let (mut before, mut now) = (vec![0.0; n], vec![0.0; n]);
+    now[0] = 1.0;
+    for degree_now in 0..=degree {
+        if degree_now % STEPS_A_REPORT == 0 {
+            let share = degree_now as f64 / (degree + 1) as f64;
+            progress.step((share * steps[1] as f64) as u64, steps[1])?;
+        }
+        let within = rings.within(degree_now);
+        for (sum, coefficients) in sums.iter_mut().zip(&coefficients) {
+            if let Some(&c) = coefficients.get(degree_now) {
+                for (s, &v) in sum[..within].iter_mut().zip(&now) {
+                    *s += c * v;
+                }
+            }
+        }
+        if degree_now == degree {
+            break;
+        }
+        // T_{k+1} = 2y·T_k − T_{k−1}, and T_1 = y·T_0. The terms that are needed next reach one ring further, and
+        // those that the sums still need no further than the last.
+        let (of_now, of_before) = if degree_now == 0 { (1.0, 0.0) } else { (2.0, 1.0) };
+        let reach = rings.within(degree_now + 1).min(diagonal.len());
+        let outer = rings.within(degree_now + 1);
+        for k in 0..reach {
+            let mut partial = [0.0; GROUP];
+            for group in &groups[starts[k] as usize..starts[k + 1] as usize] {
+                for (p, &(z, w)) in partial.iter_mut().zip(group) {
+                    *p += w * now[z as usize];
+                }
+            }
+            let product = diagonal[k] * now[k] + ((partial[0] + partial[1]) + (partial[2] + partial[3]));
+            before[k] = of_now * product - of_before * before[k];
+        }
+        // Vertices of the last ring have neighbours beyond it: their rows are left to the one step that reaches them.
+        for k in reach..outer {
+            let y = rings.vertices[k] as usize;
+            let mut product = 0.0;
+            let (columns, weights) = diffusion.row(y);
+            for (&z, &w) in columns.iter().zip(weights) {
+                let place = rings.place[z as usize];
+                if place != 0 {
+                    product += 2.0 * w * root[k] / root[place as usize - 1] * now[place as usize - 1];
+                }
+            }
+            before[k] = of_now * product - of_before * before[k];
+        }
+        std::mem::swap(&mut before, &mut now);
+    }
+    for sum in &mut sums {
+        for (s, r) in sum.iter_mut().zip(&root) {
+            *s *= r / root[0];
+        }
+    }
+    Ok(Some((sums, rings.vertices, degree as u64)))
+}
+
+/// The walk, step by step, over all vertices that it reaches.
+fn by_steps(
+    diffusion: &Diffusion,
+    vertex: usize,
+    steps: [u64; 2],
+    progress: Progress<'_>,
+) -> Result<Found, BasisError> {
+    let most = usize::try_from(steps[1]).unwrap_or(usize::MAX);
+    let rings = Rings::new(diffusion, vertex, most);
+    let n = rings.vertices.len();
+    let diagonal: Vec<f64> = rings.vertices.iter().map(|&x| diffusion.diagonal(x as usize)).collect();
+    let (mut now, mut next) = (vec![0.0; n], vec![0.0; n]);
+    now[0] = 1.0;
+    let mut fine = now.clone();
+    for step in 0..most {
+        if step % STEPS_A_REPORT == 0 {
+            progress.step(step as u64, steps[1])?;
+        }
+        let outer = rings.within(step + 1);
+        next[..outer].fill(0.0);
+        for k in 0..rings.within(step) {
+            let v = now[k];
+            if v == 0.0 {
+                continue;
+            }
+            next[k] += diagonal[k] * v;
+            let (columns, weights) = diffusion.row(rings.vertices[k] as usize);
+            for (&y, &w) in columns.iter().zip(weights) {
+                next[rings.place[y as usize] as usize - 1] += w * v;
+            }
+        }
+        std::mem::swap(&mut now, &mut next);
+        if step as u64 + 1 == steps[0] {
+            fine.clone_from(&now);
+        }
+    }
+    Ok(([fine, now], rings.vertices, steps[1]))
+}
