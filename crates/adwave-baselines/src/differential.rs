@@ -90,14 +90,13 @@ impl Differential {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(shape: &Shape, weights: Weights) -> Result<Self, DifferentialError> {
-        let (rows, weld): (Vec<Vec<(u32, f64)>>, Weld) = match (weights, shape) {
-            (Weights::Uniform, Shape::Mesh(_)) => {
+        let (rows, weld): (Vec<Vec<(u32, f64)>>, Weld) =
+            if let (Weights::Uniform, Shape::Mesh(_)) = (weights, shape) {
                 let domain = Domain::new(shape, WeldMode::default());
                 let ring = one_ring(domain.n_vertices(), &domain.triangles);
                 let row = |x: usize| ring.of(x).iter().map(|&y| (y, 1.0)).collect();
                 ((0..domain.n_vertices()).map(row).collect(), domain.weld)
-            }
-            _ => {
+            } else {
                 let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
                 let row = |x: usize| {
                     let (columns, values) = laplacian.stiffness.row(x);
@@ -105,8 +104,7 @@ impl Differential {
                     off.map(|(&y, &s)| (y, if weights == Weights::Uniform { 1.0 } else { -s })).collect()
                 };
                 ((0..laplacian.n()).map(row).collect(), laplacian.weld)
-            }
-        };
+            };
         Ok(Self::from_rows(&rows, weld))
     }
 

@@ -199,7 +199,9 @@ impl Harmonics {
         };
         for (k, c) in coefficients.chunks_exact_mut(n_channels.max(1)).enumerate() {
             let factor = gain(frequency(k)) - rest;
-            c.iter_mut().for_each(|c| *c *= factor);
+            for c in c.iter_mut() {
+                *c *= factor;
+            }
         }
         let mut out = self.sum(&coefficients, n_channels);
         for (x, (out, f)) in

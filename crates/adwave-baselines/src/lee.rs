@@ -4,8 +4,8 @@
 //! model and nothing to choose. Where it does not: balls in space join sheets that do not touch, the cost grows with the
 //! density of the vertices, and it takes the curvature of a mesh, no other signal.
 
-use crate::vector::{dot, minus};
-use adwave::shape::{Domain, Shape, WeldMode, diagonal, one_ring, vertex_normals};
+use crate::vector::{cross, dot, minus, norm};
+use adwave::shape::{Domain, Shape, WeldMode, diagonal, one_ring};
 use adwave::{Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
@@ -87,14 +87,15 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
 }
 
 /// Mean curvature by Taubin's tensor ("Estimating the tensor of curvature of a surface", ICCV 1995), whose trace is the mean
-/// of the directional curvatures.
+/// of the directional curvatures. With the normals of [`sphere_normals`] it is exact on a sphere; area-weighted ones would
+/// leave an error of the first order in the edge length.
 fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
-    let normals = vertex_normals(points, triangles);
+    let normals = sphere_normals(points, triangles);
     let mut sum = vec![(0.0, 0.0); points.len()];
     for t in triangles {
         let [a, b, c] = t.map(|v| points[v as usize]);
         let (u, v) = (minus(&b, &a), minus(&c, &a));
-        let area = crate::vector::norm(&crate::vector::cross(&u, &v));
+        let area = norm(&cross(&u, &v));
         for k in 0..3 {
             let x = t[k] as usize;
             for y in [t[(k + 1) % 3], t[(k + 2) % 3]] {
@@ -108,6 +109,31 @@ fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
         }
     }
     sum.into_iter().map(|(h, w)| if w > 0.0 { h / w } else { 0.0 }).collect()
+}
+
+/// Unit normals `Σ (a × b)/(|a|²|b|²)` over the triangles at a vertex, a and b their edges there: exact where all of them lie on a
+/// sphere (Max, "Weights for computing vertex normals from facet normals", 1999).
+fn sphere_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
+    let mut sum = vec![[0.0; 3]; points.len()];
+    for t in triangles {
+        for k in 0..3 {
+            let [x, y, z] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]].map(|v| points[v as usize]);
+            let (a, b) = (minus(&y, &x), minus(&z, &x));
+            let weight = dot(&a, &a) * dot(&b, &b);
+            if weight > 0.0 {
+                let n = cross(&a, &b);
+                for c in 0..3 {
+                    sum[t[k] as usize][c] += n[c] / weight;
+                }
+            }
+        }
+    }
+    sum.into_iter()
+        .map(|n| {
+            let length = norm(&n);
+            if length > 0.0 { n.map(|c| c / length) } else { n }
+        })
+        .collect()
 }
 
 /// `G(H, σ)` for all widths at every vertex.
@@ -127,7 +153,7 @@ fn gaussians(points: &[[f64; 3]], h: &[f64], progress: Progress<'_>) -> Result<V
                     .unsorted()
                     .execute()
                     .into_iter()
-                    .map(|hit| (hit.distance, hit.item as u32))
+                    .map(|hit| (hit.distance, hit.item))
                     .collect();
                 // A fixed order of summation.
                 near.sort_unstable_by_key(|e| e.1);

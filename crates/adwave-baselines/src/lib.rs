@@ -6,6 +6,7 @@ pub mod harmonics;
 pub mod laplacian;
 pub mod lee;
 pub mod linalg;
+pub mod multiscale;
 pub mod sgwt;
 pub mod signature;
 pub mod taubin;

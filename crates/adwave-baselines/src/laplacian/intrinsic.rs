@@ -48,7 +48,7 @@ fn next(h: usize) -> usize {
 }
 
 fn previous(h: usize) -> usize {
-    if h % 3 == 0 { h + 2 } else { h - 1 }
+    if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
 impl Intrinsic {

@@ -111,7 +111,9 @@ impl Laplacian {
                         intrinsic::delaunay(&points, &domain.triangles, unit, &mut info)
                     }
                 };
-                mass.iter_mut().for_each(|m| *m *= unit * unit);
+                for m in mass.iter_mut() {
+                    *m *= unit * unit;
+                }
                 (entries, mass)
             }
             Shape::Cloud(_) => {

@@ -215,7 +215,9 @@ fn unit_null_vector(matrix: &SymmetricMatrix, mut z: Vec<f64>) -> Option<Vec<f64
     if !(length.is_finite() && length > 0.0) {
         return None;
     }
-    z.iter_mut().for_each(|v| *v /= length);
+    for v in z.iter_mut() {
+        *v /= length;
+    }
     let product = matrix.product(&z);
     let size = row_norm(matrix);
     (product.iter().all(|v| v.abs() <= NULL * size)).then_some(z)

@@ -198,7 +198,9 @@ impl State<'_> {
             if length > DEPENDENT * largest && length > 0.0 {
                 let mut row = vec![0.0; width];
                 row[j] = length;
-                column.iter_mut().for_each(|v| *v /= length);
+                for v in column.iter_mut() {
+                    *v /= length;
+                }
                 // What was left over small has lost its orthogonality to the basis.
                 if length < 1e-4 * largest && !self.renew(w, kept) {
                     continue;
@@ -226,13 +228,17 @@ impl State<'_> {
             if start == 0.0 {
                 return false;
             }
-            column.iter_mut().for_each(|v| *v /= start);
+            for v in column.iter_mut() {
+                *v /= start;
+            }
             let _ = self.project(column);
             let (_, length) = gram_schmidt(n, before, column);
             if length <= DEPENDENT {
                 return false;
             }
-            column.iter_mut().for_each(|v| *v /= length);
+            for v in column.iter_mut() {
+                *v /= length;
+            }
         }
         true
     }

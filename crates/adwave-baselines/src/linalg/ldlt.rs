@@ -1,5 +1,8 @@
 //! Factorisation `A − σI = L D Lᵀ` of a symmetric sparse matrix, solves for several right sides at once, inertia.
 
+// What runs in the sweeps has to be compiled for the kind of processor that they are dispatched to.
+#![allow(clippy::inline_always)]
+
 use super::{LinalgError, SymmetricMatrix};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;

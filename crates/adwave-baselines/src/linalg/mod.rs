@@ -17,6 +17,7 @@ pub use cg::{CgInfo, conjugate_gradients};
 pub use components::{EigenInfo, EigenParams, Eigenpairs, smallest_eigenpairs};
 pub(crate) use dense::symmetric_eigen;
 pub use ldlt::Ldlt;
+pub(crate) use panel::{add_product, gram};
 pub use symmetric::SymmetricMatrix;
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ impl Panel {
 }
 
 /// `AᵀB`, column-major, for `a` and `b` of columns of length `n`.
-pub(super) fn gram(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
+pub(crate) fn gram(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let (p, q) = (a.len() / n.max(1), b.len() / n.max(1));
     let mut sum = vec![0.0; p * q];
     if p * q == 0 {
@@ -70,7 +70,7 @@ pub(super) fn gram(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// `B += factor · A C`, with `c` column-major, as many rows as A has columns.
-pub(super) fn add_product(n: usize, b: &mut [f64], factor: f64, a: &[f64], c: &[f64]) {
+pub(crate) fn add_product(n: usize, b: &mut [f64], factor: f64, a: &[f64], c: &[f64]) {
     let (p, q) = (a.len() / n.max(1), b.len() / n.max(1));
     debug_assert_eq!(c.len(), p * q);
     if p * q == 0 {

@@ -1,6 +1,5 @@
 use super::*;
 use adwave::Progress;
-use proptest::prelude::*;
 
 fn grid(width: usize, height: usize) -> SymmetricMatrix {
     let mut entries = Vec::new();

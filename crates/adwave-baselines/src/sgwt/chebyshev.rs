@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// The largest degree tried.
-const MAX_DEGREE: usize = 4096;
+const MAX_DEGREE: usize = 16384;
 
 /// `p(λ) = Σ_k c_k T_k(2λ/λ_max − 1)`.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Polynomial {
     pub coefficients: Vec<f64>,
     /// The end of the spectrum.
     pub lambda_max: f64,
-    /// Largest `|p − g|` found on [0, λ_max], at eight points for each degree.
+    /// Largest `|p − g|` found on [0, λ_max], at four points for each degree.
     pub error: f64,
 }
 
@@ -24,17 +24,19 @@ impl Polynomial {
     /// The interpolant of `g` at the `degree + 1` Chebyshev points. O(degree²).
     pub fn interpolate(g: impl Fn(f64) -> f64 + Sync, lambda_max: f64, degree: usize) -> Self {
         let n = degree + 1;
-        let angle = |j: usize| PI * (j as f64 + 0.5) / n as f64;
-        let values: Vec<f64> = (0..n).map(|j| g(0.5 * lambda_max * (angle(j).cos() + 1.0))).collect();
+        // cos(k·π(2j + 1)/2n) for all j and k is one of 4n values.
+        let cosine: Vec<f64> = (0..4 * n).map(|i| (PI * i as f64 / (2 * n) as f64).cos()).collect();
+        let values: Vec<f64> = (0..n).map(|j| g(0.5 * lambda_max * (cosine[2 * j + 1] + 1.0))).collect();
         let coefficients: Vec<f64> = (0..n)
             .into_par_iter()
             .map(|k| {
-                let sum: f64 = values.iter().enumerate().map(|(j, v)| v * (k as f64 * angle(j)).cos()).sum();
+                let sum: f64 =
+                    values.iter().enumerate().map(|(j, v)| v * cosine[(2 * j + 1) * k % (4 * n)]).sum();
                 sum * if k == 0 { 1.0 } else { 2.0 } / n as f64
             })
             .collect();
         let mut polynomial = Self { coefficients, lambda_max, error: 0.0 };
-        let points = 8 * n.max(32);
+        let points = 4 * n.max(64);
         polynomial.error = (0..=points)
             .into_par_iter()
             .map(|i| {
@@ -76,14 +78,6 @@ pub fn fit(kernels: &Kernels, accuracy: f64) -> Result<Vec<Polynomial>, SgwtErro
             }
         })
         .collect()
-}
-
-/// `Σ_i p_i²` as one polynomial.
-pub(super) fn sum_of_squares(polynomials: &[Polynomial]) -> Polynomial {
-    let degree = polynomials.iter().map(|p| p.coefficients.len() - 1).max().unwrap_or(0);
-    let lambda_max = polynomials.first().map_or(1.0, |p| p.lambda_max);
-    let sum = |l: f64| polynomials.iter().map(|p| p.value(l).powi(2)).sum();
-    Polynomial::interpolate(sum, lambda_max, 2 * degree)
 }
 
 /// `p_i(L) f` for all polynomials by one recurrence.

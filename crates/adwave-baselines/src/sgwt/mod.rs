@@ -82,12 +82,12 @@ pub struct Frame<'a> {
     pub kernels: Kernels,
     /// `p_i ≈ g_i`, all of one degree.
     pub polynomials: Vec<Polynomial>,
-    /// A and B: the smallest and the largest `Σ p_i(λ)²` for λ in [0, λ_max].
+    /// A and B: bounds of `Σ p_i(λ)²` for λ in [0, λ_max], from the kernels and the polynomials' errors.
     pub bounds: (f64, f64),
 }
 
-/// Points of [0, λ_max] at which bounds and errors are taken, for each degree.
-const POINTS_PER_DEGREE: usize = 8;
+/// Points of [0, λ_max] at which the bounds are taken.
+const POINTS: usize = 20_000;
 
 impl<'a> Frame<'a> {
     /// The frame of `kernels` on a positive semi-definite `laplacian`, each kernel within `accuracy` on [0, λ_max], so
@@ -110,13 +110,16 @@ impl<'a> Frame<'a> {
     /// ```
     pub fn new(laplacian: &'a SymmetricMatrix, kernels: Kernels, accuracy: f64) -> Result<Self, SgwtError> {
         let polynomials = fit(&kernels, accuracy)?;
-        let degree = polynomials.iter().map(|p| p.coefficients.len()).max().unwrap_or(0);
-        let points = POINTS_PER_DEGREE * degree.max(64);
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-        for i in 0..=points {
-            let lambda = kernels.lambda_max * i as f64 / points as f64;
-            let sum: f64 = polynomials.iter().map(|p| p.value(lambda).powi(2)).sum();
-            (low, high) = (low.min(sum), high.max(sum));
+        for i in 0..=POINTS {
+            let lambda = kernels.lambda_max * i as f64 / POINTS as f64;
+            let (mut least, mut most) = (0.0, 0.0);
+            for (k, p) in polynomials.iter().enumerate() {
+                let g = kernels.value(k, lambda).abs();
+                least += (g - p.error).max(0.0).powi(2);
+                most += (g + p.error).powi(2);
+            }
+            (low, high) = (low.min(least), high.max(most));
         }
         if !(low > 0.0 && high.is_finite()) {
             return Err(SgwtError::NoFrame(low));
@@ -159,7 +162,6 @@ impl<'a> Frame<'a> {
         progress: Progress<'_>,
     ) -> Result<(Vec<f64>, CgInfo), SgwtError> {
         let right = self.adjoint(coefficients, progress)?;
-        let square = chebyshev::sum_of_squares(&self.polynomials);
         let condition = (self.bounds.1 / self.bounds.0).sqrt();
         let cap = 50 + (condition * (2.0 / tolerance.max(1e-15)).ln()).min(1e5) as usize;
         let apply = |x: &[f64], y: &mut [f64]| {
@@ -192,7 +194,9 @@ pub fn largest_eigenvalue(matrix: &SymmetricMatrix) -> f64 {
         if length == 0.0 {
             return gershgorin;
         }
-        v.iter_mut().for_each(|a| *a /= length);
+        for a in v.iter_mut() {
+            *a /= length;
+        }
         let next = matrix.product(&v);
         let rayleigh: f64 = v.iter().zip(&next).map(|(a, b)| a * b).sum();
         let off: f64 = v.iter().zip(&next).map(|(a, b)| (b - rayleigh * a).powi(2)).sum::<f64>().sqrt();
