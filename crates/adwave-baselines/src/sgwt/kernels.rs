@@ -84,14 +84,14 @@ impl Kernels {
     /// `g_i(λ)`; i = 0 is the low pass.
     pub fn value(&self, i: usize, lambda: f64) -> f64 {
         let lambda_min = self.lambda_max / LOW_PASS_FACTOR;
-        let low = (-(lambda / (0.4 * lambda_min)).powi(4)).exp();
+        let low = |part: f64| (-(lambda / (part * lambda_min)).powi(4)).exp();
         match self.family {
-            KernelFamily::MexicanHat if i == 0 => 1.2 * (-1.0_f64).exp() * low,
+            KernelFamily::MexicanHat if i == 0 => 1.2 * (-1.0_f64).exp() * low(0.4),
             KernelFamily::MexicanHat => {
                 let x = self.scales[i - 1] * lambda;
                 x * (-x).exp()
             }
-            KernelFamily::Abspline if i == 0 => abspline_maximum() * low,
+            KernelFamily::Abspline if i == 0 => abspline_maximum() * low(0.6),
             KernelFamily::Abspline => abspline(self.scales[i - 1] * lambda),
             KernelFamily::Meyer if i == 0 => meyer_low(self.scales[0] * lambda),
             KernelFamily::Meyer => meyer_band(self.scales[i - 1] * lambda, i == self.scales.len()),

@@ -166,11 +166,11 @@ impl<'a> Frame<'a> {
         let cap = 50 + (condition * (2.0 / tolerance.max(1e-15)).ln()).min(1e5) as usize;
         let apply = |x: &[f64], y: &mut [f64]| {
             // Not cancelled inside a step: the solver looks between steps.
-            if let Ok(result) =
-                chebyshev::apply(self.laplacian, std::slice::from_ref(&square), x, Progress::none())
-            {
-                y.copy_from_slice(&result[0]);
-            }
+            let square = self
+                .analyse(x, Progress::none())
+                .and_then(|c| self.adjoint(&c, Progress::none()))
+                .expect("the lengths are right, and nothing cancels");
+            y.copy_from_slice(&square);
         };
         Ok(conjugate_gradients(apply, &right, tolerance, cap, progress)?)
     }
