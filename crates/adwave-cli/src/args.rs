@@ -1,5 +1,6 @@
 //! Every flag, defined once: help, man page and completions come from here.
 
+use crate::analysis_args::{EvaluateArgs, FeaturesArgs, SaliencyArgs};
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, OperatorParams};
 use adwave::region::{Region, RegionSyntaxError, parse_region};
@@ -54,6 +55,12 @@ pub(crate) enum Command {
     Transform(TransformArgs),
     /// Change bands, everywhere or by region, and write the shape back with everything its file had
     Filter(FilterArgs),
+    /// Map where a signal stands out, over all levels
+    Saliency(SaliencyArgs),
+    /// Find the places where a level stands out, each with its size
+    Features(FeaturesArgs),
+    /// Measure how stable the features are, or how well a map agrees with where people look
+    Evaluate(EvaluateArgs),
     /// Write the scaling functions and wavelets: those of one vertex as fields, or all as sparse matrices
     Basis(BasisArgs),
     /// Write a built-in shape
@@ -67,9 +74,9 @@ pub(crate) enum Command {
 }
 
 /// A shape, and how its walk is built.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct ShapeArgs {
-    /// File (OBJ, PLY, OFF, STL, XYZ/PTS/PWN/CSV, PCD, LAS/LAZ, MTX; plain or gzip), '-', or sample:NAME
+    /// File (OBJ, PLY, OFF, STL, XYZ/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI, MTX; plain or gzip), '-', or sample:NAME
     #[arg(value_name = "SHAPE")]
     pub(crate) shape: String,
     /// Take the shape as this, whatever the file says; a mesh as a cloud is its vertices

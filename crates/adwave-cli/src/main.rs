@@ -2,6 +2,8 @@
 //!
 //! Glue only: what is computed stands in the crate `adwave`, what is read and written in `adwave-io`.
 
+mod analysis;
+mod analysis_args;
 mod args;
 mod commands;
 mod error;
@@ -22,6 +24,9 @@ fn main() -> ExitCode {
         Command::Info(args) => commands::info::run(args, &cli.global),
         Command::Transform(args) => commands::transform::run(args, &cli.global),
         Command::Filter(args) => commands::filter::run(args, &cli.global),
+        Command::Saliency(args) => commands::saliency::run(args, &cli.global),
+        Command::Features(args) => commands::features::run(args, &cli.global),
+        Command::Evaluate(args) => commands::evaluate::run(args, &cli.global),
         Command::Basis(args) => commands::basis::run(args, &cli.global),
         Command::Sample(args) => commands::sample::run(args, &cli.global),
         Command::Demo(args) => commands::demo::run(args, &cli.global),

@@ -1,8 +1,14 @@
 //! From the --field argument to a signal.
 
+use crate::args::GlobalArgs;
 use crate::error::CliError;
+use crate::output::note;
 use crate::shape_input::Input;
-use adwave_io::{ReadLimits, ShapeFile};
+use adwave::Decomposer;
+use adwave::mask::missing;
+use adwave::shape::{Domain, WeldMode};
+use adwave::signal::{SurfaceSignal, lightness, luminance, surface_signal};
+use adwave_io::{Field, FieldValues, ReadLimits, ShapeFile};
 use std::path::Path;
 
 /// The name of the coordinates as a signal.
@@ -14,9 +20,29 @@ pub(crate) struct Signal {
     pub(crate) values: Vec<f64>,
 }
 
-/// The coordinates, a field of the file by its name, or the content of an .npy file.
+impl From<Field> for Signal {
+    fn from(field: Field) -> Self {
+        Self { n_channels: field.n_channels, values: field.to_f64() }
+    }
+}
+
+/// As [`load_with_texture`], the texture being that of the shape's materials.
 pub(crate) fn load(input: &Input, name: &str) -> Result<Signal, CliError> {
-    let n_vertices = input.shape.n_vertices();
+    load_with_texture(input, name, None)
+}
+
+/// The coordinates, a field of the file by its name, a signal that the shape gives by itself, the texture's colours, or the
+/// content of another file.
+pub(crate) fn load_with_texture(
+    input: &Input,
+    name: &str,
+    texture: Option<&Path>,
+) -> Result<Signal, CliError> {
+    if texture.is_some() && !name.starts_with("texture") {
+        return Err(CliError::Input(format!(
+            "--texture goes with --field texture, texture-luminance or texture-lightness, not with {name}"
+        )));
+    }
     if name == COORDS {
         return match input.file.points() {
             points if !points.is_empty() => {
@@ -31,21 +57,128 @@ pub(crate) fn load(input: &Input, name: &str) -> Result<Signal, CliError> {
     if let Some((n_channels, values)) = field(&input.file, name) {
         return Ok(Signal { n_channels, values });
     }
-    if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("npy")) {
-        let array = adwave_io::read_npy(Path::new(name), &ReadLimits::default()).map_err(CliError::input)?;
-        let n_rows = array.shape.first().copied().unwrap_or(1);
-        if n_rows != n_vertices {
+    if let Some(kind) = SurfaceSignal::from_name(name) {
+        let domain = Domain::new(&input.shape, WeldMode::EqualPositions);
+        let values = surface_signal(&input.shape, &domain, kind).map_err(CliError::input)?;
+        return Ok(Signal { n_channels: kind.n_channels(), values });
+    }
+    match name {
+        "luminance" | "lightness" => {
+            let colors = input
+                .file
+                .field("color")
+                .ok_or_else(|| CliError::Input(format!("{} has no colours, so no {name}", input.name)))?;
+            return brightness(colors, name);
+        }
+        "texture" => return Ok(texture_field(input, texture)?.into()),
+        "texture-luminance" | "texture-lightness" => {
+            return brightness(&texture_field(input, texture)?, name.trim_start_matches("texture-"));
+        }
+        _ => {}
+    }
+    if let Some(field) = from_file(name)? {
+        let n_vertices = input.shape.n_vertices();
+        if field.len() != n_vertices {
             return Err(CliError::Input(format!(
-                "{name} has {n_rows} rows, but {} has {n_vertices} vertices",
+                "{name} has {} rows, but {} has {n_vertices} vertices",
+                field.len(),
                 input.name
             )));
         }
-        let field = array.into_field(name);
-        return Ok(Signal { n_channels: field.n_channels, values: field.to_f64() });
+        return Ok(field.into());
     }
     let fields = field_names(&input.file);
     let known = if fields.is_empty() { String::new() } else { format!(", {}", fields.join(", ")) };
     Err(CliError::Input(format!("{} has no field '{name}'; there is coords{known}", input.name)))
+}
+
+/// The walk without the vertices where the signal is NaN.
+pub(crate) fn mask(
+    walk: Decomposer,
+    signal: &Signal,
+    name: &str,
+    global: &GlobalArgs,
+) -> Result<Decomposer, CliError> {
+    let Some(flags) = missing(&signal.values, signal.n_channels) else { return Ok(walk) };
+    let masked = walk.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    let n_missing = flags.iter().filter(|&&f| f).count();
+    note(global, &format!("{name} is NaN at {n_missing} of {} vertices, which are left out", flags.len()));
+    Ok(masked)
+}
+
+/// A field of another file: `FILE.npy`, `FILE.csv`, `FILE.gii`, the last two with `:NAME` for one of several.
+fn from_file(name: &str) -> Result<Option<Field>, CliError> {
+    let limits = ReadLimits::default();
+    let kind = |path: &str| {
+        let path = path.to_ascii_lowercase();
+        let plain = path.strip_suffix(".gz").unwrap_or(&path).to_owned();
+        [".npy", ".csv", ".tsv", ".gii"].into_iter().find(|ending| plain.ends_with(ending))
+    };
+    let (path, column) = match name.rsplit_once(':') {
+        Some((path, column)) if kind(path).is_some() && kind(name).is_none() => (path, Some(column)),
+        _ => (name, None),
+    };
+    let fields = match kind(path) {
+        Some(".npy") => {
+            vec![adwave_io::read_npy(Path::new(path), &limits).map_err(CliError::input)?.into_field(name)]
+        }
+        Some(".csv" | ".tsv") => {
+            adwave_io::read_csv_fields(Path::new(path), &limits).map_err(CliError::input)?
+        }
+        Some(_) => adwave_io::read_gifti_fields(Path::new(path), &limits).map_err(CliError::input)?,
+        None => return Ok(None),
+    };
+    let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
+    match column {
+        Some(column) => match names.iter().position(|n| *n == column) {
+            Some(at) => Ok(fields.into_iter().nth(at)),
+            None => Err(CliError::Input(format!("{path} has no '{column}'; there is {}", names.join(", ")))),
+        },
+        None => Ok(Some(joined(path, &fields)?)),
+    }
+}
+
+/// All fields of a file as the channels of one.
+fn joined(path: &str, fields: &[Field]) -> Result<Field, CliError> {
+    if let Some(other) = fields.iter().find(|f| f.len() != fields[0].len()) {
+        return Err(CliError::Input(format!(
+            "{path} holds {} with {} rows and {} with {}; name one of them: {path}:{}",
+            fields[0].name,
+            fields[0].len(),
+            other.name,
+            other.len(),
+            fields[0].name
+        )));
+    }
+    let (n, n_channels) = (fields[0].len(), fields.iter().map(|f| f.n_channels).sum());
+    let row = |i: usize| fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)));
+    Ok(Field::new(path, n_channels, FieldValues::F64((0..n).flat_map(row).collect())))
+}
+
+fn texture_field(input: &Input, texture: Option<&Path>) -> Result<Field, CliError> {
+    let path = Path::new(&input.name);
+    if input.name == "-" || input.file.format().is_none() {
+        return Err(CliError::Input(format!("{}: a texture needs a shape from a file", input.name)));
+    }
+    adwave_io::texture_colors(&input.file, path, texture, &ReadLimits::default()).map_err(CliError::input)
+}
+
+/// Luminance or lightness of colours: bytes, or numbers in [0, 1].
+fn brightness(colors: &Field, name: &str) -> Result<Signal, CliError> {
+    let n_channels = colors.n_channels;
+    if n_channels < 3 {
+        return Err(CliError::Input(format!(
+            "the colours have {n_channels} channels, not red, green and blue"
+        )));
+    }
+    let scale = match colors.values {
+        FieldValues::U8(_) => 255.0,
+        FieldValues::U16(_) => 65535.0,
+        _ => 1.0,
+    };
+    let bright = if name == "luminance" { luminance } else { lightness };
+    let values = (0..colors.len()).map(|i| bright([0, 1, 2].map(|c| colors.get(i, c) / scale))).collect();
+    Ok(Signal { n_channels: 1, values })
 }
 
 /// A field of the file as numbers.

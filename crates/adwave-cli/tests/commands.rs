@@ -9,7 +9,7 @@ use std::fs;
 #[test]
 fn every_command_explains_itself_with_examples() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["info", "transform", "filter", "basis", "sample"] {
+    for command in ["info", "transform", "filter", "saliency", "features", "evaluate", "basis", "sample"] {
         adwave(folder.path()).args([command, "--help"]).assert().success().stdout(contains("Examples:"));
     }
     adwave(folder.path()).args(["completions", "bash"]).assert().success().stdout(contains("adwave"));

@@ -121,7 +121,7 @@ fn odd_shapes_are_done_and_give_finite_numbers() {
     let path = folder.path();
     write(path, "one.xyz", "1 2 3\n");
     write(path, "equal.xyz", "1 2 3\n".repeat(50));
-    write(path, "line.xyz", (0..50).map(|i| format!("{i} 0 0\n")).collect::<String>());
+    write(path, "line.xyz", (0..50).fold(String::new(), |text, i| text + &format!("{i} 0 0\n")));
     write(path, "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     write(path, "far.obj", "v 1e90 0 0\nv 0 1e90 0\nv 0 0 1e90\nf 1 2 3\n");
     write(path, "tiny.obj", "v 1e-200 0 0\nv 0 1e-200 0\nv 0 0 1e-200\nf 1 2 3\n");

@@ -34,6 +34,8 @@ pub enum Format {
     Laz,
     /// MatrixMarket coordinate matrix, read as a weighted graph.
     Mtx,
+    /// GIFTI surface, read only.
+    Gifti,
     /// VTK XML PolyData, written only.
     Vtp,
 }
@@ -54,6 +56,7 @@ const TABLE: &[(Format, &str, &[&str])] = &[
     (Format::Las, "las", &["las"]),
     (Format::Laz, "laz", &["laz"]),
     (Format::Mtx, "mtx", &["mtx"]),
+    (Format::Gifti, "gifti", &["gii"]),
     (Format::Vtp, "vtp", &["vtp"]),
 ];
 
@@ -93,7 +96,7 @@ impl Format {
 
     /// Whether it can be written.
     pub fn can_write(self) -> bool {
-        !matches!(self, Self::Las | Self::Laz)
+        !matches!(self, Self::Las | Self::Laz | Self::Gifti)
     }
 
     /// The binary or text form that stands for both: `ply` for `ply-ascii`.
@@ -108,7 +111,7 @@ impl Format {
 
     /// Names of all that can be read, for messages.
     pub(crate) fn readable_names() -> String {
-        "OBJ, PLY, OFF, STL, XYZ/TXT/PTS/PWN/CSV, PCD, LAS/LAZ, MatrixMarket".into()
+        "OBJ, PLY, OFF, STL, XYZ/TXT/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI, MatrixMarket".into()
     }
 
     /// Endings of all that can be written, for messages.

@@ -26,12 +26,15 @@
 #![allow(clippy::cast_possible_wrap)]
 
 mod atomic;
+mod color_map;
 mod columns_meaning;
 mod columns_read;
 mod columns_write;
+mod csv_fields;
 mod error;
 mod field;
 mod format;
+mod gifti_read;
 mod grouping;
 mod las_fields;
 mod las_read;
@@ -64,13 +67,17 @@ mod sniff;
 mod stl_read;
 mod stl_write;
 mod text;
+mod texture;
 mod vtp_write;
 mod write;
 
 pub use atomic::{atomic_write, remove_temporaries};
+pub use color_map::{ColorMap, value_range};
+pub use csv_fields::{parse_csv_fields, read_csv_fields};
 pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;
+pub use gifti_read::read_gifti_fields;
 pub use limits::ReadLimits;
 pub use mtx_write::{CompressedRows, MatrixValues, write_matrix_market};
 pub use npy_read::{NpyArray, read_npy, read_npy_bytes};
@@ -78,4 +85,5 @@ pub use npz_write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, w
 pub use read::{read_bytes, read_path};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use shape_file::{Direction, Edges, Precision, ShapeFile};
+pub use texture::{TextureError, texture_colors};
 pub use write::{WriteReport, write_bytes, write_path};

@@ -59,6 +59,7 @@ pub fn read_bytes(
         }
         Format::Pcd => crate::pcd_read::read_pcd(bytes, limits),
         Format::Las | Format::Laz => crate::las_read::read_las(&bytes, limits),
+        Format::Gifti => crate::gifti_read::read_gifti(&bytes, limits),
         Format::Mtx => crate::mtx_read::read_mtx(&bytes, limits),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
     }?;

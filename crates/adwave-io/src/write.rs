@@ -96,7 +96,7 @@ pub fn write_bytes(
         Format::Pcd | Format::PcdAscii => crate::pcd_write::write_pcd(shape, format, &mut report, out)?,
         Format::Mtx => crate::mtx_write::write_mtx(shape, &mut report, out)?,
         Format::Vtp => crate::vtp_write::write_vtp(shape, &mut report, out)?,
-        Format::Las | Format::Laz => return Err(WriteError::NotWritable { format }),
+        Format::Las | Format::Laz | Format::Gifti => return Err(WriteError::NotWritable { format }),
     }
     Ok(report)
 }

@@ -6,9 +6,12 @@ use crate::bands::{
 };
 use crate::basis::{BasisError, SparseRow, one_vertex};
 use crate::filter::{Edit, FilterError};
+use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
-use crate::shape::{Adjacency, Domain, Health, Shape, health};
+use crate::shape::{Adjacency, Domain, Health, Shape, health, one_ring, squared_distance};
+use crate::signal::cloud_border;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// The functions of one vertex on one level, one value a vertex of the shape; welded vertices have the value of the one
 /// vertex that they are, so sums are over the vertices of the analysis.
@@ -45,6 +48,10 @@ pub struct Decomposer {
     areas: Vec<f64>,
     mean_length: f64,
     diagonal: f64,
+    /// Which vertices are left out of the walk.
+    mask: Option<Mask>,
+    /// The rings of a mesh that one step can reach.
+    rings: usize,
 }
 
 impl Decomposer {
@@ -53,7 +60,93 @@ impl Decomposer {
         let domain = Domain::new(shape, params.weld);
         let operator = local_operator(shape, &domain, params);
         let (areas, mean_length) = (operator.areas.clone(), operator.mean_length);
-        Self { domain, diffusion: Diffusion::new(operator), areas, mean_length, diagonal: shape.diagonal() }
+        let diagonal = shape.diagonal();
+        let diffusion = Diffusion::new(operator);
+        Self { domain, diffusion, areas, mean_length, diagonal, mask: None, rings: params.rings }
+    }
+
+    /// The same shape with a walk that leaves out the vertices that are flagged (in the order of the shape), for a signal
+    /// that is not known there (see [`missing`](crate::mask::missing)). O(entries).
+    ///
+    /// Rows are divided by what they keep of their steps; nothing crosses a gap but round it. Bands and results are NaN at
+    /// what is left out, and a signal may be NaN there. A welded vertex stays while one of its members does.
+    ///
+    /// # Errors
+    /// [`MaskError`] when there is not one flag a vertex, or all are left out.
+    ///
+    /// ```
+    /// use adwave::bands::{BandsParams, Schedule};
+    /// use adwave::shape::{Graph, Shape};
+    /// use adwave::{Decomposer, Progress, operator::OperatorParams};
+    /// let path = Shape::Graph(Graph::new(4, &[(0, 1, 1.0), (1, 2, 1.0), (2, 3, 1.0)])?);
+    /// let walk = Decomposer::new(&path, &OperatorParams::default()).masked(&[false, false, true, false])?;
+    /// let signal = [0.0, 4.0, f64::NAN, 9.0];
+    /// let bands = walk.decompose(&signal, 1, &Schedule::dyadic(1)?, &BandsParams::default(), Progress::none())?;
+    /// assert_eq!((bands.scaling[1][0], bands.scaling[1][1], bands.scaling[1][3]), (2.0, 2.0, 9.0));
+    /// assert!(bands.scaling[1][2].is_nan());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn masked(&self, left_out: &[bool]) -> Result<Self, MaskError> {
+        let mask = Mask::new(left_out, &self.domain.weld)?;
+        let points = &self.domain.points;
+        let squared_length = |x: usize, y: usize| {
+            if points.is_empty() { 1.0 } else { squared_distance(&points[x], &points[y]) }
+        };
+        let diffusion = self.diffusion.restricted(mask.classes(), squared_length);
+        let keep = |(x, a): (usize, &f64)| if mask.classes()[x] { 0.0 } else { *a };
+        let areas = self.areas.iter().enumerate().map(keep).collect();
+        Ok(Self { diffusion, areas, mask: Some(mask), domain: self.domain.clone(), ..*self })
+    }
+
+    /// Which vertices of the analysis are left out of the walk; `None` where all take part.
+    pub fn left_out(&self) -> Option<&[bool]> {
+        self.mask.as_ref().map(Mask::classes)
+    }
+
+    /// Areas of the vertices of the analysis.
+    pub(crate) fn class_areas(&self) -> &[f64] {
+        &self.areas
+    }
+
+    /// Whether the shape has positions and no faces.
+    pub(crate) fn is_cloud(&self) -> bool {
+        !self.domain.points.is_empty() && self.domain.triangles.is_empty()
+    }
+
+    /// The vertices of the analysis on the border of a mesh (ends of edges of one triangle) or of a cloud (a gap between its
+    /// neighbours), and those next to what is left out of the walk; by rising index.
+    pub(crate) fn border(&self) -> Vec<usize> {
+        if self.is_cloud() {
+            return cloud_border(&self.domain.points, self.neighbours());
+        }
+        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * self.domain.triangles.len());
+        for t in self.domain.triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+            edges.extend([(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))));
+        }
+        edges.par_sort_unstable();
+        let single = edges.chunk_by(|e, f| e == f).filter(|same| same.len() == 1);
+        let mut border: Vec<usize> =
+            single.flat_map(|same| [same[0].0 as usize, same[0].1 as usize]).collect();
+        if let Some(left_out) = self.left_out() {
+            let whole = one_ring(self.domain.n_vertices(), &self.domain.triangles);
+            border.extend((0..left_out.len()).filter(|&x| whole.of(x).iter().any(|&y| left_out[y as usize])));
+            border.retain(|&x| !left_out[x]);
+        }
+        border.sort_unstable();
+        border.dedup();
+        border
+    }
+
+    /// The one-ring of a mesh without the vertices that are left out; of a cloud or graph what one step can reach.
+    pub(crate) fn ring(&self) -> Cow<'_, Adjacency> {
+        if self.rings == 1 || self.domain.triangles.is_empty() {
+            return Cow::Borrowed(self.neighbours());
+        }
+        let ring = one_ring(self.domain.n_vertices(), &self.domain.triangles);
+        Cow::Owned(match self.left_out() {
+            Some(left_out) => ring.without(left_out),
+            None => ring,
+        })
     }
 
     /// The vertices of the analysis and how they belong to those of the shape.
@@ -118,7 +211,22 @@ impl Decomposer {
         params: &BandsParams,
         progress: Progress<'_>,
     ) -> Result<Bands, BandsError> {
-        decompose(&self.diffusion, &self.domain.weld, signal, n_channels, schedule, params, progress)
+        let Some(mask) = &self.mask else {
+            return decompose(
+                &self.diffusion,
+                &self.domain.weld,
+                signal,
+                n_channels,
+                schedule,
+                params,
+                progress,
+            );
+        };
+        let filled = mask.fill(signal, n_channels, &self.domain.weld)?;
+        let mut bands =
+            decompose(&self.diffusion, &self.domain.weld, &filled, n_channels, schedule, params, progress)?;
+        bands.scaling.iter_mut().chain(&mut bands.wavelet).for_each(|band| mask.clear(band, n_channels));
+        Ok(bands)
     }
 
     /// The scaling function and the wavelet of one vertex of the shape on the last level of `schedule`, as functions on the
@@ -176,9 +284,30 @@ impl Decomposer {
                 .map_err(|source| FilterError::Region { layer: k + 1, source })?;
             resolved.push((gains, weights));
         }
+        let filled = match &self.mask {
+            Some(mask) => Cow::Owned(mask.fill(signal, n_channels, &self.domain.weld)?),
+            None => Cow::Borrowed(signal),
+        };
+        let mut edited = self.filter_layers(&filled, n_channels, schedule, &resolved, params, progress)?;
+        if let Some(mask) = &self.mask {
+            mask.restore(signal, n_channels, &mut edited);
+        }
+        Ok(edited)
+    }
+
+    /// [`filter`](Self::filter) of a signal that has a value everywhere, by gains and weights.
+    fn filter_layers(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        resolved: &[(Vec<f64>, Vec<f64>)],
+        params: &BandsParams,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, BandsError> {
         check_signal(signal, self.n_vertices(), n_channels)?;
         let mut edited = signal.to_vec();
-        if let [(gains, weights)] = resolved.as_slice() {
+        if let [(gains, weights)] = resolved {
             // Γ − 1 = r·(g − 1): the region's weight stands before the sum over the bands, which is one polynomial of Φ₁.
             let factors: Vec<f64> = gains.iter().map(|g| g - 1.0).collect();
             let (weld, diffusion) = (&self.domain.weld, &self.diffusion);
@@ -191,7 +320,8 @@ impl Decomposer {
             });
             return Ok(edited);
         }
-        let bands = self.decompose(signal, n_channels, schedule, params, progress)?;
+        let bands =
+            decompose(&self.diffusion, &self.domain.weld, signal, n_channels, schedule, params, progress)?;
         edited.par_chunks_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, row)| {
             for (j, band) in bands.wavelet.iter().enumerate() {
                 let gamma: f64 = resolved.iter().map(|(gains, r)| 1.0 + r[x] * (gains[j] - 1.0)).product();

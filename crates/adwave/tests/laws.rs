@@ -217,8 +217,8 @@ fn listing_the_vertices_in_another_order_permutes_the_result_bit_for_bit() {
         let a = bands(before, &params, points.as_flattened(), 3);
         let b = bands(after, &params, shuffled.as_flattened(), 3);
         for level in 0..LEVELS {
-            for x in 0..n {
-                let y = new_index[x] as usize;
+            for (x, &y) in new_index.iter().enumerate() {
+                let y = y as usize;
                 assert_eq!(a.wavelet[level][3 * x..][..3], b.wavelet[level][3 * y..][..3]);
             }
         }

@@ -42,6 +42,7 @@ pub(crate) fn run(args: &FilterArgs, global: &GlobalArgs) -> Result<(), CliError
     }
     let decomposer =
         with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let decomposer = signal::mask(decomposer, &signal, &field, global)?;
     let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer)?;
     let names = signal::field_names(&input.file);
     let lookup = |name: &str| signal::field(&input.file, name);

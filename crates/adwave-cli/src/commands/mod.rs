@@ -2,8 +2,11 @@
 
 pub(crate) mod basis;
 pub(crate) mod demo;
+pub(crate) mod evaluate;
+pub(crate) mod features;
 pub(crate) mod filter;
 pub(crate) mod info;
+pub(crate) mod saliency;
 pub(crate) mod sample;
 pub(crate) mod shell;
 pub(crate) mod transform;

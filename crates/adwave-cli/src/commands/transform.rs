@@ -31,6 +31,7 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
     let read = watch.lap();
     let decomposer =
         with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let decomposer = signal::mask(decomposer, &signal, &args.field, global)?;
     let (schedule, why) = schedule(&args.levels, &decomposer)?;
     let prepared = watch.lap();
     let bands = with_progress(global, "splitting", |progress| {

@@ -1,7 +1,7 @@
 //! Times the engine and compares it with what the memory of this machine allows, as lines of JSON.
 //!
-//! `cargo run --release -p adwave --example engine_timing -- MESH.obj [subdivisions] [sweep]`. The mesh is cut 1:4 as often
-//! as asked (2 if not). `sweep` adds the cost against the number of vertices and of levels. Times are seconds; `bound` is
+//! `cargo run --release -p adwave --example engine_timing -- MESH.obj [subdivisions] [sweep [largest]]`. The mesh is cut 1:4 as often
+//! as asked (2 if not). `sweep` adds the cost against the number of vertices (4^(largest + 1) + 2 at most) and of levels. Times are seconds; `bound` is
 //! the bytes that must move divided by the bandwidth of `a = b + s·c` over arrays far larger than the caches, measured in
 //! the same run.
 
@@ -177,8 +177,8 @@ fn sphere(subdivisions: usize) -> Subject {
 }
 
 /// Cost against n (4·4^s + 2 vertices) and against J.
-fn sweep() {
-    for subdivisions in 6..=11 {
+fn sweep(largest: usize) {
+    for subdivisions in 6..=largest {
         let subject = sphere(subdivisions);
         let n = subject.diffusion.n_vertices();
         let transform = subject.transform(ACCURACY);
@@ -207,7 +207,7 @@ fn sweep() {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let Some(path) = arguments.first() else {
-        println!("usage: engine_timing MESH.obj [subdivisions] [sweep]");
+        println!("usage: engine_timing MESH.obj [subdivisions] [sweep [largest]]");
         return;
     };
     let mut triangles = match shapes::Triangles::from_obj(path.as_ref()) {
@@ -238,7 +238,9 @@ fn main() {
     one_off(&subject, 8);
     println!(r#"{{"name":"plain","n":{}}}"#, plain.diffusion.n_vertices());
     one_off(&plain, 8);
-    if arguments.iter().any(|word| word == "sweep") {
-        sweep();
+    if let Some(at) = arguments.iter().position(|word| word == "sweep") {
+        // 4 194 306 vertices; 11 makes 16 777 218 and takes some 12 GB.
+        let largest = arguments.get(at + 1).and_then(|word| word.parse().ok()).unwrap_or(10);
+        sweep(largest);
     }
 }

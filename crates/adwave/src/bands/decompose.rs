@@ -106,7 +106,9 @@ impl Bands {
             .map(|band| {
                 crate::reduce::sum(self.n_vertices, |x| {
                     let row = &band[x * self.n_channels..][..self.n_channels];
-                    weight(x) * row.iter().map(|w| w * w).sum::<f64>()
+                    // Vertices that are left out of the walk have no area, and NaN in the bands.
+                    let square = || row.iter().map(|w| w * w).sum::<f64>();
+                    if weight(x) == 0.0 { 0.0 } else { weight(x) * square() }
                 })
             })
             .collect()

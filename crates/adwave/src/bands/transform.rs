@@ -123,7 +123,7 @@ impl<'a> Transform<'a> {
         Ok(self.info(outcome, n_channels))
     }
 
-    /// All bands of a signal in the order of the shape; see [`decompose`](super::decompose).
+    /// All bands of a signal in the order of the shape; see [`decompose`](super::decompose())
     ///
     /// # Errors
     /// As for [`wavelets_into`](Self::wavelets_into).

@@ -162,6 +162,57 @@ impl Diffusion {
         Ok(Self { neighbours, weights, stationary, step_length: 1.0, is_reversible: false })
     }
 
+    /// The same walk without some vertices: their rows become identity rows, no other row steps to them, and each row is
+    /// divided by what it kept, so that as much probability moves as before. `squared_length(x, y)` is the squared length
+    /// of a step in model units. O(entries).
+    ///
+    /// A reversible walk stays so, with `π′(x) ∝ π(x)·(part of the row's steps that is kept)`: `π(x)Φ₁(x,y)` is as before.
+    ///
+    /// # Panics
+    /// When there is not one flag a vertex.
+    #[must_use]
+    pub fn restricted(&self, left_out: &[bool], squared_length: impl Fn(usize, usize) -> f64 + Sync) -> Self {
+        let n = self.n_vertices();
+        assert_eq!(left_out.len(), n, "one flag a vertex");
+        let mut neighbours = Adjacency { offsets: vec![0], neighbours: Vec::new() };
+        let (mut weights, mut stationary) = (Vec::new(), Vec::with_capacity(n));
+        for x in 0..n {
+            let start = weights.len();
+            let (columns, values) = self.row(x);
+            let all: f64 = values.iter().sum();
+            if !left_out[x] {
+                for (&y, &w) in columns.iter().zip(values).filter(|(y, _)| !left_out[**y as usize]) {
+                    neighbours.neighbours.push(y);
+                    weights.push(w);
+                }
+            }
+            let kept: f64 = weights[start..].iter().sum();
+            if kept > 0.0 {
+                weights[start..].iter_mut().for_each(|w| *w *= all / kept);
+            }
+            stationary.push(if all > 0.0 { self.stationary[x] * (kept / all) } else { 0.0 });
+            neighbours.offsets.push(neighbours.neighbours.len());
+        }
+        let total = crate::reduce::sum(n, |x| stationary[x]);
+        if total > 0.0 {
+            for p in &mut stationary {
+                *p /= total;
+            }
+        } else {
+            stationary.fill(1.0 / n.max(1) as f64);
+        }
+        let mut walk =
+            Self { neighbours, weights, stationary, step_length: 0.0, is_reversible: self.is_reversible };
+        let step_square = crate::reduce::sum(n, |x| {
+            let (columns, values) = walk.row(x);
+            let square: f64 =
+                columns.iter().zip(values).map(|(&y, w)| w * squared_length(x, y as usize)).sum();
+            walk.stationary[x] * square
+        });
+        walk.step_length = step_square.sqrt();
+        walk
+    }
+
     /// Number of vertices.
     pub fn n_vertices(&self) -> usize {
         self.neighbours.n_vertices()

@@ -2,7 +2,7 @@
 
 use super::{CloudGraph, OperatorParams};
 use crate::shape::{
-    Adjacency, Domain, Graph, Shape, cloud_areas, k_rings, mesh_areas, nearest_neighbours, one_ring,
+    Adjacency, Domain, Graph, Shape, Weld, cloud_areas, k_rings, mesh_areas, nearest_neighbours, one_ring,
     squared_distance,
 };
 use rayon::prelude::*;
@@ -72,7 +72,7 @@ pub fn local_operator(shape: &Shape, domain: &Domain, params: &OperatorParams) -
                 CloudGraph::Directed => gaussian(&points, unit, near.adjacency, areas, mean_length, false),
             }
         }
-        Shape::Graph(graph) => weighted(graph),
+        Shape::Graph(graph) => weighted(graph, &domain.weld),
     }
 }
 
@@ -88,7 +88,7 @@ fn gaussian(
     let n = points.len();
     // 1/4t = 1/2E². All neighbours coincide where E is 0; the kernel is 1 then.
     let sharpness = if mean_length > 0.0 { 0.5 / (mean_length * mean_length) } else { 0.0 };
-    let mut values = vec![0.0; neighbours.neighbours.len()];
+    let mut values = crate::sparse::zeros(neighbours.neighbours.len());
     let mut rows: Vec<(usize, &mut [f64])> = Vec::with_capacity(n);
     let mut rest = values.as_mut_slice();
     for x in 0..n {
@@ -135,26 +135,39 @@ fn gaussian(
     }
 }
 
-/// Kernel of a graph: the weights themselves, every node of area 1, every edge of length 1.
-fn weighted(graph: &Graph) -> LocalOperator {
+/// Kernel of a graph: the weights themselves, every node of area 1, every edge of length 1. Rows and columns are in the
+/// numbering of `weld`.
+fn weighted(graph: &Graph, weld: &Weld) -> LocalOperator {
     let n = graph.n_nodes();
-    let mut values = graph.weights().to_vec();
+    let mut node_at = vec![0; n];
+    for (x, &place) in weld.classes().iter().enumerate() {
+        node_at[place as usize] = x;
+    }
+    let mut neighbours =
+        Adjacency { offsets: vec![0], neighbours: Vec::with_capacity(graph.weights().len()) };
+    let mut values = Vec::with_capacity(graph.weights().len());
     let mut log_factor = vec![0.0; n];
     let mut mean_square = vec![0.0; n];
-    for x in 0..n {
-        let row = &mut values[graph.adjacency().offsets[x]..graph.adjacency().offsets[x + 1]];
+    let mut row: Vec<(u32, f64)> = Vec::new();
+    for place in 0..n {
+        row.clear();
+        row.extend(graph.neighbours(node_at[place]).map(|(y, w)| (weld.class_of(y as usize) as u32, w)));
+        row.sort_by_key(|entry| entry.0);
         // Rows are divided by their largest weight: sums of very large weights would overflow.
-        let largest = row.iter().copied().fold(0.0, f64::max);
+        let largest = row.iter().map(|entry| entry.1).fold(0.0, f64::max);
         if largest > 0.0 {
-            for w in row {
-                *w /= largest;
+            for entry in &mut row {
+                entry.1 /= largest;
             }
-            log_factor[x] = largest.ln();
-            mean_square[x] = 1.0;
+            log_factor[place] = largest.ln();
+            mean_square[place] = 1.0;
         }
+        neighbours.neighbours.extend(row.iter().map(|entry| entry.0));
+        neighbours.offsets.push(neighbours.neighbours.len());
+        values.extend(row.iter().map(|entry| entry.1));
     }
     LocalOperator {
-        neighbours: graph.adjacency().clone(),
+        neighbours,
         values,
         log_factor,
         areas: vec![1.0; n],

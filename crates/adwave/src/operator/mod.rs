@@ -1,4 +1,4 @@
-//! From a shape to the walk on it: the local operator T (eq. 1 of the paper) and the diffusion Φ₁ = [T]_r (eq. 4–5).
+//! From a shape to the walk on it: the local operator T (eq. 1 of the paper) and the diffusion `Φ₁ = [T]_r` (eq. 4–5).
 
 mod diffusion;
 mod local;

@@ -1,5 +1,6 @@
 //! Who is next to whom: the one-ring of a mesh, k rings, connected components.
 
+use crate::sparse::with_capacity;
 use rayon::prelude::*;
 
 /// Neighbour lists in compressed rows: the neighbours of `x` are `neighbours[offsets[x]..offsets[x + 1]]`, by rising
@@ -38,9 +39,9 @@ impl Adjacency {
                 (counts, neighbours)
             })
             .collect();
-        let mut offsets = Vec::with_capacity(n + 1);
+        let mut offsets = with_capacity(n + 1);
         offsets.push(0);
-        let mut neighbours = Vec::with_capacity(chunks.iter().map(|(_, found)| found.len()).sum());
+        let mut neighbours = with_capacity(chunks.iter().map(|(_, found)| found.len()).sum());
         for (counts, found) in chunks {
             for count in counts {
                 offsets.push(offsets[offsets.len() - 1] + count as usize);
@@ -58,6 +59,19 @@ impl Adjacency {
     /// The neighbours of `x`.
     pub fn of(&self, x: usize) -> &[u32] {
         &self.neighbours[self.offsets[x]..self.offsets[x + 1]]
+    }
+
+    /// The same lists without some vertices: they name nobody and are not named.
+    pub(crate) fn without(&self, left_out: &[bool]) -> Self {
+        Self::from_rows(
+            self.n_vertices(),
+            || (),
+            |(), x, out| {
+                if !left_out[x] {
+                    out.extend(self.of(x).iter().filter(|&&y| !left_out[y as usize]));
+                }
+            },
+        )
     }
 
     /// The symmetric closure: `y` is a neighbour of `x` when either named the other.

@@ -1,5 +1,6 @@
-//! A shape made ready for the analysis: welded, triangulated, numbered along a space-filling curve.
+//! A shape made ready for the analysis: welded, triangulated, numbered so that neighbours are near in memory.
 
+use super::order::reverse_cuthill_mckee;
 use super::{Shape, Weld, WeldMode, triangulate};
 
 /// The vertices of the analysis and how they belong to those of the shape.
@@ -17,11 +18,11 @@ impl Domain {
     /// Welds and triangulates `shape`. O(n log n).
     pub fn new(shape: &Shape, weld_mode: WeldMode) -> Self {
         let Some(points) = shape.points() else {
-            return Self {
-                weld: Weld::identity(shape.n_vertices()),
-                points: Vec::new(),
-                triangles: Vec::new(),
+            let weld = match shape {
+                Shape::Graph(graph) => Weld::from_places(reverse_cuthill_mckee(graph.adjacency())),
+                _ => Weld::identity(shape.n_vertices()),
             };
+            return Self { weld, points: Vec::new(), triangles: Vec::new() };
         };
         let weld = Weld::new(points, weld_mode);
         let triangles = match shape {

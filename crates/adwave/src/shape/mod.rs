@@ -1,8 +1,8 @@
 //! The shapes that adwave works on: polygon meshes, point clouds, weighted graphs, and what is measured on them.
 //!
 //! A [`Shape`] holds what the file held, in the file's order. Everything that is computed works on a [`Domain`]: the
-//! same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered along a
-//! space-filling curve so that neighbours in space are neighbours in memory.
+//! same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered so that
+//! neighbours on the shape are neighbours in memory: along a space-filling curve, or for graphs by breadth-first search.
 
 mod adjacency;
 mod area;
@@ -12,11 +12,13 @@ mod graph;
 mod health;
 mod mesh;
 mod nearest;
+mod order;
 mod polygons;
 mod surface;
 mod triangulate;
 mod weld;
 
+pub(crate) use adjacency::triangles_at_vertices;
 pub use adjacency::{Adjacency, k_rings, n_components, one_ring};
 pub(crate) use area::mean_edge_length;
 pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};

@@ -69,6 +69,11 @@ impl Weld {
         Self { class_of, n_classes: class as usize + 1 }
     }
 
+    /// Every vertex stands for itself, at the given places: `class_of(x) == place[x]`, each place once.
+    pub(crate) fn from_places(place: Vec<u32>) -> Self {
+        Self { n_classes: place.len(), class_of: place }
+    }
+
     /// Every vertex stands for itself, in the given order: `class_of(x) == x`.
     pub fn identity(n_vertices: usize) -> Self {
         Self { class_of: (0..n_vertices as u32).collect(), n_classes: n_vertices }

@@ -1,0 +1,83 @@
+//! What `saliency`, `features` and `evaluate` begin with: a shape, a signal on it, a walk, and the bands.
+
+use crate::analysis_args::FieldArgs;
+use crate::args::{GlobalArgs, LevelArgs, ShapeArgs};
+use crate::error::CliError;
+use crate::output::{bands_params, schedule};
+use crate::progress::{with_progress, with_spinner};
+use crate::shape_input::{Input, load};
+use crate::signal::{self, Signal};
+use adwave::Decomposer;
+use adwave::bands::Bands;
+use std::time::{Duration, Instant};
+
+/// A shape split into bands.
+pub(crate) struct Analysis {
+    pub(crate) input: Input,
+    pub(crate) walk: Decomposer,
+    pub(crate) bands: Bands,
+    /// Why there are so many levels.
+    pub(crate) why: String,
+    pub(crate) seconds: Seconds,
+}
+
+/// How long it took.
+pub(crate) struct Seconds {
+    pub(crate) read: f64,
+    pub(crate) walk: f64,
+    pub(crate) bands: f64,
+}
+
+impl Analysis {
+    pub(crate) fn new(
+        shape: &ShapeArgs,
+        field: &FieldArgs,
+        levels: &LevelArgs,
+        global: &GlobalArgs,
+    ) -> Result<Self, CliError> {
+        let params = bands_params(levels)?;
+        let start = Instant::now();
+        let input = with_spinner(global, "reading", || load(shape))?;
+        let read = start.elapsed();
+        let (walk, signal) = with_spinner(global, "building the walk", || {
+            let walk = Decomposer::new(&input.shape, &shape.operator());
+            let signal = signal::load_with_texture(&input, &field.field, field.texture.as_deref())?;
+            let walk = signal::mask(walk, &signal, &field.field, global)?;
+            Ok::<(Decomposer, Signal), CliError>((walk, signal))
+        })?;
+        let (schedule, why) = schedule(levels, &walk)?;
+        let built = start.elapsed();
+        let bands = with_progress(global, "splitting", |progress| {
+            walk.decompose(&signal.values, signal.n_channels, &schedule, &params, progress)
+        })?;
+        let seconds = Seconds {
+            read: read.as_secs_f64(),
+            walk: (built - read).as_secs_f64(),
+            bands: (start.elapsed() - built).as_secs_f64(),
+        };
+        Ok(Self { input, walk, bands, why, seconds })
+    }
+
+    /// `NAME: N vertices, coords` and why so many levels.
+    pub(crate) fn headline(&self, field: &str) -> String {
+        let n = self.bands.n_vertices;
+        let left_out = self.walk.left_out().map_or(0, |out| out.iter().filter(|&&out| out).count());
+        let masked = if left_out > 0 { format!(", {left_out} of them left out") } else { String::new() };
+        format!("{}: {n} vertices{masked}, {field}\n{}\n", self.input.name, self.why)
+    }
+
+    /// σ_j in % of the bounding box's diagonal.
+    pub(crate) fn percent(&self, sigma: f64) -> f64 {
+        let diagonal = self.walk.diagonal();
+        if diagonal > 0.0 { 100.0 * sigma / diagonal } else { 0.0 }
+    }
+
+    /// How long it took, in words.
+    pub(crate) fn timing(&self, what: &str, took: Duration) -> String {
+        let Seconds { read, walk, bands } = self.seconds;
+        format!(
+            "read {read:.3} s, walk {walk:.3} s, bands {bands:.3} s, {what} {:.2} ms\n",
+            1e3 * took.as_secs_f64()
+        )
+    }
+}

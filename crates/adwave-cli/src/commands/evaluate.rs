@@ -1,0 +1,208 @@
+//! `adwave evaluate`: whether features are found again, and whether a map agrees with where people look.
+
+use crate::analysis::Analysis;
+use crate::analysis_args::EvaluateArgs;
+use crate::args::GlobalArgs;
+use crate::error::CliError;
+use crate::interrupt::STOP;
+use crate::output::{bands_params, print, table};
+use crate::shape_input::Input;
+use crate::signal;
+use adwave::bands::Schedule;
+use adwave::features::{Feature, features};
+use adwave::measure::{
+    Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
+    repeatability,
+};
+use adwave::saliency::saliency;
+use adwave::{Decomposer, Progress};
+use adwave_io::ShapeFile;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+pub(crate) fn run(args: &EvaluateArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    args.detect.params().check().map_err(CliError::input)?;
+    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, global)?;
+    match &args.against {
+        Some(looks) => against(args, global, &analysis, looks),
+        None => again(args, global, &analysis),
+    }
+}
+
+/// Agreement of maps with looks.
+fn against(
+    args: &EvaluateArgs,
+    global: &GlobalArgs,
+    analysis: &Analysis,
+    looks: &str,
+) -> Result<(), CliError> {
+    let one_channel = |name: &str| {
+        let signal = signal::load(&analysis.input, name)?;
+        if signal.n_channels != 1 {
+            return Err(CliError::Input(format!("{name} has {} channels, not one", signal.n_channels)));
+        }
+        Ok(signal.values)
+    };
+    let looks = one_channel(looks)?;
+    let own = saliency(&analysis.walk, &analysis.bands, &args.map.params()).map_err(CliError::input)?.map;
+    let control = analysis.input.shape.points().map(centre_distance);
+    let mut maps = vec![(format!("saliency of {}", args.field.field), own)];
+    for name in &args.maps {
+        maps.push((name.clone(), one_channel(name)?));
+    }
+    let compare = |map: &[f64], control: Option<&[f64]>| {
+        agreement(map, &looks, args.threshold, control).map_err(CliError::input)
+    };
+    let mut rows: Vec<(String, Agreement)> = Vec::new();
+    for (name, map) in &maps {
+        rows.push((name.clone(), compare(map, control.as_deref())?));
+    }
+    if let Some(control) = &control {
+        rows.push(("distance from the centre".to_owned(), compare(control, None)?));
+    }
+    let mut text = analysis.headline(&args.field.field);
+    text += &format!("{} of {} vertices were looked at\n\n", rows[0].1.n_positive, rows[0].1.n_vertices);
+    text += &table(
+        ["map", "AUC", "NSS", "correlation", "without centre"],
+        rows.iter().map(|(name, a)| {
+            let [auc, nss, cc, partial] = [a.auc, a.nss, a.correlation, a.partial_correlation]
+                .map(|v| if v.is_nan() { "-".to_owned() } else { format!("{v:.3}") });
+            [name.clone(), auc, nss, cc, partial]
+        }),
+    );
+    let json = json!({
+        "shape": analysis.input.name,
+        "levels": analysis.bands.n_levels(),
+        "maps": rows.iter().map(|(name, a)| json!({
+            "map": name, "vertices": a.n_vertices, "looked_at": a.n_positive, "auc": a.auc, "nss": a.nss,
+            "correlation": a.correlation, "partial_correlation": a.partial_correlation,
+        })).collect::<Vec<_>>(),
+    });
+    print(global, &text, &json)
+}
+
+/// Repeatability under changes.
+fn again(args: &EvaluateArgs, global: &GlobalArgs, analysis: &Analysis) -> Result<(), CliError> {
+    let reference = find(args, analysis)?;
+    let mut rows: Vec<(String, Vec<LevelRepeatability>)> = Vec::new();
+    let percents = args.percents.iter().map(|p| (format!("noise {p} %"), Some(p / 100.0)));
+    let kinds = percents.chain([("rotation".to_owned(), None)]);
+    let mut changes: Vec<(String, Vec<Change>)> = kinds
+        .map(|(name, noise)| {
+            let one = |seed: u64| match noise {
+                Some(edges) => Change::Noise { edges, seed },
+                None => Change::Rotation { seed },
+            };
+            (name, (1..=args.runs.max(1)).map(one).collect())
+        })
+        .collect();
+    changes.push(("scaling by 7.3".to_owned(), vec![Change::Scaling { factor: 7.3 }]));
+    let resampling =
+        if analysis.walk.domain().triangles.is_empty() { "half the points" } else { "4 × the faces" };
+    changes.push((resampling.to_owned(), vec![Change::Resampling { seed: 1 }]));
+    for (name, changes) in changes {
+        let mut sum: Vec<LevelRepeatability> = Vec::new();
+        for step in changes {
+            if STOP.load(std::sync::atomic::Ordering::Relaxed) {
+                return Err(CliError::Cancelled);
+            }
+            let changed = change(&analysis.input.shape, &analysis.walk, &step).map_err(CliError::input)?;
+            let found = find_again(args, analysis, &changed)?;
+            let params = RepeatabilityParams { sigmas: args.within, ..RepeatabilityParams::default() };
+            let levels = repeatability(&reference, &found, &changed, &params);
+            if sum.is_empty() {
+                sum = levels;
+            } else {
+                for (sum, level) in sum.iter_mut().zip(levels) {
+                    sum.n_reference += level.n_reference;
+                    sum.n_found += level.n_found;
+                }
+            }
+        }
+        rows.push((name, sum));
+    }
+    let text = analysis.headline(&args.field.field) + "\n" + &repeatability_table(&reference, &rows);
+    let json = json!({
+        "shape": analysis.input.name,
+        "levels": analysis.bands.n_levels(),
+        "sigma": analysis.bands.sigma,
+        "features": reference.len(),
+        "runs": args.runs.max(1),
+        "changes": rows.iter().map(|(name, levels)| json!({
+            "change": name,
+            "levels": levels.iter().map(level_json).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
+    });
+    print(global, &text, &json)
+}
+
+fn level_json(l: &LevelRepeatability) -> Value {
+    json!({"level": l.level, "features": l.n_reference, "found": l.n_found, "share": l.share()})
+}
+
+/// A row a change; a column a level, then all levels and those from 4 on.
+fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatability>)]) -> String {
+    let mut text = format!("{} features; share of them that is found again, by level\n\n", reference.len());
+    let levels: Vec<usize> =
+        rows.first().map(|(_, levels)| levels.iter().map(|l| l.level).collect()).unwrap_or_default();
+    let line = |name: &str, cells: &[String]| {
+        let mut line = format!("  {name:<18}");
+        for cell in cells {
+            let _ = write!(line, "{cell:>9}");
+        }
+        line + "\n"
+    };
+    let heads = levels.iter().map(|l| format!("level {l}")).chain(["all", "4 up"].map(str::to_owned));
+    text += &line("", &heads.collect::<Vec<_>>());
+    for (name, levels) in rows {
+        let share = |from: usize| {
+            let kept = levels.iter().filter(|l| l.level >= from);
+            let (n, of) = kept.fold((0, 0), |(n, of), l| (n + l.n_found, of + l.n_reference));
+            if of == 0 { "-".to_owned() } else { format!("{:.2}", n as f64 / of as f64) }
+        };
+        let cells = levels.iter().map(|l| format!("{:.2}", l.share())).chain([share(0), share(4)]);
+        text += &line(name, &cells.collect::<Vec<_>>());
+    }
+    text
+}
+
+fn find(args: &EvaluateArgs, analysis: &Analysis) -> Result<Vec<Feature>, CliError> {
+    features(&analysis.walk, &analysis.bands, &args.detect.params()).map_err(CliError::input)
+}
+
+/// The features of a changed shape, on levels of the same widths.
+fn find_again(args: &EvaluateArgs, analysis: &Analysis, changed: &Changed) -> Result<Vec<Feature>, CliError> {
+    let shape = &changed.shape;
+    let walk = Decomposer::new(shape, &args.shape.operator());
+    let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
+    let is_own = ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]
+        .contains(&args.field.field.as_str());
+    let (n_channels, values) = if is_own {
+        let file = ShapeFile::from_cloud(shape.points().unwrap_or_default().to_vec());
+        let input = Input { file, shape: shape.clone(), name: analysis.input.name.clone() };
+        let signal = signal::load(&input, &args.field.field)?;
+        (signal.n_channels, signal.values)
+    } else if same_vertices {
+        (analysis.bands.n_channels, analysis.bands.scaling[0].clone())
+    } else {
+        // A field of the file is not known at other vertices.
+        return Ok(Vec::new());
+    };
+    let walk = match adwave::mask::missing(&values, n_channels) {
+        Some(flags) => walk.masked(&flags).map_err(CliError::input)?,
+        None => walk,
+    };
+    let step = changed.length_before(walk.diffusion().step_length());
+    let sigma = &analysis.bands.sigma[1..];
+    let dyadic = args.levels.steps.is_none() && args.levels.lengths.is_none() && args.levels.voices.is_none();
+    let schedule = if dyadic {
+        let octaves = 2.0 * (sigma[sigma.len() - 1] / step).log2();
+        Schedule::dyadic((1.0 + octaves.round()).max(3.0) as usize)?
+    } else {
+        Schedule::lengths(sigma, step)?
+    };
+    let params = bands_params(&args.levels)?;
+    let bands =
+        walk.decompose(&values, n_channels, &schedule, &params, Progress::none().with_cancel(&STOP))?;
+    features(&walk, &bands, &args.detect.params()).map_err(CliError::input)
+}

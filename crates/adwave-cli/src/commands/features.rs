@@ -1,0 +1,245 @@
+//! `adwave features`: where bands stand out in place and in scale.
+
+use crate::analysis::Analysis;
+use crate::analysis_args::FeaturesArgs;
+use crate::args::{GlobalArgs, ShapeArgs};
+use crate::error::CliError;
+use crate::output::{check_writable, number, print, table, write_error, write_shape};
+use adwave::features::{Descriptor, Feature, Match, describe, features, match_features, spheres};
+use adwave_io::{ColorMap, Field, FieldValues, Format, ShapeFile, atomic_write};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// How many features are printed.
+const MOST_PRINTED: usize = 40;
+
+/// The features of one shape.
+struct Found {
+    analysis: Analysis,
+    features: Vec<Feature>,
+    descriptors: Vec<Descriptor>,
+    seconds: f64,
+}
+
+pub(crate) fn run(args: &FeaturesArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    args.detect.params().check().map_err(CliError::input)?;
+    let kind = args.output.as_deref().map(output_kind).transpose()?;
+    if let Some(path) = &args.output {
+        check_writable(path)?;
+    }
+    if args.other.is_some() && matches!(kind, Some(OutputKind::Spheres | OutputKind::Csv)) {
+        return Err(CliError::Input("pairs of features are written as .json, or printed".to_owned()));
+    }
+    let found = find(args, &args.shape, global)?;
+    let other = match &args.other {
+        Some(shape) => {
+            let shape = ShapeArgs { shape: shape.clone(), ..args.shape.clone() };
+            Some(find(args, &shape, global)?)
+        }
+        None => None,
+    };
+    let pairs =
+        other.as_ref().map(|other| match_features(&found.descriptors, &other.descriptors, args.match_ratio));
+    let json = report(args, &found, other.as_ref().zip(pairs.as_deref()));
+    match (kind, &args.output) {
+        (Some(OutputKind::Json), Some(path)) => write_text(path, &format!("{json:#}\n"))?,
+        (Some(OutputKind::Csv), Some(path)) => write_text(path, &csv(&found))?,
+        (Some(OutputKind::Spheres), Some(path)) => write_spheres(path, &found, global)?,
+        _ => {}
+    }
+    print(global, &text(args, &found, other.as_ref().zip(pairs.as_deref())), &json)
+}
+
+fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &GlobalArgs) -> Result<Found, CliError> {
+    let analysis = Analysis::new(shape, &args.field, &args.levels, global)?;
+    let start = Instant::now();
+    let features =
+        features(&analysis.walk, &analysis.bands, &args.detect.params()).map_err(CliError::input)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let descriptors = if args.descriptors || args.other.is_some() {
+        describe(&analysis.walk, &analysis.bands, &features)
+    } else {
+        Vec::new()
+    };
+    Ok(Found { analysis, features, descriptors, seconds })
+}
+
+#[derive(Clone, Copy)]
+enum OutputKind {
+    Csv,
+    Json,
+    Spheres,
+}
+
+fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match (ending.as_deref(), Format::from_path(path)) {
+        (Some("csv"), _) => Ok(OutputKind::Csv),
+        (Some("json"), _) => Ok(OutputKind::Json),
+        (_, Some(Format::Ply | Format::Vtp)) => Ok(OutputKind::Spheres),
+        _ => Err(CliError::Input(format!(
+            "{}: features are written as .csv, .json, .ply or .vtp",
+            path.display()
+        ))),
+    }
+}
+
+fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) -> String {
+    let analysis = &found.analysis;
+    let mut text = analysis.headline(&args.field.field);
+    let _ = writeln!(text, "{} features\n", found.features.len());
+    text += &table(
+        ["level", "sigma", "% of diagonal", "features"],
+        by_level(&found.features).into_iter().map(|(level, count)| {
+            let sigma = analysis.bands.sigma[level];
+            [level.to_string(), number(sigma), number(analysis.percent(sigma)), count.to_string()]
+        }),
+    );
+    let _ = writeln!(text);
+    if let Some((other, pairs)) = paired {
+        let _ = writeln!(
+            text,
+            "{}: {} features, {} pairs\n",
+            other.analysis.input.name,
+            other.features.len(),
+            pairs.len()
+        );
+        text += &table(
+            ["vertex", "other vertex", "level", "other level", "distance"],
+            pairs.iter().take(MOST_PRINTED).map(|m| {
+                let (a, b) = (&found.features[m.first], &other.features[m.second]);
+                let [av, bv, al, bl] = [a.vertex, b.vertex, a.level, b.level].map(|v| v.to_string());
+                [av, bv, al, bl, number(m.distance)]
+            }),
+        );
+    } else if args.output.is_none() {
+        text += &table(
+            ["vertex", "x", "y", "z", "level", "sigma", "response", "sign"],
+            found.features.iter().take(MOST_PRINTED).map(|f| {
+                let [x, y, z] = f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(number));
+                let (level, sign) = (f.level.to_string(), if f.sign() > 0 { "+" } else { "-" });
+                [f.vertex.to_string(), x, y, z, level, number(f.sigma), number(f.response), sign.to_owned()]
+            }),
+        );
+        if found.features.len() > MOST_PRINTED {
+            let _ = writeln!(
+                text,
+                "  … {} more; write them with -o FILE.csv",
+                found.features.len() - MOST_PRINTED
+            );
+        }
+    }
+    text += &analysis.timing("features", std::time::Duration::from_secs_f64(found.seconds));
+    if let Some(path) = &args.output {
+        text += &path.display().to_string();
+    }
+    text
+}
+
+/// How many features each level has.
+fn by_level(features: &[Feature]) -> Vec<(usize, usize)> {
+    features.chunk_by(|a, b| a.level == b.level).map(|same| (same[0].level, same.len())).collect()
+}
+
+fn report(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) -> Value {
+    let one = |found: &Found| {
+        json!({
+            "shape": found.analysis.input.name,
+            "vertices": found.analysis.bands.n_vertices,
+            "levels_reason": found.analysis.why,
+            "steps": found.analysis.bands.steps,
+            "sigma": found.analysis.bands.sigma,
+            "features": found.features.iter().enumerate().map(|(k, f)| {
+                let mut json = feature_json(f);
+                if let Some(descriptor) = found.descriptors.get(k) {
+                    json["descriptor"] = json!(descriptor.as_slice());
+                }
+                json
+            }).collect::<Vec<_>>(),
+            "seconds": {
+                "read": found.analysis.seconds.read, "walk": found.analysis.seconds.walk,
+                "bands": found.analysis.seconds.bands, "features": found.seconds,
+            },
+        })
+    };
+    let mut json = one(found);
+    json["field"] = json!(args.field.field);
+    json["theta"] = json!(args.detect.theta);
+    if let Some((other, pairs)) = paired {
+        json["other"] = one(other);
+        json["pairs"] = pairs
+            .iter()
+            .map(|m| json!({"first": m.first, "second": m.second, "distance": m.distance}))
+            .collect();
+    }
+    json
+}
+
+fn feature_json(f: &Feature) -> Value {
+    json!({
+        "vertex": f.vertex, "position": f.position, "level": f.level, "sigma": f.sigma,
+        "response": f.response, "strength": f.strength, "sign": f.sign(), "channel": f.channel,
+    })
+}
+
+fn csv(found: &Found) -> String {
+    let mut text = "vertex,x,y,z,level,sigma,response,strength,sign,channel".to_owned();
+    let n_numbers = found.descriptors.first().map_or(0, |d| d.len());
+    for k in 0..n_numbers {
+        let _ = write!(text, ",d{k}");
+    }
+    text.push('\n');
+    for (k, f) in found.features.iter().enumerate() {
+        let [x, y, z] = f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(|c| c.to_string()));
+        let channel = f.channel.map_or(String::new(), |c| c.to_string());
+        let _ = write!(
+            text,
+            "{},{x},{y},{z},{},{},{},{},{},{channel}",
+            f.vertex,
+            f.level,
+            f.sigma,
+            f.response,
+            f.strength,
+            f.sign()
+        );
+        for number in found.descriptors.get(k).into_iter().flatten() {
+            let _ = write!(text, ",{number}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
+    atomic_write(path, |out| Ok(out.write_all(text.as_bytes())?)).map_err(write_error)
+}
+
+fn write_spheres(path: &Path, found: &Found, global: &GlobalArgs) -> Result<(), CliError> {
+    let spheres = spheres(&found.features);
+    if spheres.points.is_empty() && !found.features.is_empty() {
+        return Err(CliError::Input(
+            "a graph's features have no position; write them as .csv or .json".to_owned(),
+        ));
+    }
+    let mut file = ShapeFile::from_mesh(spheres.points, spheres.faces);
+    let at = |value: &dyn Fn(&Feature) -> f64| -> Vec<f64> {
+        spheres.feature_of.iter().map(|&k| value(&found.features[k as usize])).collect()
+    };
+    let last = found.analysis.bands.n_levels() as f64;
+    let levels = at(&|f| f.level as f64);
+    let color = ColorMap::from_name("turbo").expect("a name of the list").colors(&levels, 1.0, last);
+    let numbers: [(&str, Vec<f64>); 5] = [
+        ("vertex", at(&|f| f.vertex as f64)),
+        ("level", levels),
+        ("sigma", at(&|f| f.sigma)),
+        ("response", at(&|f| f.response)),
+        ("strength", at(&|f| f.strength)),
+    ];
+    for (name, values) in numbers {
+        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values)));
+    }
+    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)));
+    write_shape(global, &file, path).map(|_| ())
+}

@@ -1,0 +1,128 @@
+//! `adwave saliency`: where a signal stands out.
+
+use crate::analysis::Analysis;
+use crate::analysis_args::SaliencyArgs;
+use crate::args::GlobalArgs;
+use crate::commands::transform::fresh;
+use crate::error::CliError;
+use crate::output::{check_writable, number, print, table, write_error, write_shape};
+use crate::progress::with_spinner;
+use adwave::saliency::{Saliency, SaliencyLevel, saliency, saliency_per_level};
+use adwave_io::{ArrayValues, ColorMap, Field, FieldValues, Format, value_range, write_npy};
+use serde_json::json;
+use std::time::Instant;
+
+pub(crate) fn run(args: &SaliencyArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    let npy = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
+    if !npy && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
+        let output = args.output.display();
+        return Err(CliError::Input(format!("{output}: a map is written as .ply, .vtp or .npy")));
+    }
+    check_writable(&args.output)?;
+    let colors = ColorMap::from_name(&args.color_map).ok_or_else(|| {
+        let names: Vec<&str> = ColorMap::names().collect();
+        CliError::Input(format!("there is no colour map '{}'; there is {}", args.color_map, names.join(", ")))
+    })?;
+    if !(args.color_top > 0.0 && args.color_top <= 100.0) {
+        return Err(CliError::Input(format!(
+            "--color-top is {}; it is above 0 and at most 100",
+            args.color_top
+        )));
+    }
+    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, global)?;
+    let params = args.map.params();
+    let start = Instant::now();
+    let saliency = saliency(&analysis.walk, &analysis.bands, &params).map_err(CliError::input)?;
+    let took = start.elapsed();
+    let levels = if args.per_level {
+        saliency_per_level(&analysis.walk, &analysis.bands, &params).map_err(CliError::input)?
+    } else {
+        Vec::new()
+    };
+    with_spinner(global, "writing", || {
+        if npy {
+            write_map(args, &saliency, &levels)
+        } else {
+            write_field(args, global, &analysis, &saliency, &levels, colors)
+        }
+    })?;
+    report(args, global, &analysis, &saliency, took)
+}
+
+fn report(
+    args: &SaliencyArgs,
+    global: &GlobalArgs,
+    analysis: &Analysis,
+    saliency: &Saliency,
+    took: std::time::Duration,
+) -> Result<(), CliError> {
+    let mut text = analysis.headline(&args.field.field) + "\n";
+    text += &table(
+        ["level", "sigma", "% of diagonal", "mean of |W|", "max of |W|", "alpha"],
+        saliency.levels.iter().map(|l| {
+            let percent = number(analysis.percent(l.sigma));
+            let alpha = if l.alpha.is_nan() { "by vertex".to_owned() } else { number(l.alpha) };
+            [l.level.to_string(), number(l.sigma), percent, number(l.mean), number(l.max), alpha]
+        }),
+    );
+    let most = saliency.map.iter().enumerate().filter(|(_, v)| !v.is_nan()).max_by(|a, b| a.1.total_cmp(b.1));
+    if let Some((vertex, value)) = most {
+        text += &format!("\nlargest at vertex {vertex}: {}\n", number(*value));
+    }
+    text += &analysis.timing("map", took);
+    text += &args.output.display().to_string();
+    let json = json!({
+        "shape": analysis.input.name,
+        "output": args.output.display().to_string(),
+        "field": args.field.field,
+        "vertices": analysis.bands.n_vertices,
+        "levels_reason": analysis.why,
+        "levels": saliency.levels.iter().map(|l| json!({
+            "level": l.level, "sigma": l.sigma, "mean": l.mean, "max": l.max,
+            "alpha": if l.alpha.is_nan() { None } else { Some(l.alpha) },
+        })).collect::<Vec<_>>(),
+        "largest_vertex": most.map(|m| m.0),
+        "largest": most.map(|m| m.1),
+        "seconds": {
+            "read": analysis.seconds.read, "walk": analysis.seconds.walk, "bands": analysis.seconds.bands,
+            "map": took.as_secs_f64(),
+        },
+    });
+    print(global, &text, &json)
+}
+
+fn write_map(
+    args: &SaliencyArgs,
+    saliency: &Saliency,
+    levels: &[(SaliencyLevel, Vec<f64>)],
+) -> Result<(), CliError> {
+    let n = saliency.map.len();
+    if levels.is_empty() {
+        return write_npy(&args.output, &[n], ArrayValues::F64(&saliency.map)).map_err(write_error);
+    }
+    let row = |x: usize| std::iter::once(saliency.map[x]).chain(levels.iter().map(move |(_, map)| map[x]));
+    let rows: Vec<f64> = (0..n).flat_map(row).collect();
+    write_npy(&args.output, &[n, 1 + levels.len()], ArrayValues::F64(&rows)).map_err(write_error)
+}
+
+fn write_field(
+    args: &SaliencyArgs,
+    global: &GlobalArgs,
+    analysis: &Analysis,
+    saliency: &Saliency,
+    levels: &[(SaliencyLevel, Vec<f64>)],
+    colors: ColorMap,
+) -> Result<(), CliError> {
+    let mut file = fresh(&analysis.input.file);
+    let mut add = |name: String, map: &[f64]| {
+        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(map.to_vec())));
+    };
+    add("saliency".to_owned(), &saliency.map);
+    for (level, map) in levels {
+        add(format!("saliency{}", level.level), map);
+    }
+    let top = value_range(&saliency.map, 0.0, args.color_top / 100.0).1;
+    let color = colors.colors(&saliency.map, 0.0, top);
+    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)));
+    write_shape(global, &file, &args.output).map(|_| ())
+}

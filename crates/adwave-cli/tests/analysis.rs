@@ -1,0 +1,212 @@
+//! Saliency, features and evaluation by the command line: what they write, and what they refuse.
+
+mod common;
+
+use adwave_io::{FieldValues, ReadLimits, read_npy, read_path};
+use common::{json, real_files, refused};
+use std::fs;
+use std::path::Path;
+
+/// A folder with a torus of a few hundred vertices.
+fn torus() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    json(folder.path(), "sample knot --vertices 3000 --noise 0.2 -o a.ply");
+    folder
+}
+
+fn n_vertices(folder: &Path) -> usize {
+    read_path(&folder.join("a.ply"), &ReadLimits::default()).unwrap().n_vertices()
+}
+
+#[test]
+fn a_map_is_written_with_its_colours_or_as_an_array() {
+    let folder = torus();
+    let n = n_vertices(folder.path());
+    let report = json(folder.path(), "saliency a.ply -o map.ply --levels 6 --per-level --color-map magma");
+    let written = read_path(&folder.path().join("map.ply"), &ReadLimits::default()).unwrap();
+    let map = written.field("saliency").unwrap().to_f64();
+    assert_eq!(map.len(), n);
+    assert!(map.iter().all(|v| *v >= 0.0) && map.iter().any(|v| *v > 0.0));
+    let at = report["largest_vertex"].as_u64().unwrap() as usize;
+    assert_eq!(map[at], map.iter().copied().fold(0.0, f64::max));
+    let colors = written.field("color").unwrap();
+    assert!(matches!(colors.values, FieldValues::U8(_)) && colors.n_channels == 3);
+    // The largest value has the last colour of magma, a pale yellow.
+    assert!(colors.get(at, 0) > 240.0 && colors.get(at, 1) > 240.0);
+    let parts = (3..=6).map(|j| written.field(&format!("saliency{j}")).unwrap().get(at, 0));
+    assert!((parts.sum::<f64>() - map[at]).abs() < 1e-12 * map[at]);
+    json(folder.path(), "saliency a.ply -o map.npy --levels 6 --per-level");
+    let array = read_npy(&folder.path().join("map.npy"), &ReadLimits::default()).unwrap();
+    assert_eq!(array.shape, [n, 5]);
+    assert_eq!(array.values.get(5 * at), map[at]);
+    json(folder.path(), "saliency a.ply -o map.vtp --field mean-curvature --weighting ranks");
+}
+
+#[test]
+fn features_are_written_in_every_way_alike() {
+    let folder = torus();
+    let flags = "--levels 7 --theta 1.5 --field mean-curvature --response literal --refine --edge-ratio 20";
+    let report = json(folder.path(), &format!("features a.ply {flags} -o f.json --descriptors"));
+    let features = report["features"].as_array().unwrap();
+    assert!(!features.is_empty());
+    assert_eq!(features[0]["descriptor"].as_array().unwrap().len(), adwave::features::DESCRIPTOR_LENGTH);
+    let saved: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("f.json")).unwrap()).unwrap();
+    assert_eq!(saved["features"], report["features"]);
+    json(folder.path(), &format!("features a.ply {flags} -o f.csv"));
+    let csv = fs::read_to_string(folder.path().join("f.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + features.len());
+    let row: Vec<&str> = csv.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!(row[0].parse::<u64>().unwrap(), features[0]["vertex"].as_u64().unwrap());
+    // Reading a decimal of JSON may be off by the last bit.
+    let ratio = row[5].parse::<f64>().unwrap() / features[0]["sigma"].as_f64().unwrap();
+    assert!((ratio - 1.0).abs() < 1e-15);
+    json(folder.path(), &format!("features a.ply {flags} -o f.ply"));
+    let spheres = read_path(&folder.path().join("f.ply"), &ReadLimits::default()).unwrap();
+    assert_eq!(spheres.n_vertices(), 42 * features.len());
+    let centre = &features[0]["position"];
+    let sigma = features[0]["sigma"].as_f64().unwrap();
+    for p in &spheres.points()[..42] {
+        let square: f64 = (0..3).map(|c| (p[c] - centre[c].as_f64().unwrap()).powi(2)).sum();
+        assert!((square.sqrt() / sigma - 1.0).abs() < 1e-6);
+    }
+    let fewer = json(folder.path(), &format!("features a.ply {flags} --best 3"));
+    assert!(fewer["features"].as_array().unwrap().len() <= 3);
+    let paired = json(folder.path(), &format!("features a.ply {flags} --match a.ply --match-ratio 1"));
+    for pair in paired["pairs"].as_array().unwrap() {
+        assert_eq!((&pair["first"], &pair["distance"]), (&pair["second"], &0.0.into()));
+    }
+}
+
+#[test]
+fn fields_come_from_tables_arrays_colours_and_textures() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(
+        at.join("s.obj"),
+        "mtllib s.mtl\nusemtl m\nv 0 0 0 1 1 1\nv 1 0 0 0 0 0\nv 1 1 0 0 0 0\nv 0 1 0 1 1 1\nvt 0.1 0.5\nvt 0.9 0.5\n\
+         f 1/1 2/2 3/2\nf 1/1 3/2 4/1\n",
+    )
+    .unwrap();
+    fs::write(at.join("s.mtl"), "newmtl m\nmap_Kd p.png\n").unwrap();
+    let mut picture = image::RgbImage::new(10, 2);
+    for (x, _, pixel) in picture.enumerate_pixels_mut() {
+        *pixel = image::Rgb(if x < 5 { [255; 3] } else { [0; 3] });
+    }
+    picture.save(at.join("p.png")).unwrap();
+    fs::write(at.join("bare.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    fs::write(at.join("t.csv"), "depth,gaze\n1,5\n0,5\n0,5\n1,5\n").unwrap();
+    // The same signal four times: white on the left, black on the right.
+    let expected = json(at, "transform s.obj -o w.npz --levels 3 --field t.csv:depth")["energy"].clone();
+    for field in ["luminance", "texture-luminance"] {
+        let found =
+            json(at, &format!("transform s.obj -o w.npz --levels 3 --field {field}"))["energy"].clone();
+        for (a, b) in expected.as_array().unwrap().iter().zip(found.as_array().unwrap()) {
+            assert!((a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-12, "{field}");
+        }
+    }
+    assert_eq!(json(at, "transform s.obj -o w.npz --field t.csv")["channels"], 2);
+    json(at, "saliency s.obj -o m.ply --field texture-lightness --texture p.png");
+    for (line, words) in [
+        ("saliency s.obj -o m.ply --field t.csv:width", "depth, gaze"),
+        ("saliency s.obj -o m.ply --field texture --texture gone.png", "gone.png"),
+        ("saliency s.obj -o m.ply --texture p.png", "--field texture"),
+        ("saliency sample:sphere --vertices 100 -o m.ply --field texture", "from a file"),
+        ("saliency bare.obj -o n.ply --field texture", "UVs"),
+        ("saliency bare.obj -o n.ply --field texture --texture p.png", "UVs"),
+    ] {
+        let error = refused(at, line);
+        assert!(error.contains(words), "{line}: {error}");
+    }
+}
+
+#[test]
+fn nan_is_a_mask() {
+    let folder = torus();
+    let n = n_vertices(folder.path());
+    let values = |x: usize| if x < n / 3 { "NA".to_owned() } else { ((x * 37 % 101) as f64).to_string() };
+    let column = |value: &dyn Fn(usize) -> String| (0..n).map(|x| value(x) + "\n").collect::<String>();
+    fs::write(folder.path().join("v.csv"), column(&values)).unwrap();
+    json(folder.path(), "saliency a.ply -o m.npy --field v.csv --levels 5");
+    let map = read_npy(&folder.path().join("m.npy"), &ReadLimits::default()).unwrap().values.to_f64();
+    assert!(map.iter().enumerate().all(|(x, v)| v.is_nan() == (x < n / 3)));
+    let found = json(folder.path(), "features a.ply --field v.csv --levels 5 --theta 1.2");
+    let vertices =
+        found["features"].as_array().unwrap().iter().map(|f| f["vertex"].as_u64().unwrap() as usize);
+    assert!(vertices.into_iter().all(|x| x >= n / 3));
+    fs::write(folder.path().join("none.csv"), column(&|_| "nan".to_owned())).unwrap();
+    let error = refused(folder.path(), "saliency a.ply -o m.npy --field none.csv");
+    assert!(error.contains("NaN at all"), "{error}");
+    fs::write(folder.path().join("short.csv"), "1\n2\n3\n").unwrap();
+    let error = refused(folder.path(), "saliency a.ply -o m.npy --field short.csv");
+    assert!(error.contains("3 rows") && error.contains(&n.to_string()), "{error}");
+}
+
+#[test]
+fn evaluation_counts_what_is_found_again_and_compares_maps() {
+    let folder = torus();
+    let report = json(
+        folder.path(),
+        "evaluate a.ply --levels 6 --theta 1.5 --field mean-curvature --response literal --percent 10 --runs 1",
+    );
+    let changes = report["changes"].as_array().unwrap();
+    let names: Vec<&str> = changes.iter().map(|c| c["change"].as_str().unwrap()).collect();
+    assert_eq!(names, ["noise 10 %", "rotation", "scaling by 7.3", "4 × the faces"]);
+    // Rotation and scaling change rounding only.
+    for change in &changes[1..3] {
+        for level in change["levels"].as_array().unwrap() {
+            assert_eq!(level["share"], 1.0);
+        }
+    }
+    json(folder.path(), "saliency a.ply -o looks.npy --levels 6 --weighting ranks");
+    let line =
+        "evaluate a.ply --levels 6 --weighting ranks --against looks.npy --threshold 2 --map looks.npy";
+    let report = json(folder.path(), line);
+    for map in &report["maps"].as_array().unwrap()[..2] {
+        assert!((map["correlation"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+        assert_eq!(map["auc"], 1.0);
+    }
+    assert_eq!(report["maps"][2]["map"], "distance from the centre");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_in_one_line() {
+    let folder = torus();
+    for (line, words) in [
+        ("features a.ply --theta 0", "θ is 0"),
+        ("features a.ply --theta -2", "θ is -2"),
+        ("features a.ply --theta nan", "θ is NaN"),
+        ("features a.ply --levels 2", "at least 3 levels"),
+        ("features a.ply --edge-ratio 0.5", "edge ratio"),
+        ("features a.ply -o f.obj", ".csv, .json, .ply or .vtp"),
+        ("features a.ply --match a.ply -o f.csv", ".json"),
+        ("saliency a.ply -o m.obj", ".ply, .vtp or .npy"),
+        ("saliency a.ply -o m.ply --levels 2", "skip fewer"),
+        ("saliency a.ply -o m.ply --color-map sepia", "viridis"),
+        ("saliency a.ply -o m.ply --color-top 0", "--color-top"),
+        ("saliency a.ply -o m.ply --field density", "cloud"),
+        ("saliency a.ply -o m.ply --field luminance", "no colours"),
+        ("saliency a.ply -o m.ply --field gone.npy", "gone.npy"),
+        ("saliency a.ply -o m.ply --field wishes", "no field 'wishes'"),
+        ("evaluate a.ply --against coords", "3 channels"),
+        ("evaluate a.ply --percent -10 --levels 5", "noise"),
+    ] {
+        let error = refused(folder.path(), line);
+        assert!(error.contains(words), "{line}: {error}");
+    }
+}
+
+#[test]
+fn the_cortex_takes_its_fields_from_other_files() {
+    let Some(folder) = real_files().map(|f| f.join("fields/nilearn-fsaverage5")) else { return };
+    let out = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.join(format!("{name}_left.gii.gz")).display().to_string();
+    for field in ["sulc", "curv"] {
+        let report =
+            json(out.path(), &format!("features '{}' --field '{}' --levels 8", path("infl"), path(field)));
+        assert_eq!(report["vertices"], 10242);
+        assert!(!report["features"].as_array().unwrap().is_empty(), "{field}");
+    }
+    let error = refused(out.path(), &format!("saliency '{}' -o m.ply", path("sulc")));
+    assert!(error.contains("--field"), "{error}");
+}

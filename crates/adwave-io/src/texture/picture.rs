@@ -1,0 +1,79 @@
+//! A picture that can be sampled between its pixels.
+
+use std::path::Path;
+
+use super::TextureError;
+use image::{ImageReader, RgbImage};
+
+/// No picture is wider or higher.
+const LARGEST_SIDE: u32 = 1 << 16;
+/// No picture takes more bytes when it is unpacked.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// A texture.
+pub(super) struct Picture {
+    pixels: RgbImage,
+}
+
+impl Picture {
+    pub(super) fn open(path: &Path) -> Result<Self, TextureError> {
+        let wrong = |cause: String| TextureError::Picture { path: path.display().to_string(), cause };
+        let mut reader = ImageReader::open(path)
+            .and_then(ImageReader::with_guessed_format)
+            .map_err(|e| wrong(e.to_string()))?;
+        let mut limits = image::Limits::default();
+        (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
+        limits.max_alloc = Some(MOST_BYTES);
+        reader.limits(limits);
+        let pixels = reader.decode().map_err(|e| wrong(e.to_string()))?.into_rgb8();
+        if pixels.width() == 0 || pixels.height() == 0 {
+            return Err(wrong("it has no pixels".into()));
+        }
+        Ok(Self { pixels })
+    }
+
+    /// The colour at (u, v), channels in [0, 1]; NaN where u or v is not finite.
+    pub(super) fn sample(&self, u: f64, v: f64) -> [f64; 3] {
+        if !(u.is_finite() && v.is_finite()) {
+            return [f64::NAN; 3];
+        }
+        let (width, height) = self.pixels.dimensions();
+        // Pixel centres lie half a pixel in.
+        let x = u.rem_euclid(1.0) * f64::from(width) - 0.5;
+        let y = (1.0 - v).rem_euclid(1.0) * f64::from(height) - 0.5;
+        let (left, top) = (x.floor(), y.floor());
+        let wrap = |i: f64, n: u32| (i as i64).rem_euclid(i64::from(n)) as u32;
+        let pixel =
+            |dx: f64, dy: f64| self.pixels.get_pixel(wrap(left + dx, width), wrap(top + dy, height)).0;
+        let (fx, fy) = (x - left, y - top);
+        let (a, b, c, d) = (pixel(0.0, 0.0), pixel(1.0, 0.0), pixel(0.0, 1.0), pixel(1.0, 1.0));
+        std::array::from_fn(|k| {
+            let [a, b, c, d] = [a, b, c, d].map(|p| f64::from(p[k]) / 255.0);
+            (a * (1.0 - fx) + b * fx) * (1.0 - fy) + (c * (1.0 - fx) + d * fx) * fy
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::Rgb;
+
+    #[test]
+    fn pixels_lie_where_the_coordinates_say() {
+        // Red and green above, blue and white below.
+        let mut pixels = RgbImage::new(2, 2);
+        let colors = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]];
+        for (k, color) in colors.into_iter().enumerate() {
+            pixels.put_pixel(k as u32 % 2, k as u32 / 2, Rgb(color));
+        }
+        let picture = Picture { pixels };
+        assert_eq!(picture.sample(0.25, 0.75), [1.0, 0.0, 0.0]);
+        assert_eq!(picture.sample(0.75, 0.75), [0.0, 1.0, 0.0]);
+        assert_eq!(picture.sample(0.25, 0.25), [0.0, 0.0, 1.0]);
+        assert_eq!(picture.sample(0.5, 0.5), [0.5, 0.5, 0.5]);
+        assert_eq!(picture.sample(1.25, -0.25), picture.sample(0.25, 0.75));
+        assert!(picture.sample(f64::NAN, 0.0)[0].is_nan());
+        assert!(picture.sample(1e300, -1e300).iter().all(|c| (0.0..=1.0).contains(c)));
+    }
+}

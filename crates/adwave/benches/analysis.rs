@@ -1,0 +1,54 @@
+//! Times of saliency and features on the creature of 50 000 vertices, its bands given, and of the signals of its shape.
+//!
+//! `cargo bench -p adwave --bench analysis`.
+
+use adwave::bands::{BandsParams, Schedule};
+use adwave::features::{FeatureParams, Refinement, Response, describe, features};
+use adwave::operator::OperatorParams;
+use adwave::saliency::{SaliencyParams, saliency};
+use adwave::sample::Sample;
+use adwave::shape::{Domain, Mesh, PointCloud, Shape, WeldMode};
+use adwave::signal::{SurfaceSignal, surface_signal};
+use adwave::{Decomposer, Progress};
+use criterion::{Criterion, criterion_group, criterion_main};
+
+fn analysis(criterion: &mut Criterion) {
+    let sample = Sample::by_name("creature", Some(50_000)).expect("a sample");
+    let cloud = Shape::Cloud(PointCloud::new(sample.points.clone()).expect("finite points"));
+    let mesh = Shape::Mesh(Mesh::new(sample.points, sample.faces).expect("a mesh"));
+    let schedule = Schedule::dyadic(8).expect("a valid number of levels");
+    let mut group = criterion.benchmark_group("creature of 50000 vertices");
+    group.sample_size(20);
+    for (kind, shape) in [("mesh", &mesh), ("cloud", &cloud)] {
+        let walk = Decomposer::new(shape, &OperatorParams::default());
+        let points = shape.points().expect("a shape with points").as_flattened();
+        let bands = walk
+            .decompose(points, 3, &schedule, &BandsParams::default(), Progress::none())
+            .expect("a valid request");
+        group.bench_function(format!("{kind}: saliency, 6 levels"), |b| {
+            b.iter(|| saliency(&walk, &bands, &SaliencyParams::default()).expect("a valid request"));
+        });
+        let default = FeatureParams::default();
+        for (name, params) in [
+            ("features", default),
+            ("features, 3 channels", default.with_response(Response::Channels)),
+            ("features, refined", default.with_refinement(Refinement::Quadratic).with_max_edge_ratio(10.0)),
+        ] {
+            group.bench_function(format!("{kind}: {name}"), |b| {
+                b.iter(|| features(&walk, &bands, &params).expect("a valid request"));
+            });
+        }
+        let found = features(&walk, &bands, &default).expect("a valid request");
+        group.bench_function(format!("{kind}: {} descriptors", found.len()), |b| {
+            b.iter(|| describe(&walk, &bands, &found));
+        });
+        let domain = Domain::new(shape, WeldMode::EqualPositions);
+        group.bench_function(format!("{kind}: mean curvature"), |b| {
+            b.iter(|| surface_signal(shape, &domain, SurfaceSignal::MeanCurvature).expect("a surface"));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, analysis);
+criterion_main!(benches);

@@ -1,0 +1,64 @@
+//! Thresholds for each connected component.
+
+use super::ThresholdScope;
+use crate::band_norms::BandNorms;
+use crate::shape::Adjacency;
+
+/// Which component each vertex belongs to, numbered by their first vertices, and how many there are.
+fn component_of(adjacency: &Adjacency) -> (Vec<u32>, usize) {
+    const NONE: u32 = u32::MAX;
+    let mut component = vec![NONE; adjacency.n_vertices()];
+    let mut stack = Vec::new();
+    let mut count = 0;
+    for start in 0..component.len() {
+        if component[start] != NONE {
+            continue;
+        }
+        component[start] = count;
+        stack.push(start as u32);
+        while let Some(x) = stack.pop() {
+            for &y in adjacency.of(x as usize) {
+                if component[y as usize] == NONE {
+                    component[y as usize] = count;
+                    stack.push(y);
+                }
+            }
+        }
+        count += 1;
+    }
+    (component, count as usize)
+}
+
+/// mean|R(j)| over what a vertex is compared with.
+pub(super) struct Means {
+    component: Option<Vec<u32>>,
+    n_components: usize,
+}
+
+impl Means {
+    pub(super) fn new(adjacency: &Adjacency, scope: ThresholdScope) -> Self {
+        match scope {
+            ThresholdScope::Shape => Self { component: None, n_components: 1 },
+            ThresholdScope::Component => {
+                let (component, n_components) = component_of(adjacency);
+                Self { component: Some(component), n_components }
+            }
+        }
+    }
+
+    /// The mean of each group.
+    pub(super) fn of(&self, reader: &BandNorms<'_>, values: &[f64]) -> Vec<f64> {
+        let Some(component) = &self.component else { return vec![reader.mean(values)] };
+        let (mut sum, mut count) = (vec![0.0; self.n_components], vec![0_u32; self.n_components]);
+        for (x, r) in values.iter().enumerate().filter(|(x, _)| !reader.is_left_out(*x)) {
+            sum[component[x] as usize] += r.abs();
+            count[component[x] as usize] += 1;
+        }
+        sum.iter().zip(&count).map(|(s, &n)| if n > 0 { s / f64::from(n) } else { 0.0 }).collect()
+    }
+
+    /// The group of a vertex.
+    pub(super) fn group(&self, x: usize) -> usize {
+        self.component.as_ref().map_or(0, |component| component[x] as usize)
+    }
+}

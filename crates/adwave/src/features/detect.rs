@@ -1,0 +1,190 @@
+//! Algorithm 2.
+
+use super::components::Means;
+use super::refine::{Local, edge_ratio, refined_position, refined_sigma};
+use super::response::{Layer, layers};
+use super::{Feature, FeatureError, FeatureParams, Refinement, spread_best};
+use crate::Decomposer;
+use crate::band_norms::BandNorms;
+use crate::bands::Bands;
+use crate::region::surface_distance;
+use crate::shape::Adjacency;
+use rayon::prelude::*;
+
+/// Vertices that a thread looks at at a time.
+const VERTICES_AT_A_TIME: usize = 1 << 12;
+
+/// Finds the features of a signal's bands on the shape that they were computed on, from fine to coarse, on each level the
+/// strongest first. O(n × levels × channels), and a neighbourhood for each candidate.
+///
+/// Where neighbours tie, the finer level wins, then the vertex that comes first along the space-filling curve that the
+/// analysis is numbered by: the same features for any order of the file's vertices and any number of threads.
+///
+/// Source: Algorithm 2. Printed, the mean in its threshold lost the bars of |R|; see [`Response`](super::Response) for what
+/// R is. On a mesh neighbours are two rings whatever the walk's own reach is.
+///
+/// # Errors
+/// [`FeatureError`] with fewer than 3 levels, a θ that is not above 0, an option without meaning, or another shape's bands.
+///
+/// ```
+/// use adwave::bands::{BandsParams, Schedule};
+/// use adwave::features::{FeatureParams, features};
+/// use adwave::sample::Sample;
+/// use adwave::{Decomposer, Progress, operator::OperatorParams, shape::{Mesh, Shape}};
+/// let sphere = Sample::by_name("sphere", Some(2000))?;
+/// // A bump of the signal round the vertex 7.
+/// let top = sphere.points[7];
+/// let height = |p: &[f64; 3]| (-(0..3).map(|c| (p[c] - top[c]).powi(2)).sum::<f64>() / 0.04).exp();
+/// let signal: Vec<f64> = sphere.points.iter().map(height).collect();
+/// let shape = Shape::Mesh(Mesh::new(sphere.points, sphere.faces)?);
+/// let walk = Decomposer::new(&shape, &OperatorParams::default());
+/// let bands = walk.decompose(&signal, 1, &Schedule::dyadic(8)?, &BandsParams::default(), Progress::none())?;
+/// let found = features(&walk, &bands, &FeatureParams::default())?;
+/// let strongest = found.iter().max_by(|a, b| a.strength.total_cmp(&b.strength)).unwrap();
+/// assert_eq!((strongest.vertex, strongest.sign()), (7, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn features(
+    decomposer: &Decomposer,
+    bands: &Bands,
+    params: &FeatureParams,
+) -> Result<Vec<Feature>, FeatureError> {
+    params.check()?;
+    let n_levels = bands.n_levels();
+    if n_levels < 3 {
+        return Err(FeatureError::TooFewLevels { n_levels });
+    }
+    if bands.n_vertices != decomposer.n_vertices() {
+        return Err(FeatureError::OtherShape {
+            n_bands: bands.n_vertices,
+            n_vertices: decomposer.n_vertices(),
+        });
+    }
+    let reader = BandNorms::new(decomposer);
+    let ring = decomposer.ring();
+    let hood = Neighbourhood { ring: &ring, rings: if decomposer.is_cloud() { 1 } else { 2 } };
+    let means = Means::new(&ring, params.scope);
+    let mut found: Vec<(usize, Feature)> = Vec::new();
+    for layer in layers(&reader, bands, params.response) {
+        for j in 2..n_levels {
+            let mean = means.of(&reader, &layer.levels[j - 1]);
+            let search = Search { layer: &layer, hood: &hood, j };
+            let floor = |x: usize| params.theta * mean[means.group(x)];
+            for x in search.run(&floor) {
+                let local = Local::new(decomposer, &hood.of(x), x);
+                if let Some(most) = params.max_edge_ratio
+                    && edge_ratio(&local, &layer.levels[j - 1]).is_none_or(|ratio| ratio > most)
+                {
+                    continue;
+                }
+                let response = layer.levels[j - 1][x];
+                let mut feature = Feature {
+                    vertex: reader.vertex(x),
+                    position: decomposer.domain().points.get(x).copied(),
+                    level: j,
+                    sigma: bands.sigma[j],
+                    response,
+                    strength: response.abs() / mean[means.group(x)],
+                    channel: layer.channel,
+                };
+                if params.refinement == Refinement::Quadratic {
+                    feature.sigma = refined_sigma(&bands.sigma, &layer.levels, j, x);
+                    feature.position = refined_position(&local, &layer.levels[j - 1]).or(feature.position);
+                }
+                found.push((x, feature));
+            }
+        }
+    }
+    if let Some(sigmas) = params.border_sigmas {
+        let widest = found.iter().map(|(_, f)| f.sigma).fold(0.0, f64::max);
+        let sources: Vec<(usize, f64)> = decomposer.border().into_iter().map(|x| (x, 0.0)).collect();
+        let distance = surface_distance(&ring, &decomposer.domain().points, &sources, sigmas * widest);
+        found.retain(|(x, f)| distance[*x] > sigmas * f.sigma);
+    }
+    found.sort_by(|(x, a), (y, b)| {
+        let by_level = a.level.cmp(&b.level).then(b.strength.total_cmp(&a.strength));
+        by_level.then(x.cmp(y)).then(a.channel.cmp(&b.channel))
+    });
+    let found: Vec<Feature> = found.into_iter().map(|(_, feature)| feature).collect();
+    Ok(match params.best {
+        Some(best) => spread_best(&found, best),
+        None => found,
+    })
+}
+
+/// Who counts as next to whom.
+pub(super) struct Neighbourhood<'a> {
+    ring: &'a Adjacency,
+    rings: usize,
+}
+
+impl Neighbourhood<'_> {
+    /// The neighbours of `x`, nearest ring first, without `x`.
+    pub(super) fn of(&self, x: usize) -> Vec<u32> {
+        let mut found = self.ring.of(x).to_vec();
+        if self.rings > 1 {
+            for k in 0..found.len() {
+                found.extend(self.ring.of(found[k] as usize).iter().filter(|&&y| y as usize != x));
+            }
+            let n_first = self.ring.of(x).len();
+            let (first, second) = found.split_at_mut(n_first);
+            second.sort_unstable();
+            let mut kept: Vec<u32> =
+                second.iter().copied().filter(|y| first.binary_search(y).is_err()).collect();
+            kept.dedup();
+            found.truncate(n_first);
+            found.append(&mut kept);
+        }
+        found
+    }
+}
+
+/// The search of one level.
+struct Search<'a> {
+    layer: &'a Layer,
+    hood: &'a Neighbourhood<'a>,
+    j: usize,
+}
+
+impl Search<'_> {
+    /// The vertices that are features, by rising index.
+    fn run(&self, floor: &(dyn Fn(usize) -> f64 + Sync)) -> Vec<usize> {
+        let here = &self.layer.levels[self.j - 1];
+        let n = here.len();
+        let chunks: Vec<Vec<usize>> = (0..n.div_ceil(VERTICES_AT_A_TIME))
+            .into_par_iter()
+            .map(|chunk| {
+                let range = chunk * VERTICES_AT_A_TIME..((chunk + 1) * VERTICES_AT_A_TIME).min(n);
+                range.filter(|&x| here[x].abs() > floor(x) && self.is_extremum(x)).collect()
+            })
+            .collect();
+        chunks.concat()
+    }
+
+    /// Whether R(j,x) is the largest or the smallest of its neighbourhood in place and scale.
+    fn is_extremum(&self, x: usize) -> bool {
+        [1.0, -1.0].into_iter().any(|sign| {
+            let wins = |y: usize| self.wins(sign, x, y);
+            // The finer and coarser value at x itself rule most candidates out, then the first ring.
+            self.wins_over_scale(sign, x)
+                && self.hood.ring.of(x).iter().all(|&y| wins(y as usize))
+                && (self.hood.rings == 1 || self.hood.of(x).iter().all(|&y| wins(y as usize)))
+        })
+    }
+
+    fn wins_over_scale(&self, sign: f64, x: usize) -> bool {
+        let [finer, here, coarser] = self.levels(x).map(|r| sign * r);
+        here > finer && here >= coarser
+    }
+
+    /// Whether x on this level beats y on this level and the two beside it. The finer level and the lower index win ties.
+    fn wins(&self, sign: f64, x: usize, y: usize) -> bool {
+        let here = sign * self.layer.levels[self.j - 1][x];
+        let [finer, level, coarser] = self.levels(y).map(|r| sign * r);
+        here > finer && (here > level || (here == level && x < y)) && here >= coarser
+    }
+
+    fn levels(&self, x: usize) -> [f64; 3] {
+        [self.j - 2, self.j - 1, self.j].map(|level| self.layer.levels[level][x])
+    }
+}

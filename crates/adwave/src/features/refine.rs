@@ -1,0 +1,98 @@
+//! Where between the vertices and the levels a response is largest, and whether it is a top or a crest.
+
+use crate::Decomposer;
+use crate::signal::{Frame, fit_quadric};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+
+/// A neighbourhood laid flat.
+pub(super) struct Local {
+    frame: Option<Frame>,
+    /// Vertices, the centre first, and their places in the frame in units of `size`.
+    around: Vec<(usize, Vector3<f64>)>,
+    size: f64,
+}
+
+impl Local {
+    /// The neighbours of `x` in the plane that fits them best; without a frame on a graph.
+    pub(super) fn new(decomposer: &Decomposer, neighbours: &[u32], x: usize) -> Self {
+        let points = &decomposer.domain().points;
+        let flat = Self { frame: None, around: Vec::new(), size: 0.0 };
+        let Some(origin) = points.get(x).map(|p| Vector3::from(*p)) else { return flat };
+        let offsets = neighbours.iter().map(|&y| Vector3::from(points[y as usize]) - origin);
+        let size = offsets.clone().map(|d| d.amax()).fold(0.0, f64::max);
+        if size == 0.0 {
+            return flat;
+        }
+        let mean = offsets.clone().map(|d| d / size).sum::<Vector3<f64>>() / (neighbours.len() + 1) as f64;
+        let covariance = offsets.fold(mean * mean.transpose(), |m: Matrix3<f64>, d| {
+            let d = d / size - mean;
+            m + d * d.transpose()
+        });
+        let eigen = covariance.symmetric_eigen();
+        let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).normalize();
+        let frame = Frame::new(points[x], normal);
+        let around = std::iter::once(x)
+            .chain(neighbours.iter().map(|&y| y as usize))
+            .map(|y| (y, frame.local(&points[y]) / size))
+            .collect();
+        Self { frame: Some(frame), around, size }
+    }
+
+    fn fit(&self, value: impl Fn(usize, &Vector3<f64>) -> f64) -> Option<[f64; 6]> {
+        fit_quadric(self.around.iter().map(|(y, p)| [p.x, p.y, value(*y, p)]))
+    }
+}
+
+/// The ratio of the larger to the smaller principal curvature of R over the neighbourhood, ≥ 1; `None` where R is a saddle
+/// or flat in one direction, or the neighbourhood does not determine it.
+pub(super) fn edge_ratio(local: &Local, response: &[f64]) -> Option<f64> {
+    let [_, _, _, d, e, f] = local.fit(|y, _| response[y])?;
+    let (half_trace, det) = (0.5 * (d + f), d * f - e * e);
+    if det <= 0.0 {
+        return None;
+    }
+    let spread = (half_trace * half_trace - det).max(0.0).sqrt();
+    let (large, small) = (half_trace.abs() + spread, half_trace.abs() - spread);
+    (small > 0.0).then(|| large / small)
+}
+
+/// The place where the quadric through R is largest (or smallest), on the quadric through the neighbourhood's points;
+/// `None` where that is no top or further than the nearest neighbour: the vertex itself is the better answer then.
+pub(super) fn refined_position(local: &Local, response: &[f64]) -> Option<[f64; 3]> {
+    let frame = local.frame.as_ref()?;
+    let [_, b, c, d, e, f] = local.fit(|y, _| response[y])?;
+    let sign = response[local.around[0].0].signum();
+    let hessian = Matrix2::new(d, e, e, f);
+    // A top of a positive response bends down in both directions, the bottom of a negative one up.
+    if hessian.determinant() <= 0.0 || sign * hessian.trace() >= 0.0 {
+        return None;
+    }
+    let offset = -hessian.try_inverse()? * Vector2::new(b, c);
+    let nearest = local.around[1..].iter().map(|(_, p)| p.norm()).fold(f64::INFINITY, f64::min);
+    if offset.norm().is_nan() || offset.norm() > nearest {
+        return None;
+    }
+    let (u, v) = (offset.x, offset.y);
+    let [_, b, c, d, e, f] = local.fit(|_, p| p.z)?;
+    // Without the constant term: the surface goes through the vertex.
+    let height = b * u + c * v + 0.5 * (d * u * u + 2.0 * e * u * v + f * v * v);
+    Some(frame.global(Vector3::new(u, v, height) * local.size))
+}
+
+/// The σ at which the parabola through |R| on levels j − 1, j and j + 1 over log σ is largest, half-way to the next level
+/// at most.
+pub(super) fn refined_sigma(sigma: &[f64], levels: &[Vec<f64>], j: usize, x: usize) -> f64 {
+    let [before, here, after] = [j - 1, j, j + 1].map(|j| sigma[j].ln());
+    let sign = levels[j - 1][x].signum();
+    let [p, q, r] = [j - 2, j - 1, j].map(|level| sign * levels[level][x]);
+    let (left, right) = (here - before, after - here);
+    let (up, down) = ((q - p) / left, (r - q) / right);
+    // The divided differences fall across a maximum.
+    let bend = 2.0 * (down - up) / (left + right);
+    if bend >= 0.0 {
+        return sigma[j];
+    }
+    let slope = (up * right + down * left) / (left + right);
+    let shift = (-slope / bend).clamp(-0.5 * left, 0.5 * right);
+    (here + shift).exp()
+}

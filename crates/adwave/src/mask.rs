@@ -1,0 +1,113 @@
+//! Vertices where a signal is not known: they are left out of the walk.
+
+use crate::bands::BandsError;
+use crate::shape::Weld;
+use thiserror::Error;
+
+/// Why vertices cannot be left out.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum MaskError {
+    /// The flags do not belong to this shape.
+    #[error("there are {n_flags} flags for {n_vertices} vertices")]
+    WrongLength {
+        /// Flags given.
+        n_flags: usize,
+        /// Vertices of the shape.
+        n_vertices: usize,
+    },
+    /// Nothing is left.
+    #[error("the field is NaN at all {n_vertices} vertices; give one that has values")]
+    NothingLeft {
+        /// Vertices of the shape.
+        n_vertices: usize,
+    },
+}
+
+/// Flags the vertices where a channel of the signal (n_vertices × n_channels, row-major) is NaN; `None` where none is.
+///
+/// ```
+/// use adwave::mask::missing;
+/// assert_eq!(missing(&[0.0, 1.0, f64::NAN, 2.0], 2), Some(vec![false, true]));
+/// assert_eq!(missing(&[0.0, f64::INFINITY], 1), None);
+/// ```
+///
+/// # Panics
+/// When `n_channels` is 0.
+pub fn missing(signal: &[f64], n_channels: usize) -> Option<Vec<bool>> {
+    signal
+        .iter()
+        .any(|v| v.is_nan())
+        .then(|| signal.chunks(n_channels).map(|row| row.iter().any(|v| v.is_nan())).collect())
+}
+
+/// What is left out, in the order of the shape and of the analysis.
+#[derive(Clone, Debug)]
+pub(crate) struct Mask {
+    vertices: Vec<bool>,
+    classes: Vec<bool>,
+}
+
+impl Mask {
+    pub(crate) fn new(left_out: &[bool], weld: &Weld) -> Result<Self, MaskError> {
+        let n_vertices = weld.n_vertices();
+        if left_out.len() != n_vertices {
+            return Err(MaskError::WrongLength { n_flags: left_out.len(), n_vertices });
+        }
+        let mut classes = vec![true; weld.n_classes()];
+        for (&class, &out) in weld.classes().iter().zip(left_out) {
+            classes[class as usize] &= out;
+        }
+        if classes.iter().all(|&out| out) {
+            return Err(MaskError::NothingLeft { n_vertices });
+        }
+        Ok(Self { vertices: left_out.to_vec(), classes })
+    }
+
+    /// The vertices of the analysis that are left out.
+    pub(crate) fn classes(&self) -> &[bool] {
+        &self.classes
+    }
+
+    /// The signal with a value everywhere: 0 at what is left out, and what the other members of a welded vertex have on
+    /// average at one that is left out by itself.
+    pub(crate) fn fill(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        weld: &Weld,
+    ) -> Result<Vec<f64>, BandsError> {
+        let n_vertices = weld.n_vertices();
+        if n_channels == 0 || n_vertices.checked_mul(n_channels) != Some(signal.len()) {
+            return Err(BandsError::WrongLength { n_values: signal.len(), n_vertices, n_channels });
+        }
+        let mut filled = signal.to_vec();
+        let mut mean = vec![0.0; weld.n_classes() * n_channels];
+        let mut count = vec![0_u32; weld.n_classes()];
+        for (x, row) in signal.chunks_exact(n_channels).enumerate().filter(|(x, _)| !self.vertices[*x]) {
+            let class = weld.class_of(x);
+            count[class] += 1;
+            for (m, value) in mean[class * n_channels..].iter_mut().zip(row) {
+                *m += (value - *m) / f64::from(count[class]);
+            }
+        }
+        for (x, row) in filled.chunks_exact_mut(n_channels).enumerate().filter(|(x, _)| self.vertices[*x]) {
+            row.copy_from_slice(&mean[weld.class_of(x) * n_channels..][..n_channels]);
+        }
+        Ok(filled)
+    }
+
+    /// Makes a result NaN at what is left out.
+    pub(crate) fn clear(&self, values: &mut [f64], n_channels: usize) {
+        for (row, _) in values.chunks_exact_mut(n_channels).zip(&self.vertices).filter(|(_, out)| **out) {
+            row.fill(f64::NAN);
+        }
+    }
+
+    /// Gives what is left out the values that it had.
+    pub(crate) fn restore(&self, signal: &[f64], n_channels: usize, values: &mut [f64]) {
+        let rows = values.chunks_exact_mut(n_channels).zip(signal.chunks_exact(n_channels));
+        for ((row, before), _) in rows.zip(&self.vertices).filter(|(_, out)| **out) {
+            row.copy_from_slice(before);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Changes of a shape that features should survive.
+
+use crate::Decomposer;
+use crate::sample::add_noise;
+use crate::shape::{Domain, Mesh, PointCloud, Polygons, Shape, nearest_neighbours, vertex_normals};
+use crate::signal::{FIT_NEIGHBOURS, cloud_normals};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+use std::collections::HashMap;
+use thiserror::Error;
+
+/// A change of a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    /// Every vertex moves along its normal by a normal deviate of that standard deviation, in mean edge lengths (fig. 10 of
+    /// the paper: 0.1 … 0.5).
+    Noise {
+        /// Standard deviation in mean edge lengths (mean neighbour distances on a cloud), ≥ 0.
+        edges: f64,
+        /// Seed.
+        seed: u64,
+    },
+    /// A rotation about the origin, drawn evenly from all.
+    Rotation {
+        /// Seed.
+        seed: u64,
+    },
+    /// Every coordinate times a factor.
+    Scaling {
+        /// The factor, > 0.
+        factor: f64,
+    },
+    /// A mesh gets a vertex in the middle of every edge, each triangle becoming four; a cloud loses a random half of its
+    /// points.
+    Resampling {
+        /// Seed of the half that a cloud loses.
+        seed: u64,
+    },
+}
+
+/// Why a shape cannot be changed so.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum ChangeError {
+    /// A graph has no positions.
+    #[error("a graph has no positions that could be changed")]
+    NoPositions,
+    /// A number without meaning.
+    #[error("the {what} is {value}; it must be a finite number {range}")]
+    Number {
+        /// Which.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        range: &'static str,
+    },
+    /// The result has a vertex more than can be indexed, or a coordinate that is too large.
+    #[error("the changed shape is too large")]
+    TooLarge,
+}
+
+/// A changed shape, and the way back.
+#[derive(Clone, Debug)]
+pub struct Changed {
+    /// The shape.
+    pub shape: Shape,
+    rotation: Rotation3<f64>,
+    factor: f64,
+}
+
+impl Changed {
+    /// Where a point of the changed shape was before it was rotated and scaled; noise is not undone.
+    pub fn before(&self, point: &[f64; 3]) -> [f64; 3] {
+        (self.rotation.inverse() * (Vector3::from(*point) / self.factor)).into()
+    }
+
+    /// A length of the changed shape as it was before.
+    pub fn length_before(&self, length: f64) -> f64 {
+        length / self.factor
+    }
+}
+
+/// Changes a shape. The same seed gives the same change. O(n), with noise on a cloud O(n log n).
+///
+/// # Errors
+/// [`ChangeError`] for a graph, a number without meaning, or a result that is too large.
+pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result<Changed, ChangeError> {
+    let domain = decomposer.domain();
+    let points = shape.points().ok_or(ChangeError::NoPositions)?;
+    let number = |what, value: f64, valid: bool, range| {
+        if value.is_finite() && valid { Ok(()) } else { Err(ChangeError::Number { what, value, range }) }
+    };
+    let (mut rotation, mut factor) = (Rotation3::identity(), 1.0);
+    let changed = match *change {
+        Change::Noise { edges, seed } => {
+            number("noise", edges, edges >= 0.0, "of at least 0")?;
+            noisy(shape, domain, edges * decomposer.mean_length(), seed)
+        }
+        Change::Rotation { seed } => {
+            rotation = random_rotation(seed);
+            with_points(shape, points.iter().map(|p| (rotation * Vector3::from(*p)).into()).collect())
+        }
+        Change::Scaling { factor: f } => {
+            number("factor", f, f > 0.0, "above 0")?;
+            factor = f;
+            with_points(shape, points.iter().map(|p| p.map(|c| c * f)).collect())
+        }
+        Change::Resampling { seed } => match shape {
+            Shape::Mesh(_) => subdivided(domain),
+            _ => half(&domain.points, seed),
+        },
+    };
+    let shape = changed.ok_or(ChangeError::TooLarge)?;
+    Ok(Changed { shape, rotation, factor })
+}
+
+/// The shape with other positions.
+fn with_points(shape: &Shape, points: Vec<[f64; 3]>) -> Option<Shape> {
+    match shape {
+        Shape::Mesh(mesh) => Mesh::new(points, mesh.faces().clone()).map(Shape::Mesh),
+        _ => PointCloud::new(points).map(Shape::Cloud),
+    }
+    .ok()
+}
+
+fn noisy(shape: &Shape, domain: &Domain, sigma: f64, seed: u64) -> Option<Shape> {
+    // On the welded vertices: what is one place must stay one.
+    let normals = match shape {
+        Shape::Mesh(_) => vertex_normals(&domain.points, &domain.triangles),
+        _ => cloud_normals(&domain.points, &nearest_neighbours(&domain.points, FIT_NEIGHBOURS)),
+    };
+    let mut points = domain.points.clone();
+    add_noise(&mut points, &normals, sigma, seed).ok()?;
+    with_points(shape, domain.weld.scatter(&points, 1))
+}
+
+fn random_rotation(seed: u64) -> Rotation3<f64> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    // A quaternion of four normal deviates points evenly in all directions of its sphere.
+    let q: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
+    UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3])).to_rotation_matrix()
+}
+
+/// Every triangle of the welded mesh in four.
+fn subdivided(domain: &Domain) -> Option<Shape> {
+    let mut points = domain.points.clone();
+    let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut faces = Vec::with_capacity(4 * domain.triangles.len());
+    for &[a, b, c] in &domain.triangles {
+        let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
+            *middle.entry((p.min(q), p.max(q))).or_insert_with(|| {
+                let (p, q) = (points[p as usize], points[q as usize]);
+                points.push(std::array::from_fn(|k| 0.5 * p[k] + 0.5 * q[k]));
+                (points.len() - 1) as u32
+            })
+        });
+        faces.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+    }
+    if faces.len() > u32::MAX as usize / 3 {
+        return None;
+    }
+    Mesh::new(points, Polygons::from_triangles(&faces)).ok().map(Shape::Mesh)
+}
+
+/// A random half of the points, at least one.
+fn half(points: &[[f64; 3]], seed: u64) -> Option<Shape> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut keys: Vec<(f64, usize)> =
+        (0..points.len()).map(|x| (StandardNormal.sample(&mut random), x)).collect();
+    keys.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    keys.truncate(points.len().div_ceil(2));
+    PointCloud::new(keys.into_iter().map(|(_, x)| points[x]).collect()).ok().map(Shape::Cloud)
+}

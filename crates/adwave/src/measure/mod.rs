@@ -1,0 +1,10 @@
+//! How good features and saliency maps are: whether features are found again on a changed shape, and whether a map agrees
+//! with where people look.
+
+mod agreement;
+mod change;
+mod repeatability;
+
+pub use agreement::{Agreement, AgreementError, agreement, centre_distance};
+pub use change::{Change, ChangeError, Changed, change};
+pub use repeatability::{LevelRepeatability, RepeatabilityParams, repeatability};

@@ -1,0 +1,235 @@
+//! Saliency: where a signal stands out, over all scales (eq. 17).
+//!
+//! `Λ = Σ_{j > skip} α_j·|W_f(j)|`. A signal of several channels is measured by the Euclidean norm over them.
+
+use crate::Decomposer;
+use crate::band_norms::BandNorms;
+use crate::bands::Bands;
+use rayon::prelude::*;
+use thiserror::Error;
+
+/// How the levels are weighed against each other: the α_j.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weighting {
+    /// `α_j = (max_x|W_f(j,x)| − mean_x|W_f(j,x)|)²`, one number a level: what the paper's text describes.
+    #[default]
+    PerLevel,
+    /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as eq. 17 is printed. It gives the strongest response of a level the
+    /// weight 0.
+    AsPrinted,
+    /// `α_j = 1/mean_x|W_f(j,x)|`: every level counts alike, as for features.
+    Normalised,
+    /// Every level by its ranks in place of its values: the share of vertices with a smaller |W_f(j)|, equal ones counting
+    /// half, so that no level and no outlier outweighs the rest.
+    Ranks,
+    /// `α_j = 1`.
+    Uniform,
+}
+
+/// Which levels count, and how much.
+///
+/// ```
+/// use adwave::saliency::{SaliencyParams, Weighting};
+/// let params = SaliencyParams::default();
+/// assert_eq!((params.skip, params.weighting), (2, Weighting::PerLevel));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SaliencyParams {
+    /// How many of the finest levels are left out: they hold the noise.
+    pub skip: usize,
+    /// The α_j.
+    pub weighting: Weighting,
+}
+
+impl Default for SaliencyParams {
+    fn default() -> Self {
+        Self { skip: 2, weighting: Weighting::default() }
+    }
+}
+
+impl SaliencyParams {
+    /// Sets how many of the finest levels are left out.
+    #[must_use]
+    pub fn with_skip(self, skip: usize) -> Self {
+        Self { skip, ..self }
+    }
+
+    /// Sets the α_j.
+    #[must_use]
+    pub fn with_weighting(self, weighting: Weighting) -> Self {
+        Self { weighting, ..self }
+    }
+}
+
+/// Why there is no saliency.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum SaliencyError {
+    /// No level is left.
+    #[error(
+        "saliency leaves out the {skip} finest levels and there are {n_levels}; take more levels or skip fewer"
+    )]
+    NoLevelLeft {
+        /// Levels left out.
+        skip: usize,
+        /// Levels there are.
+        n_levels: usize,
+    },
+    /// The bands are those of another shape.
+    #[error("the bands are those of {n_bands} vertices, the shape has {n_vertices}")]
+    OtherShape {
+        /// Vertices of the bands.
+        n_bands: usize,
+        /// Vertices of the shape.
+        n_vertices: usize,
+    },
+}
+
+/// One level's share of the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SaliencyLevel {
+    /// j.
+    pub level: usize,
+    /// σ_j in model units.
+    pub sigma: f64,
+    /// `mean_x|W_f(j,x)|`, in units of the signal.
+    pub mean: f64,
+    /// `max_x|W_f(j,x)|`.
+    pub max: f64,
+    /// α_j; NaN where it is another number at each vertex. With ranks it stands before the rank.
+    pub alpha: f64,
+}
+
+/// A saliency map in the order of the shape, ≥ 0; NaN at vertices that are left out of the walk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Saliency {
+    /// Λ at each vertex.
+    pub map: Vec<f64>,
+    /// The levels that it sums over.
+    pub levels: Vec<SaliencyLevel>,
+}
+
+/// The saliency map of a signal's bands on the shape that they were computed on. O(n × levels × channels).
+///
+/// Means and maxima run over the vertices of the analysis, so that a vertex that the file repeats counts once.
+///
+/// Source: eq. 17, whose α lost a bar in print: read literally it would give the strongest response the weight 0.
+///
+/// # Errors
+/// [`SaliencyError`] when no level is left, or the bands are another shape's.
+///
+/// ```
+/// use adwave::bands::{BandsParams, Schedule};
+/// use adwave::saliency::{SaliencyParams, saliency};
+/// use adwave::{Decomposer, Progress, operator::OperatorParams, shape::{Graph, Shape}};
+/// let edges: Vec<_> = (1..60).map(|i| (i - 1, i, 1.0)).collect();
+/// let path = Shape::Graph(Graph::new(60, &edges)?);
+/// let walk = Decomposer::new(&path, &OperatorParams::default());
+/// let mut signal = [0.0; 60];
+/// signal[30] = 1.0;
+/// let bands = walk.decompose(&signal, 1, &Schedule::dyadic(5)?, &BandsParams::default(), Progress::none())?;
+/// let map = saliency(&walk, &bands, &SaliencyParams::default())?.map;
+/// assert_eq!((0..60).max_by(|&a, &b| map[a].total_cmp(&map[b])), Some(30));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn saliency(
+    decomposer: &Decomposer,
+    bands: &Bands,
+    params: &SaliencyParams,
+) -> Result<Saliency, SaliencyError> {
+    let parts = parts(decomposer, bands, params)?;
+    let n = decomposer.domain().n_vertices();
+    let mut map = vec![0.0; n];
+    map.par_iter_mut().with_min_len(1 << 12).enumerate().for_each(|(x, sum)| {
+        *sum = parts.iter().map(|part| part.at(x)).sum();
+    });
+    let map = decomposer.domain().weld.scatter(&map, 1);
+    Ok(Saliency { map, levels: parts.into_iter().map(|part| part.level).collect() })
+}
+
+/// What each level adds to the map, `α_j·|W_f(j)|` for the levels after the skipped ones, in the order of the shape; their
+/// sum is [`saliency`]'s map.
+///
+/// # Errors
+/// As for [`saliency`].
+pub fn saliency_per_level(
+    decomposer: &Decomposer,
+    bands: &Bands,
+    params: &SaliencyParams,
+) -> Result<Vec<(SaliencyLevel, Vec<f64>)>, SaliencyError> {
+    let n = decomposer.domain().n_vertices();
+    let scatter = |part: Part| {
+        let map: Vec<f64> = (0..n).map(|x| part.at(x)).collect();
+        (part.level, decomposer.domain().weld.scatter(&map, 1))
+    };
+    Ok(parts(decomposer, bands, params)?.into_iter().map(scatter).collect())
+}
+
+/// A level, and |W_f(j)| at the vertices of the analysis.
+struct Part {
+    level: SaliencyLevel,
+    norms: Vec<f64>,
+}
+
+impl Part {
+    #[inline]
+    fn at(&self, x: usize) -> f64 {
+        let (w, alpha) = (self.norms[x], self.level.alpha);
+        let alpha = if alpha.is_nan() { (self.level.max - w).powi(2) } else { alpha };
+        alpha * w
+    }
+}
+
+fn parts(
+    decomposer: &Decomposer,
+    bands: &Bands,
+    params: &SaliencyParams,
+) -> Result<Vec<Part>, SaliencyError> {
+    let (n_levels, skip) = (bands.n_levels(), params.skip);
+    if bands.n_vertices != decomposer.n_vertices() {
+        return Err(SaliencyError::OtherShape {
+            n_bands: bands.n_vertices,
+            n_vertices: decomposer.n_vertices(),
+        });
+    }
+    if skip >= n_levels {
+        return Err(SaliencyError::NoLevelLeft { skip, n_levels });
+    }
+    let reader = BandNorms::new(decomposer);
+    let part = |level: usize| {
+        let mut norms = reader.norms(&bands.wavelet[level - 1], bands.n_channels);
+        let (mean, max) = (reader.mean(&norms), reader.max(&norms));
+        let alpha = match params.weighting {
+            Weighting::PerLevel => (max - mean).powi(2),
+            Weighting::AsPrinted => f64::NAN,
+            // A level without any response adds nothing.
+            Weighting::Normalised if mean == 0.0 => 0.0,
+            Weighting::Normalised => 1.0 / mean,
+            Weighting::Ranks | Weighting::Uniform => 1.0,
+        };
+        if params.weighting == Weighting::Ranks {
+            ranks(&mut norms);
+        }
+        Part { level: SaliencyLevel { level, sigma: bands.sigma[level], mean, max, alpha }, norms }
+    };
+    Ok((skip + 1..=n_levels).map(part).collect())
+}
+
+/// Replaces each value by the share of the others that are smaller, equal ones counting half; NaN stays.
+fn ranks(values: &mut [f64]) {
+    let mut order: Vec<u32> = (0..values.len() as u32).filter(|&x| !values[x as usize].is_nan()).collect();
+    order.par_sort_unstable_by(|&a, &b| values[a as usize].total_cmp(&values[b as usize]));
+    // One vertex alone stands out from nobody.
+    let others = order.len().saturating_sub(1).max(1) as f64;
+    let mut share = vec![f64::NAN; values.len()];
+    let mut smaller = 0;
+    for equal in order.chunk_by(|&a, &b| values[a as usize] == values[b as usize]) {
+        for &x in equal {
+            share[x as usize] = (smaller as f64 + 0.5 * (equal.len() - 1) as f64) / others;
+        }
+        smaller += equal.len();
+    }
+    // What does not respond at all does not stand out either, however many are like it.
+    for (value, share) in values.iter_mut().zip(share) {
+        *value = if *value == 0.0 { 0.0 } else { share };
+    }
+}

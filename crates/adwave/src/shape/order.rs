@@ -1,0 +1,74 @@
+//! An order of a graph's nodes in which neighbours are near each other.
+
+use super::Adjacency;
+
+/// The place of every node in the reverse Cuthill–McKee order: breadth-first from a node of few neighbours, those with few
+/// neighbours first, turned round; component after component. O(edges log degree).
+///
+/// A product with a matrix in this order finds what it reads in the cache; meshes and clouds have positions and are
+/// numbered along a curve through space instead.
+pub(crate) fn reverse_cuthill_mckee(adjacency: &Adjacency) -> Vec<u32> {
+    let n = adjacency.n_vertices();
+    let degree = |x: u32| adjacency.of(x as usize).len();
+    let mut starts: Vec<u32> = (0..n as u32).collect();
+    starts.sort_by_key(|&x| degree(x));
+    let mut seen = vec![false; n];
+    let mut order: Vec<u32> = Vec::with_capacity(n);
+    let mut next = Vec::new();
+    for start in starts {
+        if std::mem::replace(&mut seen[start as usize], true) {
+            continue;
+        }
+        let mut read = order.len();
+        order.push(start);
+        while let Some(&x) = order.get(read) {
+            read += 1;
+            next.clear();
+            next.extend(
+                adjacency
+                    .of(x as usize)
+                    .iter()
+                    .copied()
+                    .filter(|&y| !std::mem::replace(&mut seen[y as usize], true)),
+            );
+            next.sort_by_key(|&y| degree(y));
+            order.extend_from_slice(&next);
+        }
+    }
+    let mut place = vec![0; n];
+    for (k, &x) in order.iter().rev().enumerate() {
+        place[x as usize] = k as u32;
+    }
+    place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::Graph;
+
+    #[test]
+    fn a_shuffled_grid_gets_a_narrow_band_again() {
+        let side = 40_u32;
+        // 7 shares no factor with 1600: a shuffle that tears neighbours apart.
+        let name = |i: u32, j: u32| (i * side + j) * 7 % (side * side);
+        let mut edges = Vec::new();
+        for i in 0..side {
+            for j in 0..side {
+                if i > 0 {
+                    edges.push((name(i, j), name(i - 1, j), 1.0));
+                }
+                if j > 0 {
+                    edges.push((name(i, j), name(i, j - 1), 1.0));
+                }
+            }
+        }
+        let graph = Graph::new((side * side) as usize + 1, &edges).unwrap();
+        let place = reverse_cuthill_mckee(graph.adjacency());
+        let mut sorted = place.clone();
+        sorted.sort_unstable();
+        assert!(sorted.iter().copied().eq(0..=side * side), "every place once");
+        let widest = edges.iter().map(|&(a, b, _)| place[a as usize].abs_diff(place[b as usize])).max();
+        assert!(widest.unwrap() <= 2 * side, "{widest:?}");
+    }
+}

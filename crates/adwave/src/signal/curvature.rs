@@ -1,0 +1,38 @@
+//! Mean and Gaussian curvature, and what follows from them.
+
+use std::f64::consts::FRAC_2_PI;
+
+/// Curvatures at each vertex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curvature {
+    /// Mean curvature H = (κ₁ + κ₂)/2 in 1/unit of length; > 0 on a sphere whose normals point out.
+    pub mean: Vec<f64>,
+    /// Gaussian curvature K = κ₁·κ₂ in 1/unit².
+    pub gaussian: Vec<f64>,
+}
+
+impl Curvature {
+    /// Koenderink's shape index `2/π·atan(H / √(H² − K))` in [−1, 1]: 1 on a bump, ½ on a ridge, 0 on a saddle, −½ in a
+    /// rut, −1 in a pit; 0 too where the surface is flat and has none: its curvedness `√(κ₁² + κ₂²)` is at most `flat`, in
+    /// 1/unit of length.
+    ///
+    /// Source: Koenderink and van Doorn, "Surface shape and curvature scales", Image and Vision Computing 10, 1992; its sign
+    /// is turned so that what stands out is positive.
+    ///
+    /// ```
+    /// use adwave::signal::Curvature;
+    /// let curvature = Curvature { mean: vec![2.0, 1.0, 0.0, -2.0, 0.0], gaussian: vec![4.0, 0.0, -1.0, 4.0, 0.0] };
+    /// assert_eq!(curvature.shape_index(0.0), [1.0, 0.5, 0.0, -1.0, 0.0]);
+    /// ```
+    pub fn shape_index(&self, flat: f64) -> Vec<f64> {
+        let index = |(&h, &k): (&f64, &f64)| {
+            if (4.0 * h * h - 2.0 * k).max(0.0).sqrt() <= flat {
+                return 0.0;
+            }
+            // H² ≥ K on a smooth surface; rounding and meshes may break it.
+            let spread = (h * h - k).max(0.0).sqrt();
+            FRAC_2_PI * h.atan2(spread)
+        };
+        self.mean.iter().zip(&self.gaussian).map(index).collect()
+    }
+}
