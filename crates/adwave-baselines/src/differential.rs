@@ -228,8 +228,7 @@ impl Differential {
                 }
             }
         }
-        let lost = reached.iter().position(|&r| !r)?;
-        (0..self.weld.n_vertices()).find(|&x| self.weld.class_of(x) == lost)
+        (0..self.weld.n_vertices()).find(|&x| !reached[self.weld.class_of(x)])
     }
 }
 

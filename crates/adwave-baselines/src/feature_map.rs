@@ -120,7 +120,7 @@ pub fn feature_map(
         }
         let smoothed = heat.flow(&mean, time, progress)?.ok_or_else(bad)?;
         let (mut points, index_sum) = critical_points(&domain.triangles, &smoothed);
-        for p in points.iter_mut() {
+        for p in &mut points {
             p.vertex = first_vertex[p.vertex];
         }
         levels.push(FeatureLevel { time, smoothed: laplacian.weld.scatter(&smoothed, 1), points, index_sum });

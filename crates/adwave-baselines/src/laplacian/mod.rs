@@ -111,7 +111,7 @@ impl Laplacian {
                         intrinsic::delaunay(&points, &domain.triangles, unit, &mut info)
                     }
                 };
-                for m in mass.iter_mut() {
+                for m in &mut mass {
                     *m *= unit * unit;
                 }
                 (entries, mass)
@@ -121,8 +121,10 @@ impl Laplacian {
                 cloud::heat_kernel(&domain.points, &local_operator(shape, &domain, &params))
             }
             Shape::Graph(graph) => {
+                let class = |u: u32| domain.weld.class_of(u as usize) as u32;
                 let edges = (0..n as u32).flat_map(|u| {
-                    graph.neighbours(u as usize).filter(move |&(v, _)| v > u).map(move |(v, w)| (u, v, w))
+                    let later = graph.neighbours(u as usize).filter(move |&(v, _)| v > u);
+                    later.map(move |(v, w)| (class(u), class(v), w))
                 });
                 (edges.collect(), vec![1.0; n])
             }

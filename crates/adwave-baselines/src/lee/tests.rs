@@ -10,7 +10,7 @@ fn sample(name: &str, n: usize) -> Shape {
 #[test]
 fn a_sphere_has_constant_curvature_and_nothing_salient() {
     let shape = sample("sphere", 5000);
-    let radius = crate::vector::norm(&shape.points().unwrap()[0]);
+    let radius = norm(&shape.points().unwrap()[0]);
     let lee = lee_saliency(&shape, Progress::none()).unwrap();
     // Normals and curvature are exact where all vertices lie on the sphere; the box of a mesh is a little smaller than that of the
     // sphere, so the radius is measured.
@@ -37,7 +37,7 @@ fn a_bump_is_more_salient_than_a_plane() {
     let up = (0..3).find(|&c| hi[c] == lo[c]).unwrap();
     let middle: [f64; 3] = std::array::from_fn(|c| 0.5 * (lo[c] + hi[c]));
     let size = diagonal(&points);
-    let distance = |p: &[f64; 3]| crate::vector::norm(&minus(p, &middle)) / size;
+    let distance = |p: &[f64; 3]| norm(&minus(p, &middle)) / size;
     for p in &mut points {
         p[up] += 0.02 * size * (-(distance(p) / 0.02).powi(2)).exp();
     }

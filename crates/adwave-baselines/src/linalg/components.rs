@@ -215,7 +215,7 @@ fn unit_null_vector(matrix: &SymmetricMatrix, mut z: Vec<f64>) -> Option<Vec<f64
     if !(length.is_finite() && length > 0.0) {
         return None;
     }
-    for v in z.iter_mut() {
+    for v in &mut z {
         *v /= length;
     }
     let product = matrix.product(&z);

@@ -61,13 +61,8 @@ fn a_grid_has_its_spectrum() {
         for null in [Some(&null[..]), None] {
             let pairs = smallest_eigenpairs(&a, null, k, &params, Progress::none()).unwrap();
             let exact = grid_spectrum(width, height);
-            for i in 0..k {
-                assert!(
-                    (pairs.values[i] - exact[i]).abs() < 1e-11,
-                    "{i}: {} for {}",
-                    pairs.values[i],
-                    exact[i]
-                );
+            for (i, (value, exact)) in pairs.values.iter().zip(&exact).enumerate() {
+                assert!((value - exact).abs() < 1e-11, "{i}: {value} for {exact}");
             }
             assert!(pairs.info.residual < 1e-10, "{:?}", pairs.info);
         }

@@ -112,7 +112,7 @@ fn wavelets_have_zero_mean_except_the_low_pass() {
 fn the_largest_eigenvalue_is_bounded_from_above() {
     for width in [1, 2, 5, 15] {
         let laplacian = grid(width);
-        let (spectrum, _) = crate::linalg::symmetric_eigen(&laplacian.to_dense(), laplacian.n()).unwrap();
+        let (spectrum, _) = symmetric_eigen(&laplacian.to_dense(), laplacian.n()).unwrap();
         let (top, bound) = (spectrum[spectrum.len() - 1], largest_eigenvalue(&laplacian));
         assert!(bound >= top && bound <= 2.1 * top + 1e-300, "{width}: {top} {bound}");
     }
