@@ -28,6 +28,7 @@ fn main() -> ExitCode {
         Command::Saliency(args) => commands::saliency::run(args, &cli.global),
         Command::Features(args) => commands::features::run(args, &cli.global),
         Command::Evaluate(args) => commands::evaluate::run(args, &cli.global),
+        Command::Compare(args) => commands::compare::run(args, &cli.global),
         Command::Basis(args) => commands::basis::run(args, &cli.global),
         Command::Sample(args) => commands::sample::run(args, &cli.global),
         Command::Demo(args) => commands::demo::run(args, &cli.global),
