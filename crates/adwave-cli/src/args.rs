@@ -1,6 +1,6 @@
 //! Every flag, defined once: help, man page and completions come from here.
 
-use crate::analysis_args::{EvaluateArgs, FeaturesArgs, SaliencyArgs};
+use crate::analysis_args::{EvaluateArgs, FeaturesArgs, FieldArgs, SaliencyArgs};
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, OperatorParams};
 use adwave::region::{Region, RegionSyntaxError, parse_region};
@@ -61,6 +61,8 @@ pub(crate) enum Command {
     Features(FeaturesArgs),
     /// Measure how stable the features are, or how well a map agrees with where people look
     Evaluate(EvaluateArgs),
+    /// Do the same by another method, and show the differences and the times side by side
+    Compare(CompareArgs),
     /// Write the scaling functions and wavelets: those of one vertex as fields, or all as sparse matrices
     Basis(BasisArgs),
     /// Write a built-in shape
@@ -355,6 +357,58 @@ pub(crate) struct SampleArgs {
     /// Seed of the noise
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) seed: u64,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Methods:
+  mht          smooth the same width by manifold harmonics
+  taubin       smooth by the windowed sinc, half the gain at the same frequency
+  lee          the saliency map of Lee, Varshney and Jacobs
+  feature-map  critical points of a signal smoothed by heat [default signal: mean-curvature]
+  sgwt         spectral graph wavelets of the same walk, as many bands, and back
+  dw, bdw      diffusion wavelets, biorthogonal ones (up to 6000 vertices), and back
+
+Both results go to DIR as adwave.ply and METHOD.ply, the table as comparison.json.
+
+Examples:
+  adwave compare bunny.obj --with mht --harmonics 300 -o out
+  adwave compare sample:creature --vertices 3000 --with dw -o out")]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// The other method
+    #[arg(long = "with", value_name = "METHOD", value_enum)]
+    pub(crate) method: MethodArg,
+    /// Folder that the files go to
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) field: FieldArgs,
+    #[command(flatten)]
+    pub(crate) levels: LevelArgs,
+    /// mht: number of harmonics
+    #[arg(long, value_name = "K", default_value = "200")]
+    pub(crate) harmonics: NonZeroUsize,
+}
+
+/// `adwave_baselines::compare::Method` by its names here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// Manifold harmonics
+    Mht,
+    /// Mesh saliency
+    Lee,
+    /// Critical points
+    FeatureMap,
+    /// Spectral graph wavelets
+    Sgwt,
+    /// Diffusion wavelets
+    Dw,
+    /// Biorthogonal diffusion wavelets
+    Bdw,
+    /// Windowed sinc
+    Taubin,
 }
 
 #[derive(Debug, Args)]

@@ -12,6 +12,7 @@ mod output;
 mod progress;
 mod shape_input;
 mod signal;
+mod stopwatch;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         Command::Saliency(args) => commands::saliency::run(args, &cli.global),
         Command::Features(args) => commands::features::run(args, &cli.global),
         Command::Evaluate(args) => commands::evaluate::run(args, &cli.global),
+        Command::Compare(args) => commands::compare::run(args, &cli.global),
         Command::Basis(args) => commands::basis::run(args, &cli.global),
         Command::Sample(args) => commands::sample::run(args, &cli.global),
         Command::Demo(args) => commands::demo::run(args, &cli.global),

@@ -1,6 +1,7 @@
 //! One file for each subcommand.
 
 pub(crate) mod basis;
+pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod evaluate;
 pub(crate) mod features;

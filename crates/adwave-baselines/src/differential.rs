@@ -1,0 +1,313 @@
+//! Differential coordinates: where a vertex is relative to its neighbours, and the surface that has given ones.
+//!
+//! Sorkine et al., "Laplacian surface editing", SGP 2004; Lipman et al., "Differential coordinates for interactive mesh
+//! editing", SMI 2004.
+//!
+//! ```text
+//! δ = L f,  (L f)(x) = f(x) − Σ_y p(x,y) f(y),  Σ_y p(x,y) = 1
+//! f = argmin ‖L f − δ‖² + Σ_a w_a² ‖f(a) − c(a)‖²
+//! ```
+//! Where it wins: a handle is dragged and the details follow, at one solve a move. Where it does not: there is one band
+//! only, details do not rotate with the handle, and the result depends on where the anchors are.
+
+use crate::laplacian::{Laplacian, LaplacianParams};
+use crate::linalg::{Ldlt, LinalgError, SymmetricMatrix};
+use adwave::operator::Diffusion;
+use adwave::shape::{Domain, Shape, Weld, WeldMode, one_ring};
+use rayon::prelude::*;
+use thiserror::Error;
+
+/// Which mean of the neighbours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weights {
+    /// All neighbours alike: the umbrella.
+    Uniform,
+    /// By the cotangents on the intrinsic Delaunay triangulation, so that no weight is negative; on a cloud by its heat
+    /// kernel, on a graph by its edges.
+    #[default]
+    Cotangent,
+}
+
+/// Why there are no differential coordinates, or no surface that has them.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum DifferentialError {
+    /// The system was not solved.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+    /// A signal has the wrong length.
+    #[error("{got} values were given where {expected} are needed")]
+    Length {
+        /// How many are needed.
+        expected: usize,
+        /// How many were given.
+        got: usize,
+    },
+    /// An anchor does not exist or has no weight.
+    #[error(
+        "anchor {anchor} (counted from 0) is vertex {vertex} with weight {weight}; there are {n_vertices} vertices, and weights are finite and above 0"
+    )]
+    BadAnchor {
+        /// Index of the anchor.
+        anchor: usize,
+        /// Its vertex.
+        vertex: usize,
+        /// Its weight.
+        weight: f64,
+        /// Number of vertices.
+        n_vertices: usize,
+    },
+    /// A component can float freely.
+    #[error("the component of vertex {vertex} has no anchor; give it one")]
+    NoAnchor {
+        /// A vertex of the component.
+        vertex: usize,
+    },
+}
+
+/// `L = I − P` of a shape, `P` a mean over the neighbours; an empty row at a vertex without neighbours. Its eigenvalues
+/// are in [0, 2].
+#[derive(Clone, Debug)]
+pub struct Differential {
+    offsets: Vec<usize>,
+    columns: Vec<u32>,
+    /// p(x, y).
+    weights: Vec<f64>,
+    weld: Weld,
+}
+
+impl Differential {
+    /// L of `shape`. O(n log n).
+    ///
+    /// # Errors
+    /// [`DifferentialError::Linalg`] where weights overflow.
+    ///
+    /// ```
+    /// use adwave::shape::{Graph, Shape};
+    /// use adwave_baselines::differential::{Differential, Weights};
+    /// let path = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 3.0)])?);
+    /// let l = Differential::new(&path, Weights::Cotangent)?;
+    /// assert_eq!(l.coordinates(&[0.0, 0.0, 4.0], 1)?, [0.0, -3.0, 4.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(shape: &Shape, weights: Weights) -> Result<Self, DifferentialError> {
+        let (rows, weld): (Vec<Vec<(u32, f64)>>, Weld) =
+            if let (Weights::Uniform, Shape::Mesh(_)) = (weights, shape) {
+                let domain = Domain::new(shape, WeldMode::default());
+                let ring = one_ring(domain.n_vertices(), &domain.triangles);
+                let row = |x: usize| ring.of(x).iter().map(|&y| (y, 1.0)).collect();
+                ((0..domain.n_vertices()).map(row).collect(), domain.weld)
+            } else {
+                let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
+                let row = |x: usize| {
+                    let (columns, values) = laplacian.stiffness.row(x);
+                    let off = columns.iter().zip(values).filter(|&(&y, &s)| y as usize != x && s < 0.0);
+                    off.map(|(&y, &s)| (y, if weights == Weights::Uniform { 1.0 } else { -s })).collect()
+                };
+                ((0..laplacian.n()).map(row).collect(), laplacian.weld)
+            };
+        Ok(Self::from_rows(&rows, weld))
+    }
+
+    /// L of a walk: `L = 2(I − Φ₁) = 2Ψ₁` where the walk is lazy (eq. 16), so that `W_f(1)` is half the differential
+    /// coordinate.
+    pub fn from_walk(walk: &Diffusion, weld: Weld) -> Self {
+        let row = |x: usize| {
+            let (columns, values) = walk.row(x);
+            columns.iter().copied().zip(values.iter().copied()).collect()
+        };
+        Self::from_rows(&(0..walk.n_vertices()).map(row).collect::<Vec<_>>(), weld)
+    }
+
+    fn from_rows(rows: &[Vec<(u32, f64)>], weld: Weld) -> Self {
+        let mut l = Self { offsets: vec![0], columns: Vec::new(), weights: Vec::new(), weld };
+        for row in rows {
+            let total: f64 = row.iter().map(|e| e.1).sum();
+            if total > 0.0 {
+                l.columns.extend(row.iter().map(|e| e.0));
+                l.weights.extend(row.iter().map(|e| e.1 / total));
+            }
+            l.offsets.push(l.columns.len());
+        }
+        l
+    }
+
+    /// Number of rows: vertices after welding.
+    pub fn n(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    fn row(&self, x: usize) -> (&[u32], &[f64]) {
+        let range = self.offsets[x]..self.offsets[x + 1];
+        (&self.columns[range.clone()], &self.weights[range])
+    }
+
+    /// `L f` in the order of the analysis, n × n_channels.
+    pub(crate) fn apply(&self, f: &[f64], n_channels: usize) -> Vec<f64> {
+        let mut out = vec![0.0; f.len()];
+        out.par_chunks_exact_mut(n_channels.max(1)).with_min_len(1024).enumerate().for_each(|(x, out)| {
+            let (columns, weights) = self.row(x);
+            let here = &f[x * n_channels..][..n_channels];
+            for (&y, &p) in columns.iter().zip(weights) {
+                for ((out, &there), &here) in
+                    out.iter_mut().zip(&f[y as usize * n_channels..][..n_channels]).zip(here)
+                {
+                    *out += p * (here - there);
+                }
+            }
+        });
+        out
+    }
+
+    /// `Lᵀ f` in the order of the analysis.
+    fn apply_transposed(&self, f: &[f64], n_channels: usize) -> Vec<f64> {
+        let mut out = vec![0.0; f.len()];
+        for x in 0..self.n() {
+            let (columns, weights) = self.row(x);
+            for c in 0..n_channels {
+                let here = f[x * n_channels + c];
+                if !columns.is_empty() {
+                    out[x * n_channels + c] += here;
+                }
+                for (&y, &p) in columns.iter().zip(weights) {
+                    out[y as usize * n_channels + c] -= p * here;
+                }
+            }
+        }
+        out
+    }
+
+    /// From the shape's order to the analysis'.
+    pub(crate) fn welded(&self, signal: &[f64], n_channels: usize) -> Result<Vec<f64>, DifferentialError> {
+        let expected = self.weld.n_vertices() * n_channels;
+        if signal.len() != expected || n_channels == 0 {
+            return Err(DifferentialError::Length { expected, got: signal.len() });
+        }
+        Ok(self.weld.mean(signal, n_channels))
+    }
+
+    /// From the analysis' order to the shape's.
+    pub(crate) fn scattered(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
+        self.weld.scatter(values, n_channels)
+    }
+
+    /// `δ = L f` of a signal, n_vertices × n_channels, in the order of the shape. O(entries).
+    ///
+    /// # Errors
+    /// [`DifferentialError::Length`].
+    pub fn coordinates(&self, signal: &[f64], n_channels: usize) -> Result<Vec<f64>, DifferentialError> {
+        let mean = self.welded(signal, n_channels)?;
+        Ok(self.weld.scatter(&self.apply(&mean, n_channels), n_channels))
+    }
+
+    /// `LᵀL + diag(extra)`.
+    fn normal_matrix(&self, extra: &[f64]) -> Result<SymmetricMatrix, LinalgError> {
+        let mut entries = Vec::new();
+        for x in 0..self.n() {
+            let (columns, weights) = self.row(x);
+            if columns.is_empty() {
+                continue;
+            }
+            let row: Vec<(u32, f64)> = std::iter::once((x as u32, 1.0))
+                .chain(columns.iter().zip(weights).map(|(&y, &p)| (y, -p)))
+                .collect();
+            for (i, &(a, va)) in row.iter().enumerate() {
+                entries.extend(row[i..].iter().map(|&(b, vb)| (a.min(b), a.max(b), va * vb)));
+            }
+        }
+        Ok(SymmetricMatrix::from_halves(self.n(), &entries)?.plus_diagonal(extra))
+    }
+
+    fn component_without(&self, anchored: &[f64]) -> Option<usize> {
+        let n = self.n();
+        let mut stack: Vec<usize> = (0..n).filter(|&x| anchored[x] > 0.0).collect();
+        let mut reached: Vec<bool> = anchored.iter().map(|&w| w > 0.0).collect();
+        while let Some(x) = stack.pop() {
+            for &y in self.row(x).0 {
+                if !std::mem::replace(&mut reached[y as usize], true) {
+                    stack.push(y as usize);
+                }
+            }
+        }
+        (0..self.weld.n_vertices()).find(|&x| !reached[self.weld.class_of(x)])
+    }
+}
+
+/// A soft constraint: this vertex is wanted at a place of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anchor {
+    /// The vertex, in the order of the shape.
+    pub vertex: usize,
+    /// `w`, relative to the weight 1 of every differential coordinate; > 0.
+    pub weight: f64,
+}
+
+/// `LᵀL + W²` factorised for a set of anchors: each move of them is one solve.
+#[derive(Debug)]
+pub struct Reconstruction<'a> {
+    differential: &'a Differential,
+    anchors: Vec<Anchor>,
+    factor: Ldlt,
+}
+
+impl<'a> Reconstruction<'a> {
+    /// Prepares the reconstruction with `anchors`. One sparse factorisation.
+    ///
+    /// # Errors
+    /// [`DifferentialError`] for an anchor that does not exist, a component without one, or a failed factorisation.
+    pub fn new(differential: &'a Differential, anchors: &[Anchor]) -> Result<Self, DifferentialError> {
+        let n_vertices = differential.weld.n_vertices();
+        let mut squares = vec![0.0; differential.n()];
+        for (index, &Anchor { vertex, weight }) in anchors.iter().enumerate() {
+            if vertex >= n_vertices || !(weight.is_finite() && weight > 0.0) {
+                return Err(DifferentialError::BadAnchor { anchor: index, vertex, weight, n_vertices });
+            }
+            squares[differential.weld.class_of(vertex)] += weight * weight;
+        }
+        if let Some(vertex) = differential.component_without(&squares) {
+            return Err(DifferentialError::NoAnchor { vertex });
+        }
+        let factor = Ldlt::new(&differential.normal_matrix(&squares)?, 0.0)?;
+        Ok(Self { differential, anchors: anchors.to_vec(), factor })
+    }
+
+    /// The signal whose differential coordinates are nearest to `coordinates` (n_vertices × n_channels) with the anchors
+    /// near `targets` (anchors × n_channels); in the order of the shape. Two sweeps through the factor.
+    ///
+    /// # Errors
+    /// [`DifferentialError::Length`].
+    pub fn solve(
+        &self,
+        coordinates: &[f64],
+        targets: &[f64],
+        n_channels: usize,
+    ) -> Result<Vec<f64>, DifferentialError> {
+        let l = self.differential;
+        let delta = l.welded(coordinates, n_channels)?;
+        let expected = self.anchors.len() * n_channels;
+        if targets.len() != expected {
+            return Err(DifferentialError::Length { expected, got: targets.len() });
+        }
+        let mut right = l.apply_transposed(&delta, n_channels);
+        for (anchor, target) in self.anchors.iter().zip(targets.chunks_exact(n_channels)) {
+            let x = l.weld.class_of(anchor.vertex);
+            for (c, &t) in target.iter().enumerate() {
+                right[x * n_channels + c] += anchor.weight * anchor.weight * t;
+            }
+        }
+        let n = l.n();
+        let mut columns: Vec<f64> = (0..n_channels)
+            .flat_map(|c| (0..n).map(move |x| (x, c)))
+            .map(|(x, c)| right[x * n_channels + c])
+            .collect();
+        self.factor.solve_columns(&mut columns);
+        for c in 0..n_channels {
+            for x in 0..n {
+                right[x * n_channels + c] = columns[c * n + x];
+            }
+        }
+        Ok(l.weld.scatter(&right, n_channels))
+    }
+}
+
+#[cfg(test)]
+mod tests;

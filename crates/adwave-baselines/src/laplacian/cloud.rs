@@ -1,0 +1,47 @@
+//! The Laplacian of a point cloud by the heat kernel.
+
+use super::super::vector::{dot, minus};
+use adwave::operator::LocalOperator;
+
+/// `Δ|x − p|² = 4` in a plane.
+const PLANE: f64 = 4.0;
+
+/// Weights `c·A(x)A(y)exp(−‖x−y‖²/4t)` between neighbours, and masses A (Belkin, Sun & Wang, "Constructing Laplace operator
+/// from point clouds in R^d", 2009; the paper's reference 34).
+///
+/// There c is 1/4πt² and all points are neighbours. With the nearest alone the kernel is cut off, so c is chosen such that
+/// `Δ|x − p|² = 4` holds at p, as in a plane, for the median point. A point by itself has the mass 1.
+pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
+    let mut mass = operator.areas.clone();
+    let four_t = 4.0 * operator.time();
+    // Masses in units of their mean: products of two could underflow.
+    let mut unit = mass.iter().sum::<f64>() / mass.len().max(1) as f64;
+    if unit <= 0.0 {
+        mass.fill(1.0);
+        unit = 1.0;
+    }
+    let mut weights = Vec::new();
+    let mut moment = vec![0.0; points.len()];
+    for x in 0..points.len() {
+        for &y in operator.neighbours.of(x).iter().filter(|&&y| y as usize > x) {
+            let d = minus(&points[x], &points[y as usize]);
+            let squared = if four_t > 0.0 { dot(&d, &d) / four_t } else { 0.0 };
+            let weight = mass[x] / unit * (mass[y as usize] / unit) * (-squared).exp();
+            weights.push((x as u32, y, weight));
+            moment[x] += weight * squared;
+            moment[y as usize] += weight * squared;
+        }
+    }
+    let mut ratios: Vec<f64> = moment
+        .iter()
+        .zip(&mass)
+        .filter(|&(&m, &a)| m > 0.0 && a > 0.0)
+        .map(|(m, a)| m / (a / four_t))
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let c = ratios.get(ratios.len() / 2).map_or(1.0, |median| PLANE / median);
+    for e in &mut weights {
+        e.2 *= c;
+    }
+    (weights, mass)
+}

@@ -1,0 +1,172 @@
+//! The Laplacian of a shape: a symmetric stiffness matrix and a mass for each vertex.
+//!
+//! `Δf = M⁻¹ S f` with the sign that makes it positive semi-definite: `fᵀSf` is the Dirichlet energy.
+
+mod cloud;
+mod cotangent;
+mod intrinsic;
+
+use crate::linalg::{LinalgError, SymmetricMatrix};
+use adwave::operator::{OperatorParams, local_operator};
+use adwave::shape::MeshArea;
+use adwave::shape::{Domain, Shape, Weld, WeldMode, mesh_areas};
+
+/// On which triangles of a mesh the cotangents are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Triangulation {
+    /// On the intrinsic Delaunay triangulation of the same surface, where none is negative; degenerate triangles are made
+    /// proper by lengthening all edges by as little as that takes.
+    #[default]
+    IntrinsicDelaunay,
+    /// On the triangles as they are, so that obtuse ones give negative weights; triangles without area are left out.
+    AsGiven,
+}
+
+/// How a Laplacian is built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LaplacianParams {
+    /// Mesh: which triangles.
+    pub triangulation: Triangulation,
+    /// Mesh as given: the mass of a vertex. Intrinsic triangles always give a third of their area to each corner.
+    pub area: MeshArea,
+    /// Whether vertices at equal positions are one.
+    pub weld: WeldMode,
+}
+
+impl LaplacianParams {
+    /// Sets which triangles of a mesh.
+    #[must_use]
+    pub fn with_triangulation(self, triangulation: Triangulation) -> Self {
+        Self { triangulation, ..self }
+    }
+
+    /// Sets the mass of a mesh's vertex.
+    #[must_use]
+    pub fn with_area(self, area: MeshArea) -> Self {
+        Self { area, ..self }
+    }
+
+    /// Sets whether vertices at equal positions are one.
+    #[must_use]
+    pub fn with_weld(self, weld: WeldMode) -> Self {
+        Self { weld, ..self }
+    }
+}
+
+/// What became of the triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LaplacianInfo {
+    /// Edges flipped to reach the intrinsic Delaunay triangulation.
+    pub n_flips: usize,
+    /// Weights that are negative all the same: on edges of three faces, or of two that disagree on the orientation.
+    pub n_negative: usize,
+    /// By how much every edge was lengthened, in model units; 0 without degenerate triangles.
+    pub lengthened: f64,
+    /// Vertices without mass, which belong to no surface.
+    pub n_massless: usize,
+}
+
+/// Stiffness and mass of a shape, in the order of the analysis (`weld` maps the shape's vertices onto it).
+///
+/// ```
+/// use adwave::shape::{Mesh, Polygons, Shape};
+/// use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+/// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(square, Polygons::from_triangles(&[[0, 1, 2], [0, 2, 3]]))?;
+/// let laplacian = Laplacian::new(&Shape::Mesh(mesh), &LaplacianParams::default())?;
+/// assert!((laplacian.mass.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+/// assert!(laplacian.stiffness.product(&[1.0; 4]).iter().all(|v| v.abs() < 1e-15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Laplacian {
+    /// S: symmetric, positive semi-definite, rows summing to 0, without unit on a surface.
+    pub stiffness: SymmetricMatrix,
+    /// The diagonal of M, ≥ 0, in squared model units (1 for a graph).
+    pub mass: Vec<f64>,
+    /// From the shape's vertices to the rows here.
+    pub weld: Weld,
+    /// What became of the triangles.
+    pub info: LaplacianInfo,
+}
+
+impl Laplacian {
+    /// The Laplacian of `shape`: cotangents on a mesh, heat kernel on a cloud, `D − W` on a graph. O(n log n).
+    ///
+    /// # Errors
+    /// [`LinalgError`] where weights overflow.
+    pub fn new(shape: &Shape, params: &LaplacianParams) -> Result<Self, LinalgError> {
+        let domain = Domain::new(shape, params.weld);
+        let n = domain.n_vertices();
+        let mut info = LaplacianInfo::default();
+        let (entries, mass) = match shape {
+            Shape::Mesh(_) => {
+                let (points, unit) = unit_points(&domain.points);
+                let (entries, mut mass) = match params.triangulation {
+                    Triangulation::AsGiven => {
+                        let entries = cotangent::as_given(&points, &domain.triangles);
+                        (entries, mesh_areas(&points, &domain.triangles, params.area))
+                    }
+                    Triangulation::IntrinsicDelaunay => {
+                        intrinsic::delaunay(&points, &domain.triangles, unit, &mut info)
+                    }
+                };
+                for m in &mut mass {
+                    *m *= unit * unit;
+                }
+                (entries, mass)
+            }
+            Shape::Cloud(_) => {
+                let params = OperatorParams::default().with_weld(params.weld);
+                cloud::heat_kernel(&domain.points, &local_operator(shape, &domain, &params))
+            }
+            Shape::Graph(graph) => {
+                let class = |u: u32| domain.weld.class_of(u as usize) as u32;
+                let edges = (0..n as u32).flat_map(|u| {
+                    let later = graph.neighbours(u as usize).filter(move |&(v, _)| v > u);
+                    later.map(move |(v, w)| (class(u), class(v), w))
+                });
+                (edges.collect(), vec![1.0; n])
+            }
+        };
+        let stiffness = from_weights(n, &entries)?;
+        info.n_negative = count_negative(&stiffness);
+        info.n_massless = mass.iter().filter(|&&m| m <= 0.0).count();
+        Ok(Self { stiffness, mass, weld: domain.weld, info })
+    }
+
+    /// Number of rows.
+    pub fn n(&self) -> usize {
+        self.mass.len()
+    }
+}
+
+/// `S = Σ w (e_x − e_y)(e_x − e_y)ᵀ`.
+fn from_weights(n: usize, edges: &[(u32, u32, f64)]) -> Result<SymmetricMatrix, LinalgError> {
+    let off: Vec<_> = edges.iter().filter(|e| e.0 != e.1).map(|&(x, y, w)| (x, y, -w)).collect();
+    let off = SymmetricMatrix::from_halves(n, &off)?;
+    // The diagonal from the summed row, so that rows sum to 0 as well as they can.
+    let diagonal: Vec<f64> = (0..n).map(|x| -off.row(x).1.iter().sum::<f64>()).collect();
+    Ok(off.plus_diagonal(&diagonal))
+}
+
+fn count_negative(stiffness: &SymmetricMatrix) -> usize {
+    let rounding = 1e-12;
+    (0..stiffness.n())
+        .map(|x| {
+            let (columns, values) = stiffness.row(x);
+            let above = columns.iter().zip(values).filter(|&(&y, &s)| y as usize > x && s > rounding);
+            above.count()
+        })
+        .sum()
+}
+
+/// The positions in units of about the diagonal, a power of two, so that squares neither overflow nor vanish.
+fn unit_points(points: &[[f64; 3]]) -> (Vec<[f64; 3]>, f64) {
+    let diagonal = adwave::shape::diagonal(points);
+    let unit = if diagonal > 0.0 { diagonal.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 };
+    (points.iter().map(|p| p.map(|c| c / unit)).collect(), unit)
+}
+
+#[cfg(test)]
+mod tests;

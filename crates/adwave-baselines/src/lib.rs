@@ -1,0 +1,15 @@
+//! What adwave is compared with, each built as well as its own literature asks.
+
+pub mod compare;
+pub mod differential;
+pub mod feature_map;
+pub mod harmonics;
+pub mod laplacian;
+pub mod lee;
+pub mod linalg;
+pub mod line;
+pub mod multiscale;
+pub mod sgwt;
+pub mod signature;
+pub mod taubin;
+mod vector;

@@ -1,0 +1,326 @@
+//! Block Lanczos with full reorthogonalisation and thick restarts, on `(A − σI)⁻¹`.
+//!
+//! A basis V of the block Krylov space and the whole of `T = Vᵀ(A − σI)⁻¹V` are kept, so that a restart with the best
+//! Ritz vectors (Wu & Simon, "Thick-restart Lanczos method for large symmetric eigenvalue problems", SIAM J. Matrix
+//! Anal. Appl. 22, 2000) needs no special case. Blocks make the reorthogonalisation a product of matrices and the
+//! solves share one pass through the factor; they also find multiple eigenvalues. faer has a partial eigensolver of its
+//! own, but on some inputs it does not return.
+
+use super::ldlt::Ldlt;
+use super::panel::{Panel, add_product, gram, norm};
+use super::{LinalgError, symmetric_eigen};
+use adwave::Progress;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+/// Vectors of a block: two groups of the factor's lanes, for two threads.
+const BLOCK: usize = 16;
+/// A vector whose norm falls below this part of itself by orthogonalisation was dependent on the others.
+const DEPENDENT: f64 = 1e-11;
+
+/// Which eigenpairs are wanted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// Exactly so many below σ: no fewer exist among those not locked.
+    pub(super) below: usize,
+    /// At least so many next above σ, as far as there are any.
+    pub(super) above: usize,
+    /// Largest `‖(A−σI)⁻¹x − θx‖ / |θ|`.
+    pub(super) tolerance: f64,
+    /// Most solves.
+    pub(super) max_solves: usize,
+}
+
+/// Converged eigenpairs, by rising eigenvalue.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) values: Vec<f64>,
+    pub(super) vectors: Panel,
+    pub(super) solves: usize,
+    pub(super) restarts: usize,
+}
+
+/// The eigenpairs of A nearest to the shift of `factor`, orthogonal to the orthonormal columns of `locked`.
+pub(super) fn nearest_eigenpairs(
+    factor: &Ldlt,
+    locked: &Panel,
+    wanted: Wanted,
+    progress: Progress<'_>,
+) -> Result<Found, LinalgError> {
+    let n = factor.n();
+    let room = n - locked.n_columns().min(n);
+    let count = (wanted.below + wanted.above).min(room);
+    let mut state = State {
+        factor,
+        locked,
+        basis: Panel::new(n),
+        t: Vec::new(),
+        block_start: 0,
+        random: Pcg64::new(0x5eed, 0xada),
+        solves: 0,
+    };
+    if count == 0 {
+        return Ok(Found { values: Vec::new(), vectors: Panel::new(n), solves: 0, restarts: 0 });
+    }
+    let most = (2 * count + 12 * BLOCK).min(room);
+    let mut first = vec![0.0; n * BLOCK.min(room)];
+    state.fill_random(&mut first);
+    let _ = state.project(&mut first);
+    let kept = state.orthonormalise(&mut first).len() / BLOCK.min(room);
+    first.truncate(kept * n);
+    state.basis.values.extend(first);
+    let mut check_at = count + 4 * BLOCK;
+    let mut restarts = 0;
+    loop {
+        progress.step(state.solves as u64, wanted.max_solves as u64)?;
+        let (next, coupling) = state.expand();
+        let size = state.basis.n_columns();
+        let exhausted = next.is_empty();
+        let out_of_solves = state.solves >= wanted.max_solves;
+        if exhausted || out_of_solves || size >= check_at.min(most) {
+            let ritz = state.ritz(&coupling)?;
+            let chosen = choose(&ritz, factor.shift(), wanted, room, exhausted);
+            let (below, above) = (chosen.below.len(), chosen.above.len());
+            if exhausted || (below >= wanted.below && above >= wanted.above) {
+                return Ok(state.found(&ritz, &chosen, restarts));
+            }
+            if out_of_solves {
+                return Err(LinalgError::NotConverged {
+                    found: below + above,
+                    wanted: count,
+                    solves: state.solves,
+                });
+            }
+            if size + next.len() / n > most {
+                // Half of what is not yet needed is kept besides what is: enough to keep the speed of convergence.
+                let keep = (count + (size - count.min(size)) / 3).min(size.saturating_sub(2 * BLOCK)).max(1);
+                state.restart(&ritz, keep);
+                restarts += 1;
+            }
+            check_at = state.basis.n_columns() + (size / 10).max(2 * BLOCK);
+        }
+        state.block_start = state.basis.n_columns();
+        state.basis.values.extend(next);
+    }
+}
+
+struct State<'a> {
+    factor: &'a Ldlt,
+    locked: &'a Panel,
+    basis: Panel,
+    /// T, a column each.
+    t: Vec<Vec<f64>>,
+    /// Where the newest block of the basis starts.
+    block_start: usize,
+    random: Pcg64,
+    solves: usize,
+}
+
+/// Eigenpairs of T.
+struct Ritz {
+    theta: Vec<f64>,
+    y: Vec<f64>,
+    size: usize,
+    residual: Vec<f64>,
+}
+
+struct Chosen {
+    below: Vec<usize>,
+    above: Vec<usize>,
+}
+
+impl State<'_> {
+    fn fill_random(&mut self, columns: &mut [f64]) {
+        for v in columns {
+            *v = StandardNormal.sample(&mut self.random);
+        }
+    }
+
+    /// Takes out of `w` its part in the locked vectors and the basis, twice; gives that in the basis.
+    fn project(&self, w: &mut [f64]) -> Vec<f64> {
+        let n = self.basis.n;
+        let mut h = vec![0.0; self.basis.n_columns() * (w.len() / n)];
+        for _ in 0..2 {
+            let inside = gram(n, &self.locked.values, w);
+            add_product(n, w, -1.0, &self.locked.values, &inside);
+            let inside = gram(n, &self.basis.values, w);
+            add_product(n, w, -1.0, &self.basis.values, &inside);
+            for (h, v) in h.iter_mut().zip(inside) {
+                *h += v;
+            }
+        }
+        h
+    }
+
+    /// Multiplies the newest block by the inverse, fills in T, and gives the next block with its coupling to this one.
+    fn expand(&mut self) -> (Vec<f64>, Vec<f64>) {
+        let n = self.basis.n;
+        let size = self.basis.n_columns();
+        let width = size - self.block_start;
+        let mut w = self.basis.columns(self.block_start..size).to_vec();
+        self.factor.solve_columns(&mut w);
+        self.solves += width;
+        let h = self.project(&mut w);
+        for column in &mut self.t {
+            column.resize(size, 0.0);
+        }
+        for c in 0..width {
+            let column = h[c * size..][..size].to_vec();
+            let j = self.block_start + c;
+            for (i, &value) in column.iter().enumerate().take(self.block_start) {
+                self.t[i][j] = value;
+            }
+            self.t.push(column);
+        }
+        let coupling = self.orthonormalise(&mut w);
+        let kept = coupling.len() / width.max(1);
+        w.truncate(kept * n);
+        (w, coupling)
+    }
+
+    /// Makes the columns of `w` orthonormal, already orthogonal to the basis, and gives R with `w_before = w R`, rows × columns, row-major.
+    /// Dependent columns are replaced by random ones; where the space is exhausted, rows are missing and `w` has columns
+    /// too many.
+    fn orthonormalise(&mut self, w: &mut [f64]) -> Vec<f64> {
+        let n = self.basis.n;
+        let width = w.len() / n;
+        let mut r: Vec<Vec<f64>> = Vec::new();
+        let largest = w.chunks_exact(n).map(norm).fold(0.0, f64::max);
+        let mut kept = 0;
+        for j in 0..width {
+            w.copy_within(j * n..(j + 1) * n, kept * n);
+            let (before, rest) = w.split_at_mut(kept * n);
+            let column = &mut rest[..n];
+            let (inside, length) = gram_schmidt(n, before, column);
+            for (row, value) in r.iter_mut().zip(&inside) {
+                row[j] = *value;
+            }
+            if length > DEPENDENT * largest && length > 0.0 {
+                let mut row = vec![0.0; width];
+                row[j] = length;
+                for v in column.iter_mut() {
+                    *v /= length;
+                }
+                // What was left over small has lost its orthogonality to the basis.
+                if length < 1e-4 * largest && !self.renew(w, kept) {
+                    continue;
+                }
+                r.push(row);
+                kept += 1;
+            } else {
+                self.fill_random(&mut w[kept * n..(kept + 1) * n]);
+                if self.renew(w, kept) {
+                    r.push(vec![0.0; width]);
+                    kept += 1;
+                }
+            }
+        }
+        r.concat()
+    }
+
+    /// Orthogonalises column `at` of `w` against everything once more; false where nothing of it is left.
+    fn renew(&self, w: &mut [f64], at: usize) -> bool {
+        let n = self.basis.n;
+        let (before, rest) = w.split_at_mut(at * n);
+        let column = &mut rest[..n];
+        for _ in 0..2 {
+            let start = norm(column);
+            if start == 0.0 {
+                return false;
+            }
+            for v in column.iter_mut() {
+                *v /= start;
+            }
+            let _ = self.project(column);
+            let (_, length) = gram_schmidt(n, before, column);
+            if length <= DEPENDENT {
+                return false;
+            }
+            for v in column.iter_mut() {
+                *v /= length;
+            }
+        }
+        true
+    }
+
+    fn ritz(&self, coupling: &[f64]) -> Result<Ritz, LinalgError> {
+        let size = self.t.len();
+        let mut t = vec![0.0; size * size];
+        for (j, column) in self.t.iter().enumerate() {
+            for (i, &value) in column.iter().enumerate() {
+                t[j * size + i] = 0.5 * (value + self.t[i][j]);
+            }
+        }
+        let (theta, y) = symmetric_eigen(&t, size)?;
+        let width = size - self.block_start;
+        let residual = (0..size)
+            .map(|i| {
+                let last = &y[i * size + self.block_start..(i + 1) * size];
+                let squares = coupling
+                    .chunks_exact(width)
+                    .map(|row| row.iter().zip(last).map(|(a, b)| a * b).sum::<f64>().powi(2));
+                squares.sum::<f64>().sqrt()
+            })
+            .collect();
+        Ok(Ritz { theta, y, size, residual })
+    }
+
+    fn restart(&mut self, ritz: &Ritz, keep: usize) {
+        let mut order: Vec<usize> = (0..ritz.size).collect();
+        order.sort_by(|&a, &b| ritz.theta[b].abs().total_cmp(&ritz.theta[a].abs()));
+        order.truncate(keep);
+        self.basis = self.combine(ritz, &order);
+        self.t = (0..keep)
+            .map(|j| (0..keep).map(|i| if i == j { ritz.theta[order[j]] } else { 0.0 }).collect())
+            .collect();
+    }
+
+    /// Ritz vectors.
+    fn combine(&self, ritz: &Ritz, which: &[usize]) -> Panel {
+        let n = self.basis.n;
+        let y: Vec<f64> =
+            which.iter().flat_map(|&i| ritz.y[i * ritz.size..(i + 1) * ritz.size].iter().copied()).collect();
+        let mut values = vec![0.0; n * which.len()];
+        add_product(n, &mut values, 1.0, self.basis.columns(0..ritz.size), &y);
+        Panel { n, values }
+    }
+
+    fn found(&self, ritz: &Ritz, chosen: &Chosen, restarts: usize) -> Found {
+        let which: Vec<usize> = chosen.below.iter().rev().chain(&chosen.above).copied().collect();
+        Found {
+            values: which.iter().map(|&i| self.factor.shift() + 1.0 / ritz.theta[i]).collect(),
+            vectors: self.combine(ritz, &which),
+            solves: self.solves,
+            restarts,
+        }
+    }
+}
+
+/// Which Ritz pairs are eigenpairs: outwards from σ, as far as all have converged.
+fn choose(ritz: &Ritz, shift: f64, wanted: Wanted, room: usize, exhausted: bool) -> Chosen {
+    let is_good = |i: &usize| exhausted || ritz.residual[*i] <= wanted.tolerance * ritz.theta[*i].abs();
+    let mut above: Vec<usize> = (0..ritz.size).filter(|&i| ritz.theta[i] > 0.0).collect();
+    let mut below: Vec<usize> = (0..ritz.size).filter(|&i| ritz.theta[i] < 0.0).collect();
+    above.sort_by(|&a, &b| ritz.theta[b].total_cmp(&ritz.theta[a]));
+    below.sort_by(|&a, &b| ritz.theta[a].total_cmp(&ritz.theta[b]));
+    let mut above: Vec<usize> = above.into_iter().take_while(is_good).collect();
+    // Below, the count is known; a Ritz value beyond it is not yet an eigenvalue.
+    let mut below: Vec<usize> = below.into_iter().take_while(is_good).collect();
+    below.truncate(wanted.below);
+    above.truncate(room - below.len());
+    debug_assert!(shift.is_finite());
+    Chosen { below, above }
+}
+
+/// Takes out of `column` its part in the orthonormal `before`, twice; gives that part and the norm of what is left.
+fn gram_schmidt(n: usize, before: &[f64], column: &mut [f64]) -> (Vec<f64>, f64) {
+    let mut inside = vec![0.0; before.len() / n];
+    for _ in 0..2 {
+        let part = gram(n, before, column);
+        add_product(n, column, -1.0, before, &part);
+        for (sum, p) in inside.iter_mut().zip(part) {
+            *sum += p;
+        }
+    }
+    (inside, norm(column))
+}

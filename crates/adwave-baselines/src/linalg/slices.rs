@@ -1,0 +1,195 @@
+//! The smallest eigenpairs of one connected matrix, band by band, each band certified by a count.
+//!
+//! By Sylvester's law the factorisation of `A − σI` says how many eigenvalues lie below σ, so that none can be missed
+//! (spectrum slicing; Vallet & Lévy, "Spectral geometry processing with manifold harmonics", CGF 27, 2008, go band by
+//! band likewise, without the count).
+
+use super::lanczos::{Wanted, nearest_eigenpairs};
+use super::ldlt::{Ldlt, Pattern};
+use super::panel::Panel;
+use super::{EigenParams, LinalgError, SymmetricMatrix};
+use adwave::Progress;
+
+/// A solve with an indefinite factor is good when its relative residual is below this.
+const GOOD_SOLVE: f64 = 1e-7;
+/// Shifts tried for one band.
+const MAX_TRIES: usize = 12;
+
+/// What is known of the spectrum so far: all below `certified` is known.
+pub(super) struct Known {
+    pub(super) values: Vec<f64>,
+    pub(super) vectors: Panel,
+    pub(super) solves: usize,
+    pub(super) restarts: usize,
+    pub(super) factorisations: usize,
+}
+
+impl Known {
+    /// Puts further eigenpairs among those known, by rising eigenvalue.
+    fn insert(&mut self, values: &[f64], vectors: &Panel) {
+        let mut all: Vec<(f64, bool, usize)> =
+            self.values.iter().enumerate().map(|(i, &v)| (v, false, i)).collect();
+        all.extend(values.iter().enumerate().map(|(i, &v)| (v, true, i)));
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut merged = Panel::new(self.vectors.n);
+        merged.values.reserve(all.len() * merged.n);
+        for &(_, is_new, i) in &all {
+            merged.values.extend_from_slice(if is_new { vectors.column(i) } else { self.vectors.column(i) });
+        }
+        self.vectors = merged;
+        self.values = all.into_iter().map(|e| e.0).collect();
+    }
+
+    fn count_below(&self, shift: f64) -> usize {
+        self.values.partition_point(|&v| v < shift)
+    }
+}
+
+/// The `k` smallest eigenpairs of a positive semi-definite `matrix`; `null` is a unit null vector where one is known.
+pub(super) fn smallest_connected(
+    matrix: &SymmetricMatrix,
+    null: Option<&[f64]>,
+    k: usize,
+    params: &EigenParams,
+    progress: Progress<'_>,
+) -> Result<Known, LinalgError> {
+    let n = matrix.n();
+    let pattern = Pattern::new(matrix)?;
+    let mut known =
+        Known { values: Vec::new(), vectors: Panel::new(n), solves: 0, restarts: 0, factorisations: 0 };
+    if let Some(null) = null {
+        known.values.push(0.0);
+        known.vectors.values.extend_from_slice(null);
+    }
+    let mean_diagonal = matrix.diagonal().iter().sum::<f64>() / n as f64;
+    // Far below the first eigenvalue of anything that is two-dimensional, far above rounding.
+    let bottom = -0.1 * mean_diagonal / n as f64;
+    let max_solves = params.max_solves_per_pair.saturating_mul(k).saturating_add(1000);
+    let max_slices = 8 + 8 * k / params.band.max(1);
+    let mut density = 0.0; // eigenvalues per unit of λ, of the newest band
+    for slice in 0..max_slices {
+        let certifying = known.values.len() >= k;
+        let (factor, missing) = if slice == 0 {
+            let factor = Ldlt::with_pattern(&pattern, matrix, bottom)?;
+            known.factorisations += 1;
+            let negative = factor.n_below();
+            if negative > 0 {
+                return Err(LinalgError::Factorise {
+                    shift: bottom,
+                    what: format!("it has {negative} negative eigenvalues where none are expected"),
+                });
+            }
+            (factor, 0)
+        } else {
+            let target =
+                if certifying { gap_above(&known.values, k) } else { next_shift(&known, k, density, params) };
+            factor_at(matrix, &pattern, &mut known, target, params)?
+        };
+        if certifying && missing == 0 {
+            known.values.truncate(k);
+            known.vectors.truncate(k);
+            return Ok(known);
+        }
+        let top = known.values.last().copied().unwrap_or(0.0);
+        let still = k.saturating_sub(known.values.len() + missing);
+        let wanted = Wanted {
+            below: missing,
+            above: if certifying {
+                0
+            } else {
+                (still + 2).min(params.band).min(n - known.values.len() - missing)
+            },
+            tolerance: params.tolerance,
+            max_solves: max_solves.saturating_sub(known.solves),
+        };
+        let found = nearest_eigenpairs(&factor, &known.vectors, wanted, progress)?;
+        known.solves += found.solves;
+        known.restarts += found.restarts;
+        known.insert(&found.values, &found.vectors);
+        let new_top = known.values.last().copied().unwrap_or(0.0);
+        if new_top > top {
+            density = found.values.len() as f64 / (new_top - top);
+        }
+        if known.values.len() == n {
+            known.values.truncate(k);
+            known.vectors.truncate(k);
+            return Ok(known);
+        }
+    }
+    Err(LinalgError::NotConverged { found: known.values.len(), wanted: k, solves: known.solves })
+}
+
+/// A shift above the `k`-th eigenvalue, in the widest gap that is known there.
+fn gap_above(values: &[f64], k: usize) -> f64 {
+    let last = values[values.len() - 1];
+    let widest = (k..values.len())
+        .max_by(|&a, &b| (values[a] - values[a - 1]).total_cmp(&(values[b] - values[b - 1])).then(b.cmp(&a)));
+    match widest {
+        Some(i) if values[i] > values[i - 1] * (1.0 + 1e-9) => 0.5 * (values[i - 1] + values[i]),
+        _ => last + 1e-6 * last.abs().max(f64::MIN_POSITIVE),
+    }
+}
+
+/// A shift that has about half a band between itself and what is known.
+fn next_shift(known: &Known, k: usize, density: f64, params: &EigenParams) -> f64 {
+    let top = known.values.last().copied().unwrap_or(0.0);
+    let half = 0.5 * (k - known.values.len()).min(params.band) as f64;
+    if density > 0.0 { top + (half + 1.0) / density } else { 2.0 * top.max(f64::MIN_POSITIVE) }
+}
+
+/// Factorises at about `target` and says how many eigenvalues below it are not known. Moves the shift where it hits an
+/// eigenvalue, and lowers it where the band below would be too large.
+fn factor_at(
+    matrix: &SymmetricMatrix,
+    pattern: &Pattern,
+    known: &mut Known,
+    target: f64,
+    params: &EigenParams,
+) -> Result<(Ldlt, usize), LinalgError> {
+    let top = known.values.last().copied().unwrap_or(0.0);
+    let mut shift = target;
+    let mut last_error = None;
+    for attempt in 1..=MAX_TRIES {
+        let nudge = 1.0 + 1e-5 * attempt as f64;
+        known.factorisations += 1;
+        let factor = match Ldlt::with_pattern(pattern, matrix, shift) {
+            Ok(factor) => factor,
+            Err(error) => {
+                last_error = Some(error);
+                shift *= nudge;
+                continue;
+            }
+        };
+        let (count, below) = (factor.n_below(), known.count_below(shift));
+        if count < below || !solves_well(matrix, &factor) {
+            shift *= nudge;
+            continue;
+        }
+        if count - below > 2 * params.band && shift > top {
+            shift = top + 0.5 * (shift - top);
+            continue;
+        }
+        return Ok((factor, count - below));
+    }
+    Err(last_error.unwrap_or(LinalgError::Factorise {
+        shift,
+        what: format!("no shift near it gave a stable factor in {MAX_TRIES} tries"),
+    }))
+}
+
+/// Whether a solve with an indefinite factor, which has no pivoting, is accurate.
+fn solves_well(matrix: &SymmetricMatrix, factor: &Ldlt) -> bool {
+    let n = matrix.n();
+    // Any vector with a part in all directions will do.
+    let b: Vec<f64> = (0..n).map(|i| 1.0 + ((i as f64) * 0.754_877_666).fract()).collect();
+    let mut x = b.clone();
+    factor.solve_columns(&mut x);
+    let ax = matrix.product(&x);
+    let (mut error, mut size) = (0.0_f64, 0.0_f64);
+    for i in 0..n {
+        let r = ax[i] - factor.shift() * x[i] - b[i];
+        error += r * r;
+        size += ax[i] * ax[i] + b[i] * b[i];
+    }
+    error.is_finite() && error.sqrt() <= GOOD_SOLVE * size.sqrt()
+}

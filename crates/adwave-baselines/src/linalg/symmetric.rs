@@ -1,0 +1,231 @@
+//! Symmetric sparse matrices in compressed rows.
+
+use super::LinalgError;
+use rayon::prelude::*;
+
+/// Rows that a thread takes at a time.
+const ROWS_AT_A_TIME: usize = 2048;
+
+/// A symmetric matrix with both halves stored, each row by rising column, the diagonal always present.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SymmetricMatrix {
+    offsets: Vec<usize>,
+    columns: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl SymmetricMatrix {
+    /// The matrix of `n` rows with `Σ value` at `(row, column)` and `(column, row)`: each entry off the diagonal is given
+    /// once, in either half; entries given several times are summed. O(entries · log).
+    ///
+    /// # Errors
+    /// [`LinalgError::OutOfRange`], [`LinalgError::NotFinite`].
+    ///
+    /// ```
+    /// use adwave_baselines::linalg::SymmetricMatrix;
+    /// let path = SymmetricMatrix::from_halves(2, &[(0, 0, 1.0), (1, 1, 1.0), (0, 1, -1.0)])?;
+    /// assert_eq!(path.product(&[3.0, 1.0]), [2.0, -2.0]);
+    /// # Ok::<(), adwave_baselines::linalg::LinalgError>(())
+    /// ```
+    pub fn from_halves(n: usize, entries: &[(u32, u32, f64)]) -> Result<Self, LinalgError> {
+        let mut all = Vec::with_capacity(2 * entries.len() + n);
+        for &(row, column, value) in entries {
+            let (r, c) = (row as usize, column as usize);
+            if r >= n || c >= n {
+                return Err(LinalgError::OutOfRange { row: r, column: c, n });
+            }
+            if !value.is_finite() {
+                return Err(LinalgError::NotFinite { row: r, column: c, value });
+            }
+            all.push((row, column, value));
+            if row != column {
+                all.push((column, row, value));
+            }
+        }
+        all.extend((0..n as u32).map(|x| (x, x, 0.0)));
+        // Stable, so that both halves sum in the same order and stay equal to the last bit.
+        all.par_sort_by_key(|e| (e.0, e.1));
+        let mut matrix = Self { offsets: vec![0; n + 1], columns: Vec::new(), values: Vec::new() };
+        let mut last = None;
+        for (row, column, value) in all {
+            if last == Some((row, column)) {
+                *matrix.values.last_mut().expect("the entry before this one") += value;
+            } else {
+                matrix.columns.push(column);
+                matrix.values.push(value);
+                matrix.offsets[row as usize + 1] += 1;
+                last = Some((row, column));
+            }
+        }
+        for x in 0..n {
+            matrix.offsets[x + 1] += matrix.offsets[x];
+        }
+        Ok(matrix)
+    }
+
+    /// Number of rows.
+    pub fn n(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Number of stored entries, both halves and the diagonal.
+    pub fn nnz(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Row `x`: columns by rising index, and values.
+    pub fn row(&self, x: usize) -> (&[u32], &[f64]) {
+        let range = self.offsets[x]..self.offsets[x + 1];
+        (&self.columns[range.clone()], &self.values[range])
+    }
+
+    /// The entry at (`x`, `y`), 0 where none is stored.
+    pub fn get(&self, x: usize, y: usize) -> f64 {
+        let (columns, values) = self.row(x);
+        columns.binary_search(&(y as u32)).map_or(0.0, |k| values[k])
+    }
+
+    /// The diagonal.
+    pub fn diagonal(&self) -> Vec<f64> {
+        (0..self.n()).map(|x| self.get(x, x)).collect()
+    }
+
+    /// `y = A x`. O(entries).
+    pub fn product(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        self.product_into(x, &mut y, 1);
+        y
+    }
+
+    /// `y = A x` for `n_channels` channels, n × n_channels row-major. O(entries × channels).
+    ///
+    /// # Panics
+    /// Unless `x` and `y` are both n × n_channels.
+    pub fn product_into(&self, x: &[f64], y: &mut [f64], n_channels: usize) {
+        assert_eq!(x.len(), self.n() * n_channels, "x is n × n_channels");
+        assert_eq!(y.len(), x.len(), "y is as long as x");
+        match n_channels {
+            0 => {}
+            1 => self.product_fixed::<1>(x, y),
+            3 => self.product_fixed::<3>(x, y),
+            8 => self.product_fixed::<8>(x, y),
+            d => y.par_chunks_mut(ROWS_AT_A_TIME * d).enumerate().for_each(|(chunk, rows)| {
+                for (r, out) in rows.chunks_exact_mut(d).enumerate() {
+                    out.fill(0.0);
+                    let (columns, values) = self.row(chunk * ROWS_AT_A_TIME + r);
+                    for (&column, &a) in columns.iter().zip(values) {
+                        for (out, &x) in out.iter_mut().zip(&x[column as usize * d..][..d]) {
+                            *out += a * x;
+                        }
+                    }
+                }
+            }),
+        }
+    }
+
+    fn product_fixed<const D: usize>(&self, x: &[f64], y: &mut [f64]) {
+        let x = x.as_chunks::<D>().0;
+        y.as_chunks_mut::<D>().0.par_chunks_mut(ROWS_AT_A_TIME).enumerate().for_each(|(chunk, rows)| {
+            for (r, out) in rows.iter_mut().enumerate() {
+                let (columns, values) = self.row(chunk * ROWS_AT_A_TIME + r);
+                *out = [0.0; D];
+                for (&column, &a) in columns.iter().zip(values) {
+                    let x = &x[column as usize];
+                    for c in 0..D {
+                        out[c] += a * x[c];
+                    }
+                }
+            }
+        });
+    }
+
+    /// `D A D` for the diagonal matrix D of `scale`. O(entries).
+    ///
+    /// # Panics
+    /// Unless there is one factor a row.
+    #[must_use]
+    pub fn scaled(&self, scale: &[f64]) -> Self {
+        assert_eq!(scale.len(), self.n(), "one factor a row");
+        let mut scaled = self.clone();
+        for x in 0..self.n() {
+            for k in self.offsets[x]..self.offsets[x + 1] {
+                // Grouped so that both halves round alike.
+                scaled.values[k] *= scale[x] * scale[self.columns[k] as usize];
+            }
+        }
+        scaled
+    }
+
+    /// `A + D` for the diagonal matrix D of `diagonal`. O(entries).
+    ///
+    /// # Panics
+    /// Unless there is one value a row.
+    #[must_use]
+    pub fn plus_diagonal(&self, diagonal: &[f64]) -> Self {
+        assert_eq!(diagonal.len(), self.n(), "one value a row");
+        let mut sum = self.clone();
+        for (x, &d) in diagonal.iter().enumerate() {
+            let (start, (columns, _)) = (self.offsets[x], self.row(x));
+            let k = columns.binary_search(&(x as u32)).expect("the diagonal is stored");
+            sum.values[start + k] += d;
+        }
+        sum
+    }
+
+    /// The component that each row belongs to by its nonzero entries, numbered from 0, and how many there are.
+    pub fn components(&self) -> (Vec<u32>, usize) {
+        let mut label = vec![u32::MAX; self.n()];
+        let (mut stack, mut count) = (Vec::new(), 0);
+        for start in 0..self.n() {
+            if label[start] != u32::MAX {
+                continue;
+            }
+            label[start] = count;
+            stack.push(start);
+            while let Some(x) = stack.pop() {
+                let (columns, values) = self.row(x);
+                for (&y, &a) in columns.iter().zip(values) {
+                    if a != 0.0 && label[y as usize] == u32::MAX {
+                        label[y as usize] = count;
+                        stack.push(y as usize);
+                    }
+                }
+            }
+            count += 1;
+        }
+        (label, count as usize)
+    }
+
+    /// The rows and columns `kept` (rising) as a matrix of their own. O(entries).
+    pub(crate) fn restricted(&self, kept: &[u32]) -> Self {
+        let mut place = vec![u32::MAX; self.n()];
+        for (new, &old) in kept.iter().enumerate() {
+            place[old as usize] = new as u32;
+        }
+        let mut part = Self { offsets: vec![0], columns: Vec::new(), values: Vec::new() };
+        for &old in kept {
+            let (columns, values) = self.row(old as usize);
+            for (&column, &value) in columns.iter().zip(values) {
+                if place[column as usize] != u32::MAX {
+                    part.columns.push(place[column as usize]);
+                    part.values.push(value);
+                }
+            }
+            part.offsets.push(part.columns.len());
+        }
+        part
+    }
+
+    /// All entries as a dense matrix, column-major.
+    pub(crate) fn to_dense(&self) -> Vec<f64> {
+        let n = self.n();
+        let mut dense = vec![0.0; n * n];
+        for x in 0..n {
+            let (columns, values) = self.row(x);
+            for (&y, &a) in columns.iter().zip(values) {
+                dense[x * n + y as usize] = a;
+            }
+        }
+        dense
+    }
+}

@@ -1,0 +1,247 @@
+//! The three kinds of wavelets side by side, as in Fig. 2 and Table 1 of the paper, in numbers.
+
+use crate::multiscale::{
+    BiorthogonalDiffusionWavelets, DiffusionWavelets, Locality, MultiscaleError, MultiscaleParams, locality,
+};
+use adwave::Decomposer;
+use adwave::Progress;
+use adwave::operator::OperatorParams;
+use adwave::shape::Shape;
+use std::time::Instant;
+
+/// One kind of wavelets on one level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineCase {
+    /// DW, BDW or ADW.
+    pub name: &'static str,
+    /// The level.
+    pub level: usize,
+    /// Number of scaling functions.
+    pub count: usize,
+    /// Means over all scaling functions.
+    pub scaling: MeanLocality,
+    /// Means over all wavelets.
+    pub wavelet: MeanLocality,
+    /// Means over all duals, where there are any.
+    pub dual: Option<MeanLocality>,
+    /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|`, with φ̃ = φ where there is no dual, each φ of unit length.
+    pub defect: f64,
+    /// Largest error of a signal that is taken apart on all levels up to this one and put together.
+    pub error: f64,
+    /// How long putting together takes, once everything is prepared.
+    pub seconds: f64,
+    /// The scaling function that peaks nearest to the middle vertex.
+    pub middle_scaling: Vec<f64>,
+    /// The wavelet that peaks nearest to the middle vertex.
+    pub middle_wavelet: Vec<f64>,
+}
+
+/// Means of [`Locality`] over several functions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeanLocality {
+    /// Mean of the support.
+    pub support: f64,
+    /// Largest of the means.
+    pub mean: f64,
+}
+
+/// DW, BDW and ADW of `shape`'s walk on each of `levels`. ADW's functions are the rows of Φ_j and Ψ_j (eq. 4–8), at every
+/// vertex; those of the others are as many as the rank.
+///
+/// # Errors
+/// [`MultiscaleError`] where the walk is too large or not reversible.
+pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, MultiscaleError> {
+    let decomposer = Decomposer::new(shape, &OperatorParams::default());
+    let (walk, weld) = (decomposer.diffusion(), &decomposer.domain().weld);
+    let n = walk.n_vertices();
+    let top = levels.iter().copied().max().unwrap_or(1);
+    let params = MultiscaleParams::default().with_levels(top);
+    let dw = DiffusionWavelets::new(walk, &params, Progress::none())?;
+    let bdw = BiorthogonalDiffusionWavelets::new(walk, &params, Progress::none())?;
+    // In the shape's order, so that the middle is the middle.
+    let scatter = |functions: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+        functions.iter().map(|f| weld.scatter(f, 1)).collect()
+    };
+    let signal: Vec<f64> =
+        (0..n).map(|i| (0.2 * i as f64).sin() + f64::from(u8::from(i % 13 == 5))).collect();
+    let difference = |a: &[f64]| a.iter().zip(&signal).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let mut cases = Vec::new();
+    for &level in levels {
+        if level == 0 || level > dw.n_levels().min(bdw.n_levels()) {
+            continue;
+        }
+        let coefficients = dw.analyse(&signal)?;
+        let start = Instant::now();
+        let back = dw.synthesise(&coefficients)?;
+        let seconds = start.elapsed().as_secs_f64();
+        cases.push(LineCase {
+            error: difference(&back),
+            seconds,
+            ..case(
+                "DW",
+                level,
+                &scatter(dw.scaling_functions(level)),
+                &scatter(dw.wavelets(level)),
+                dw.orthogonality_defect(level),
+            )
+        });
+        let coefficients = bdw.analyse(&signal)?;
+        let start = Instant::now();
+        let back = bdw.synthesise(&coefficients)?;
+        let seconds = start.elapsed().as_secs_f64();
+        cases.push(LineCase {
+            error: difference(&back),
+            seconds,
+            dual: Some(measure(&bdw.dual_functions(level))),
+            ..case(
+                "BDW",
+                level,
+                &scatter(bdw.scaling_functions(level)),
+                &scatter(bdw.wavelets(level)),
+                bdw.biorthogonality_defect(level),
+            )
+        });
+        // Rows of Φ_j: powers of the walk, by squaring.
+        let mut powers = vec![identity(n), dense_walk(walk)];
+        for j in 2..=level {
+            let next = square(&powers[j - 1]);
+            powers.push(next);
+        }
+        let wavelets: Vec<Vec<Vec<f64>>> = (1..=level)
+            .map(|j| powers[j - 1].iter().zip(&powers[j]).map(|(a, b)| minus(a, b)).collect())
+            .collect();
+        let product = |m: &[Vec<f64>]| -> Vec<f64> {
+            m.iter().map(|row| row.iter().zip(&signal).map(|(a, b)| a * b).sum()).collect()
+        };
+        let parts: Vec<Vec<f64>> =
+            wavelets.iter().map(|w| product(w)).chain([product(&powers[level])]).collect();
+        let start = Instant::now();
+        let mut back = vec![0.0; n];
+        for part in &parts {
+            back.iter_mut().zip(part).for_each(|(b, p)| *b += p);
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let defect = gram_defect(&powers[level]);
+        cases.push(LineCase {
+            error: difference(&back),
+            seconds,
+            ..case(
+                "ADW",
+                level,
+                &scatter(powers[level].clone()),
+                &scatter(wavelets[level - 1].clone()),
+                defect,
+            )
+        });
+    }
+    Ok(cases)
+}
+
+fn case(
+    name: &'static str,
+    level: usize,
+    scaling: &[Vec<f64>],
+    wavelets: &[Vec<f64>],
+    defect: f64,
+) -> LineCase {
+    LineCase {
+        name,
+        level,
+        count: scaling.len(),
+        scaling: measure(scaling),
+        wavelet: measure(wavelets),
+        dual: None,
+        defect,
+        error: 0.0,
+        seconds: 0.0,
+        middle_scaling: nearest_to_middle(scaling),
+        middle_wavelet: nearest_to_middle(wavelets),
+    }
+}
+
+fn measure(functions: &[Vec<f64>]) -> MeanLocality {
+    let each: Vec<Locality> = functions.iter().map(|f| locality(f)).collect();
+    MeanLocality {
+        support: each.iter().map(|l| l.support as f64).sum::<f64>() / each.len().max(1) as f64,
+        mean: each.iter().map(|l| l.mean).fold(0.0, f64::max),
+    }
+}
+
+fn nearest_to_middle(functions: &[Vec<f64>]) -> Vec<f64> {
+    let peak = |f: &Vec<f64>| (0..f.len()).max_by(|&a, &b| f[a].abs().total_cmp(&f[b].abs())).unwrap_or(0);
+    functions.iter().min_by_key(|f| peak(f).abs_diff(f.len() / 2)).cloned().unwrap_or_default()
+}
+
+fn identity(n: usize) -> Vec<Vec<f64>> {
+    (0..n).map(|x| (0..n).map(|y| f64::from(u8::from(x == y))).collect()).collect()
+}
+
+fn dense_walk(walk: &adwave::operator::Diffusion) -> Vec<Vec<f64>> {
+    let n = walk.n_vertices();
+    (0..n)
+        .map(|x| {
+            let mut row = vec![0.0; n];
+            row[x] = walk.diagonal(x);
+            let (columns, weights) = walk.row(x);
+            for (&y, &w) in columns.iter().zip(weights) {
+                row[y as usize] = w;
+            }
+            row
+        })
+        .collect()
+}
+
+fn square(m: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    m.iter()
+        .map(|row| {
+            let mut out = vec![0.0; row.len()];
+            for (a, other) in row.iter().zip(m) {
+                out.iter_mut().zip(other).for_each(|(o, b)| *o += a * b);
+            }
+            out
+        })
+        .collect()
+}
+
+fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// Largest inner product of two functions of unit length.
+fn gram_defect(functions: &[Vec<f64>]) -> f64 {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let lengths: Vec<f64> = functions.iter().map(|f| dot(f, f).sqrt()).collect();
+    let mut most = 0.0_f64;
+    for (i, f) in functions.iter().enumerate() {
+        for (k, g) in functions[..i].iter().enumerate() {
+            most = most.max((dot(f, g) / (lengths[i] * lengths[k])).abs());
+        }
+    }
+    most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adwave::shape::Graph;
+
+    #[test]
+    fn the_claims_of_table_1_hold_on_the_line_of_figure_2() {
+        let edges: Vec<_> = (1..100).map(|i| (i - 1, i, 1.0)).collect();
+        let line = Shape::Graph(Graph::new(100, &edges).unwrap());
+        for cases in line_case(&line, &[9, 10]).unwrap().chunks(3) {
+            let [dw, bdw, adw] = cases else { panic!("three kinds on each level") };
+            assert!(dw.defect < 1e-10 && bdw.defect < 1e-8, "{} {}", dw.defect, bdw.defect);
+            assert!(adw.defect > 0.9, "neighbouring functions of the ADW overlap: {}", adw.defect);
+            // Local: narrower than DW; ADW and BDW alike, as both are powers of the walk.
+            assert!(bdw.scaling.support < dw.scaling.support, "{:?} {:?}", bdw.scaling, dw.scaling);
+            assert!(adw.scaling.support < dw.scaling.support, "{:?} {:?}", adw.scaling, dw.scaling);
+            // Zero mean: to rounding for ADW, not for BDW.
+            assert!(adw.wavelet.mean < 1e-9, "{}", adw.wavelet.mean);
+            assert!(bdw.wavelet.mean > 1e-3, "{}", bdw.wavelet.mean);
+            for case in cases {
+                assert!(case.error < 1e-8, "{}: {}", case.name, case.error);
+            }
+        }
+    }
+}

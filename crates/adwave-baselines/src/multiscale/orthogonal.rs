@@ -1,0 +1,153 @@
+//! Diffusion wavelets.
+//!
+//! Coifman & Maggioni, "Diffusion wavelets", Applied and Computational Harmonic Analysis 21, 2006. In the basis of `V_j` the
+//! operator `T^(2^j)` is a matrix T_j. Its rank-revealing QR gives `V_{j+1}`, the complement is spanned by the wavelets, and
+//! `T_{j+1} = (T_j Q)ᵀ(T_j Q)`.
+//!
+//! Where they win: an orthonormal basis, as many coefficients as vertices, ever fewer scaling coefficients. Where they do
+//! not: the functions are not local, the construction is dense and cubic (the literature's sparse Gram-Schmidt fills in
+//! as soon as most columns are taken, which they are at the first levels), and no function has a zero mean by
+//! construction.
+
+use super::dense::{Dense, rank_revealing};
+use super::{Coefficients, MultiscaleError, MultiscaleParams, check_length, symmetric_walk};
+use adwave::Progress;
+use adwave::operator::Diffusion;
+
+/// Orthonormal scaling functions and wavelets of each level.
+#[derive(Clone, Debug)]
+pub struct DiffusionWavelets {
+    root: Vec<f64>,
+    levels: Vec<Level>,
+}
+
+#[derive(Clone, Debug)]
+struct Level {
+    /// Scaling functions in those of the level before.
+    q: Dense,
+    /// Wavelets in the scaling functions of the level before.
+    w: Dense,
+}
+
+impl DiffusionWavelets {
+    /// The wavelets of a reversible `walk`, in the order of its rows. O(n³) for the first level, less for each next one.
+    ///
+    /// # Errors
+    /// [`MultiscaleError`].
+    ///
+    /// ```
+    /// use adwave::{Decomposer, Progress, operator::OperatorParams, shape::{Graph, Shape}};
+    /// use adwave_baselines::multiscale::{DiffusionWavelets, MultiscaleParams};
+    /// let edges: Vec<_> = (0..9).map(|i| (i, i + 1, 1.0)).collect();
+    /// let shape = Shape::Graph(Graph::new(10, &edges)?);
+    /// let decomposer = Decomposer::new(&shape, &OperatorParams::default());
+    /// let wavelets = DiffusionWavelets::new(decomposer.diffusion(), &MultiscaleParams::default(), Progress::none())?;
+    /// let signal: Vec<f64> = (0..10).map(|i| f64::from(i * i)).collect();
+    /// let back = wavelets.synthesise(&wavelets.analyse(&signal)?)?;
+    /// assert!(signal.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-12));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(
+        walk: &Diffusion,
+        params: &MultiscaleParams,
+        progress: Progress<'_>,
+    ) -> Result<Self, MultiscaleError> {
+        params.check(walk.n_vertices())?;
+        let (mut t, root) = symmetric_walk(walk)?;
+        let mut levels = Vec::new();
+        for level in 0..params.levels {
+            progress.step(level as u64, params.levels as u64)?;
+            if t.rows <= 1 {
+                break;
+            }
+            let parts = rank_revealing(&t, params.precision)?;
+            let tq = t.times(&parts.q);
+            t = tq.transposed_times(&tq);
+            levels.push(Level { q: parts.q, w: parts.complement });
+        }
+        Ok(Self { root, levels })
+    }
+
+    /// Number of levels built.
+    pub fn n_levels(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Number of scaling functions on each level from 0 on: the ranks.
+    pub fn ranks(&self) -> Vec<usize> {
+        std::iter::once(self.root.len()).chain(self.levels.iter().map(|l| l.q.columns)).collect()
+    }
+
+    /// `f ↦ (⟨√π f, φ_J⟩, ⟨√π f, ψ_j⟩)`. Orthogonal: the coefficients' squares sum to n times the π-weighted mean square of f.
+    ///
+    /// # Errors
+    /// [`MultiscaleError::Length`].
+    pub fn analyse(&self, signal: &[f64]) -> Result<Coefficients, MultiscaleError> {
+        check_length(self.root.len(), signal.len())?;
+        let mut scaling: Vec<f64> = signal.iter().zip(&self.root).map(|(f, r)| f * r).collect();
+        let mut wavelets = Vec::new();
+        for level in &self.levels {
+            wavelets.push(level.w.apply_transposed(&scaling));
+            scaling = level.q.apply_transposed(&scaling);
+        }
+        Ok(Coefficients { scaling, wavelets })
+    }
+
+    /// The signal of these coefficients.
+    ///
+    /// # Errors
+    /// [`MultiscaleError::Length`].
+    pub fn synthesise(&self, coefficients: &Coefficients) -> Result<Vec<f64>, MultiscaleError> {
+        check_length(self.levels.len(), coefficients.wavelets.len())?;
+        let mut scaling = coefficients.scaling.clone();
+        for (level, w) in self.levels.iter().zip(&coefficients.wavelets).rev() {
+            check_length(level.q.columns, scaling.len())?;
+            check_length(level.w.columns, w.len())?;
+            let fine = level.w.apply(w);
+            scaling = level.q.apply(&scaling).iter().zip(&fine).map(|(a, b)| a + b).collect();
+        }
+        check_length(self.root.len(), scaling.len())?;
+        Ok(scaling.iter().zip(&self.root).map(|(s, r)| s / r).collect())
+    }
+
+    /// The scaling functions of a level (from 0), one after the other, each of unit length in the symmetric form.
+    ///
+    /// # Panics
+    /// Where there is no such level.
+    pub fn scaling_functions(&self, level: usize) -> Vec<Vec<f64>> {
+        split(&self.ambient(level))
+    }
+
+    /// The wavelets of a level (from 1), what level − 1 has more than level.
+    ///
+    /// # Panics
+    /// Where there is no such level.
+    pub fn wavelets(&self, level: usize) -> Vec<Vec<f64>> {
+        split(&self.ambient(level - 1).times(&self.levels[level - 1].w))
+    }
+
+    /// Largest `|⟨φ_i, φ_k⟩ − δ_ik|` among the scaling functions of a level.
+    pub fn orthogonality_defect(&self, level: usize) -> f64 {
+        let functions = self.ambient(level);
+        functions.defect(&functions)
+    }
+
+    fn ambient(&self, level: usize) -> Dense {
+        let mut functions = Dense::identity(self.root.len());
+        for (k, level) in self.levels[..level].iter().enumerate() {
+            functions = if k == 0 { level.q.clone() } else { functions.times(&level.q) };
+        }
+        functions
+    }
+}
+
+#[cfg(test)]
+impl DiffusionWavelets {
+    pub(super) fn ambient_for_test(&self, level: usize) -> Dense {
+        self.ambient(level)
+    }
+}
+
+pub(super) fn split(functions: &Dense) -> Vec<Vec<f64>> {
+    (0..functions.columns).map(|j| functions.column(j).to_vec()).collect()
+}

@@ -1,0 +1,229 @@
+//! Spectral graph wavelets: kernels of the graph Laplacian, by polynomials or exactly.
+//!
+//! Hammond, Vandergheynst & Gribonval, "Wavelets on graphs via spectral graph theory", Applied and Computational Harmonic
+//! Analysis 30, 2011.
+//!
+//! ```text
+//! c_i = g_i(L) f,   A‖f‖² ≤ Σ_i ‖c_i‖² ≤ B‖f‖²,   f = (Σ_i g_i(L)²)⁻¹ Σ_i g_i(L) c_i
+//! ```
+//! Where they win: the kernel is free, a tight frame keeps energies, and any weighted graph will do. Where they do not:
+//! λ_max scales all kernels, so that scales are those of the mesh; the inverse is an iteration unless the frame is tight;
+//! a sharp kernel needs a high degree and is not local.
+
+mod chebyshev;
+mod exact;
+mod kernels;
+
+pub(crate) use chebyshev::apply as apply_polynomials;
+pub use chebyshev::{Polynomial, fit};
+pub use exact::ExactFrame;
+pub use kernels::{KernelFamily, Kernels};
+
+use crate::linalg::{CgInfo, LinalgError, SymmetricMatrix, conjugate_gradients, symmetric_eigen};
+use adwave::Progress;
+use thiserror::Error;
+
+/// Why a frame cannot be built or applied.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SgwtError {
+    /// The linear algebra failed.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+    /// Too few kernels, or too many.
+    #[error("{got} kernels; take {least} to {most}")]
+    Kernels {
+        /// Asked for.
+        got: usize,
+        /// The fewest.
+        least: usize,
+        /// The most.
+        most: usize,
+    },
+    /// The accuracy cannot be reached.
+    #[error(
+        "kernel {kernel} is known to {error:e} only by a polynomial of degree {degree}; {accuracy:e} was asked for, so allow a larger error or take smoother kernels"
+    )]
+    Accuracy {
+        /// The kernel.
+        kernel: usize,
+        /// The largest degree tried.
+        degree: usize,
+        /// Its error.
+        error: f64,
+        /// What was asked for.
+        accuracy: f64,
+    },
+    /// A signal or a list of coefficients has the wrong length.
+    #[error("{got} values were given where {expected} are needed")]
+    Length {
+        /// How many are needed.
+        expected: usize,
+        /// How many were given.
+        got: usize,
+    },
+    /// The kernels vanish together somewhere in the spectrum.
+    #[error("the kernels do not form a frame: the lower bound is {0:e}")]
+    NoFrame(f64),
+    /// The graph is too large for the exact method.
+    #[error("{n} vertices are more than the {most} of the exact method; use the polynomials")]
+    TooLarge {
+        /// Number of vertices.
+        n: usize,
+        /// The most.
+        most: usize,
+    },
+}
+
+/// Kernels of a Laplacian, as polynomials of a stated accuracy.
+#[derive(Clone, Debug)]
+pub struct Frame<'a> {
+    laplacian: &'a SymmetricMatrix,
+    /// The kernels.
+    pub kernels: Kernels,
+    /// `p_i ≈ g_i`, all of one degree.
+    pub polynomials: Vec<Polynomial>,
+    /// A and B: bounds of `Σ p_i(λ)²` for λ in [0, λ_max], from the kernels and the polynomials' errors.
+    pub bounds: (f64, f64),
+}
+
+/// Points of [0, λ_max] at which the bounds are taken.
+const POINTS: usize = 20_000;
+
+impl<'a> Frame<'a> {
+    /// The frame of `kernels` on a positive semi-definite `laplacian`, each kernel within `accuracy` on [0, λ_max], so
+    /// that coefficients are within `accuracy·‖f‖`.
+    ///
+    /// # Errors
+    /// [`SgwtError::Accuracy`], [`SgwtError::NoFrame`].
+    ///
+    /// ```
+    /// use adwave::Progress;
+    /// use adwave_baselines::linalg::SymmetricMatrix;
+    /// use adwave_baselines::sgwt::{Frame, KernelFamily, Kernels, largest_eigenvalue};
+    /// let path = SymmetricMatrix::from_halves(2, &[(0, 0, 1.0), (1, 1, 1.0), (0, 1, -1.0)])?;
+    /// let kernels = Kernels::new(KernelFamily::Itersine, 4, largest_eigenvalue(&path))?;
+    /// let frame = Frame::new(&path, kernels, 1e-8)?;
+    /// let c = frame.analyse(&[3.0, -1.0], Progress::none())?;
+    /// let energy: f64 = c.iter().flatten().map(|v| v * v).sum();
+    /// assert!((energy - 10.0).abs() < 1e-6); // a tight frame with A = B = 1
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(laplacian: &'a SymmetricMatrix, kernels: Kernels, accuracy: f64) -> Result<Self, SgwtError> {
+        let polynomials = fit(&kernels, accuracy)?;
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        for i in 0..=POINTS {
+            let lambda = kernels.lambda_max * i as f64 / POINTS as f64;
+            let (mut least, mut most) = (0.0, 0.0);
+            for (k, p) in polynomials.iter().enumerate() {
+                let g = kernels.value(k, lambda).abs();
+                least += (g - p.error).max(0.0).powi(2);
+                most += (g + p.error).powi(2);
+            }
+            (low, high) = (low.min(least), high.max(most));
+        }
+        if !(low > 0.0 && high.is_finite()) {
+            return Err(SgwtError::NoFrame(low));
+        }
+        Ok(Self { laplacian, kernels, polynomials, bounds: (low, high) })
+    }
+
+    /// `c_i = p_i(L) f`, one list a kernel. One recurrence for all kernels.
+    ///
+    /// # Errors
+    /// [`SgwtError::Length`], when cancelled.
+    pub fn analyse(&self, signal: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, SgwtError> {
+        check(self.laplacian.n(), signal.len())?;
+        Ok(chebyshev::apply(self.laplacian, &self.polynomials, signal, progress)
+            .map_err(LinalgError::from)?)
+    }
+
+    /// `Σ_i p_i(L) c_i`, the adjoint of the analysis.
+    ///
+    /// # Errors
+    /// [`SgwtError::Length`], when cancelled.
+    pub fn adjoint(&self, coefficients: &[Vec<f64>], progress: Progress<'_>) -> Result<Vec<f64>, SgwtError> {
+        check(self.polynomials.len(), coefficients.len())?;
+        for c in coefficients {
+            check(self.laplacian.n(), c.len())?;
+        }
+        Ok(chebyshev::apply_adjoint(self.laplacian, &self.polynomials, coefficients, progress)
+            .map_err(LinalgError::from)?)
+    }
+
+    /// The signal whose coefficients are nearest to these: conjugate gradients on `Σ p_i(L)²`, at most about
+    /// `½√(B/A)·ln(2/tolerance)` of them.
+    ///
+    /// # Errors
+    /// [`SgwtError`] for wrong lengths, no convergence within the cap, or when cancelled.
+    pub fn inverse(
+        &self,
+        coefficients: &[Vec<f64>],
+        tolerance: f64,
+        progress: Progress<'_>,
+    ) -> Result<(Vec<f64>, CgInfo), SgwtError> {
+        let right = self.adjoint(coefficients, progress)?;
+        let condition = (self.bounds.1 / self.bounds.0).sqrt();
+        let cap = 50 + (condition * (2.0 / tolerance.max(1e-15)).ln()).min(1e5) as usize;
+        let apply = |x: &[f64], y: &mut [f64]| {
+            // Not cancelled inside a step: the solver looks between steps.
+            let square = self
+                .analyse(x, Progress::none())
+                .and_then(|c| self.adjoint(&c, Progress::none()))
+                .expect("the lengths are right, and nothing cancels");
+            y.copy_from_slice(&square);
+        };
+        Ok(conjugate_gradients(apply, &right, tolerance, cap, progress)?)
+    }
+}
+
+fn check(expected: usize, got: usize) -> Result<(), SgwtError> {
+    if expected == got { Ok(()) } else { Err(SgwtError::Length { expected, got }) }
+}
+
+/// An upper bound of the largest eigenvalue, within about 1 %: the smaller of Gershgorin's bound and 1.01 times the largest
+/// Ritz value of 60 Lanczos steps and its residual. The latter is no proof, but the top of a spectrum is what Lanczos finds
+/// first, and the hundredth is room for what it may not have found.
+pub fn largest_eigenvalue(matrix: &SymmetricMatrix) -> f64 {
+    const STEPS: usize = 60;
+    const ROOM: f64 = 1.01;
+    let n = matrix.n();
+    let row_sums = (0..n).map(|x| matrix.row(x).1.iter().map(|a| a.abs()).sum::<f64>());
+    let gershgorin = row_sums.fold(0.0, f64::max);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    // The golden ratio's multiples have a part in every direction.
+    let mut w: Vec<f64> = (0..n).map(|i| ((i as f64 + 1.0) * 0.618_033_988_749_895).fract() - 0.5).collect();
+    let (mut basis, mut diagonal, mut off): (Vec<Vec<f64>>, Vec<f64>, Vec<f64>) = Default::default();
+    for _ in 0..STEPS.min(n) {
+        let length = dot(&w, &w).sqrt();
+        if length <= 1e-12 * gershgorin {
+            break;
+        }
+        off.push(length);
+        let v: Vec<f64> = w.iter().map(|w| w / length).collect();
+        w = matrix.product(&v);
+        diagonal.push(dot(&v, &w));
+        basis.push(v);
+        for v in basis.iter().chain(&basis) {
+            let part = dot(v, &w);
+            for (w, v) in w.iter_mut().zip(v) {
+                *w -= part * v;
+            }
+        }
+    }
+    let m = diagonal.len();
+    let mut t = vec![0.0; m * m];
+    for i in 0..m {
+        t[i * m + i] = diagonal[i];
+        if i > 0 {
+            t[(i - 1) * m + i] = off[i];
+            t[i * m + i - 1] = off[i];
+        }
+    }
+    let Ok((values, vectors)) = symmetric_eigen(&t, m) else { return gershgorin };
+    let Some(&top) = values.last() else { return gershgorin };
+    let residual = dot(&w, &w).sqrt() * vectors[m * m - 1].abs();
+    gershgorin.min(ROOM * (top + residual))
+}
+
+#[cfg(test)]
+mod tests;

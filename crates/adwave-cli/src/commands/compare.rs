@@ -1,0 +1,126 @@
+//! `adwave compare`: the same task by adwave and by another method.
+
+use crate::args::{CompareArgs, GlobalArgs, MethodArg};
+use crate::commands::transform::fresh;
+use crate::error::CliError;
+use crate::output::{bands_params, number, print, schedule, table, write_shape};
+use crate::progress::{with_progress, with_spinner};
+use crate::shape_input::{Input, load};
+use crate::signal::{self, COORDS};
+use adwave::Decomposer;
+use adwave_baselines::compare::{CompareError, Comparison, Method, Outcome, Subject, compare};
+use adwave_io::{Field, FieldValues};
+use clap::ValueEnum;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// The signal of a feature map, which takes one channel.
+const CURVATURE: &str = "mean-curvature";
+
+pub(crate) fn run(args: &CompareArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    let params = bands_params(&args.levels)?;
+    std::fs::create_dir_all(&args.output).map_err(|e| {
+        CliError::Environment(format!("cannot make the folder {}: {e}", args.output.display()))
+    })?;
+    let method = args.method.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
+    let field = match (args.method, args.field.field.as_str()) {
+        (MethodArg::FeatureMap, COORDS) => CURVATURE,
+        (_, field) => field,
+    };
+    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let signal = signal::load_with_texture(&input, field, args.field.texture.as_deref())?;
+    let walk =
+        with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let (schedule, why) = schedule(&args.levels, &walk)?;
+    let subject = Subject {
+        shape: &input.shape,
+        walk: &walk,
+        schedule: &schedule,
+        params: &params,
+        signal: &signal.values,
+        n_channels: signal.n_channels,
+        n_harmonics: args.harmonics.get(),
+    };
+    let comparison =
+        with_progress(global, "comparing", |progress| compare(&subject, args.method.into(), progress))?;
+
+    let shown = |value: Option<f64>| value.map_or("–".to_owned(), number);
+    let mut text = format!(
+        "{}: {} vertices, {field}\n{why}\n{}\n\n",
+        input.name,
+        input.shape.n_vertices(),
+        comparison.task
+    );
+    text += &table(
+        ["", "adwave", method.as_str()],
+        comparison.rows.iter().map(|r| [r.quantity.clone(), shown(r.adwave), shown(r.other)]),
+    );
+    text += "\n";
+    for (name, outcomes) in [("adwave", &comparison.adwave), (method.as_str(), &comparison.other)] {
+        let path = args.output.join(format!("{name}.ply"));
+        with_spinner(global, "writing", || write(global, &path, &input, field, outcomes))?;
+        text += &format!("{}\n", path.display());
+    }
+    let json = report(&input, field, &method, &comparison);
+    let path = args.output.join("comparison.json");
+    std::fs::write(&path, format!("{json:#}\n"))
+        .map_err(|e| CliError::Environment(format!("cannot write {}: {e}", path.display())))?;
+    text += &path.display().to_string();
+    print(global, &text, &json)
+}
+
+fn report(input: &Input, field: &str, method: &str, comparison: &Comparison) -> Value {
+    let row = |r: &adwave_baselines::compare::Row| json!({"quantity": r.quantity, "adwave": r.adwave, "other": r.other});
+    json!({
+        "shape": input.name,
+        "vertices": input.shape.n_vertices(),
+        "field": field,
+        "with": method,
+        "task": comparison.task,
+        "rows": comparison.rows.iter().map(row).collect::<Vec<_>>(),
+    })
+}
+
+/// The shape with the results as fields; coordinates that were smoothed become its points.
+fn write(
+    global: &GlobalArgs,
+    path: &Path,
+    input: &Input,
+    field: &str,
+    outcomes: &[Outcome],
+) -> Result<(), CliError> {
+    let mut file = fresh(&input.file);
+    for outcome in outcomes {
+        let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse");
+        if is_shape && !file.points().is_empty() {
+            file.set_points(outcome.values.as_chunks().0.to_vec());
+        } else {
+            let values = FieldValues::F64(outcome.values.clone());
+            file.add_vertex_field(Field::new(outcome.name.as_str(), outcome.n_channels, values));
+        }
+    }
+    write_shape(global, &file, path).map(|_| ())
+}
+
+impl From<MethodArg> for Method {
+    fn from(method: MethodArg) -> Self {
+        match method {
+            MethodArg::Mht => Self::Harmonics,
+            MethodArg::Lee => Self::Lee,
+            MethodArg::FeatureMap => Self::FeatureMap,
+            MethodArg::Sgwt => Self::Sgwt,
+            MethodArg::Dw => Self::DiffusionWavelets,
+            MethodArg::Bdw => Self::Biorthogonal,
+            MethodArg::Taubin => Self::Taubin,
+        }
+    }
+}
+
+impl From<CompareError> for CliError {
+    fn from(error: CompareError) -> Self {
+        match error {
+            CompareError::Bands(error) => error.into(),
+            other => Self::input(other),
+        }
+    }
+}
