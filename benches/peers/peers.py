@@ -5,6 +5,7 @@ A request is `[method, arguments…]`; the answer has `seconds` of the call and 
 beyond what it had before, result included.
 """
 
+import gc
 import glob
 import json
 import os
@@ -257,6 +258,7 @@ def main():
     print(json.dumps({"ready": True}), file=answers)
     for line in sys.stdin:
         method, *arguments = json.loads(line)
+        gc.collect()  # GraphBLAS's objects refer to one another and would pile up
         before = reset_peak()
         try:
             answer = getattr(peer, method)(*arguments)

@@ -105,10 +105,10 @@ def summary(answers):
 
 
 def in_turns(calls, rounds):
-    """Makes the calls one after the other, as many rounds; their summaries."""
+    """Makes calls in turns, `(call, times in a row)` one after the other, as many rounds; their summaries."""
     answers = [[] for _ in calls]
     for _ in range(rounds):
-        for call, kept in zip(calls, answers):
-            kept.append(call())
+        for (call, times), kept in zip(calls, answers):
+            kept += [call() for _ in range(times)]
             time.sleep(PAUSE)
     return [summary(kept) for kept in answers]

@@ -7,7 +7,8 @@ use std::process::Command;
 /// Times us and the peers in one run and writes `docs/PERFORMANCE.md`. `arguments`: `--models DIR`, where a
 /// `stanford-bunny.obj` may be found, and `--only PART` for one part that is printed and not written.
 pub(crate) fn bench_peers(arguments: &[&str]) -> Outcome {
-    let mut models = root().join("../shared/data");
+    let mut models =
+        std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from);
     let mut only = None;
     let mut rest = arguments.iter();
     while let Some(&option) = rest.next() {
