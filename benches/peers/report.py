@@ -85,9 +85,10 @@ def ratio_table(r):
     rows.append(ratio_row("same", "PyGSP, Chebyshev of order 39, 8 bands", gsp, 40, theirs))
     bound, steps = r["bound"], 2**15
     powers = {k: bound["product"][k] * steps for k in ("min", "median")}
+    by_round = [a["product"]["median"] * steps / a["deep"]["median"] for a in bound["rounds"]]
     deep_error = max(max(bound["deep_errors_finer"]), max(bound["deep_errors_powers"]))
     rows.append(ratio_row("same, J = 16", f"our own powers: {steps:,} × one product", {"ours": bound["deep"], "peer": powers},
-                          40, f"W_f(j) err by {exponent(deep_error)} at most"))
+                          40, f"by round {min(by_round):.3g} … {max(by_round):.3g}; W_f(j) err by {exponent(deep_error)} at most"))
     harmonics = r["harmonics"]
     line = harmonics["line"]
     residual = "–" if "failed" in line else f"another basis; residual of the eigenpairs {exponent(line['peer']['residual'])}"
@@ -186,7 +187,10 @@ def machine_text(r):
     packages = ", ".join(f"{k} {v}" for k, v in m["packages"].items())
     return (f"{m['cpu']}, {m['cores']} cores{' of a virtual machine' if m['virtual'] else ''}, vectors "
             f"{', '.join(m['vectors'])}, caches {caches}, {m['memory'] / 2**30:.0f} GiB of memory at {max(a['bandwidth'] for a in bound['rounds']) / 1e9:.0f} GB/s; "
-            f"{m['system']}, rustc {m['rustc']}, Python {m['python']}, {packages}. Shape: {r['shape']}.")
+            f"{m['system']}, rustc {m['rustc']}, Python {m['python']}, {packages}. Shape: {r['shape']}.\n\n"
+            "Share of the processors that other programs took during each part: "
+            + ", ".join(f"{name} {a['foreign']:.1%}" + (f" (best of {a['attempts']} attempts)" if a["attempts"] > 1 else "")
+                        for name, a in r["alone"].items()) + ".")
 
 
 def agreement_text(r):
