@@ -1,0 +1,121 @@
+//! Every figure and table of the paper, made again with this method and the baselines it is compared with.
+//!
+//! [`FIGURES`] lists them, [`reproduce()`] makes those that are asked for and writes each as it is done: its pictures and
+//! numbers in a folder of its own, and a page of all. One file here for each figure.
+
+mod context;
+mod figures;
+mod markdown;
+mod models;
+mod outcome;
+mod write;
+
+pub use context::Context;
+pub use figures::{FIGURES, Figure, select};
+pub use models::{MODELS, Model, ModelError, Models};
+pub use outcome::{Outcome, PictureFile, Table, Verdict, digits};
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use thiserror::Error;
+
+/// Whatever a figure's making can fail with.
+pub type FigureError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Why figures are not made.
+#[derive(Debug, Error)]
+pub enum ReproduceError {
+    /// The folder or a file in it cannot be written.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// The folder or file.
+        path: String,
+        /// Why.
+        source: FigureError,
+    },
+    /// One figure cannot be made; those before it are written.
+    #[error("{figure} cannot be made: {source}")]
+    Figure {
+        /// Its name.
+        figure: &'static str,
+        /// Why.
+        source: FigureError,
+    },
+    /// The call was told to stop; the figures before are written.
+    #[error("stopped on request")]
+    Cancelled,
+}
+
+/// Where the files go.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// The folder for pictures, numbers and `index.html`.
+    pub folder: PathBuf,
+    /// A Markdown file of the same, with small pictures in a folder beside it.
+    pub markdown: Option<PathBuf>,
+}
+
+/// What is said while figures are made.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// A figure is begun.
+    Started(&'a Figure),
+    /// A figure is written.
+    Finished(&'a Made),
+}
+
+/// A figure that is written.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// What came of it.
+    pub outcome: Outcome,
+    /// How long it took.
+    pub seconds: f64,
+    /// Its folder's name.
+    pub folder: &'static str,
+    /// Its files, in the folder of all.
+    pub files: Vec<PathBuf>,
+}
+
+/// Makes `figures` and writes them to `target`, each as it is done: `figNN/…`, `index.html`, and the Markdown file at the
+/// end. Files of other names in the folder stay.
+///
+/// # Errors
+/// [`ReproduceError`]; what cannot be written shows before the first figure is made.
+pub fn reproduce(
+    figures: &[&Figure],
+    context: &Context<'_>,
+    target: &Target,
+    on: &mut dyn FnMut(Event<'_>),
+) -> Result<Vec<Made>, ReproduceError> {
+    let mut made: Vec<Made> = Vec::new();
+    write::check(target)?;
+    write::index(&target.folder, &made)?;
+    for figure in figures {
+        on(Event::Started(figure));
+        let start = Instant::now();
+        let outcome =
+            (figure.make)(context).and_then(|outcome| Ok(context.progress.step(1, 1).map(|()| outcome)?));
+        let mut outcome = outcome.map_err(|source| match context.progress.step(0, 1) {
+            Err(_) => ReproduceError::Cancelled,
+            Ok(()) => ReproduceError::Figure { figure: figure.name, source },
+        })?;
+        figure.name.clone_into(&mut outcome.id);
+        figure.title.clone_into(&mut outcome.title);
+        outcome.command = format!("adwave reproduce {} -o out", figure.name);
+        let files = write::figure(&target.folder, figure.folder, &outcome)?;
+        let seconds = start.elapsed().as_secs_f64();
+        made.push(Made { outcome, seconds, folder: figure.folder, files });
+        write::index(&target.folder, &made)?;
+        on(Event::Finished(&made[made.len() - 1]));
+    }
+    if let Some(path) = &target.markdown {
+        markdown::write(path, &made)?;
+    }
+    Ok(made)
+}
+
+/// `path` for messages.
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
