@@ -10,6 +10,8 @@ use std::path::Path;
 
 /// Pictures are no wider than this, in pixels.
 const WIDEST: u32 = 960;
+/// Nor do they have more pixels than this.
+const MOST_PIXELS: f64 = 560_000.0;
 /// A picture that is no larger as PNG stays one, in bytes: charts, which JPEG would blur.
 const MOST_PNG_BYTES: usize = 60_000;
 /// Quality of JPEG: shading without visible blocks.
@@ -78,7 +80,7 @@ fn section(one: &Made, pictures: &[(String, &str)]) -> String {
     let on = if shapes.is_empty() { String::new() } else { format!(", on {shapes}") };
     let _ = writeln!(text, "`{}`{on}, {:.1} s\n", outcome.command, one.seconds);
     for (file, caption) in pictures {
-        let _ = writeln!(text, "![{}]({file})\n\n*{caption}*\n", caption.replace(['[', ']'], ""));
+        let _ = writeln!(text, "![{}]({file})\n\n*{caption}*\n", outcome.title);
     }
     for paragraph in &outcome.text {
         let _ = writeln!(text, "{paragraph}\n");
@@ -116,9 +118,11 @@ fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(Stri
     let Some(stem) = picture.name.strip_suffix(".png") else { return Ok(None) };
     let name = if stem == folder { folder.to_owned() } else { format!("{folder}-{stem}") };
     let mut image = image::load_from_memory(&picture.bytes)?;
-    if image.width() > WIDEST {
-        let height = (f64::from(image.height()) * f64::from(WIDEST) / f64::from(image.width())).round();
-        image = image.resize_exact(WIDEST, height.max(1.0) as u32, imageops::FilterType::Lanczos3);
+    let (width, height) = (f64::from(image.width()), f64::from(image.height()));
+    let scale = (f64::from(WIDEST) / width).min((MOST_PIXELS / (width * height)).sqrt());
+    if scale < 1.0 {
+        let [width, height] = [width, height].map(|side| (scale * side).round().max(1.0) as u32);
+        image = image.resize_exact(width, height, imageops::FilterType::Lanczos3);
     }
     let image = on_white(&image);
     let mut png = Vec::new();

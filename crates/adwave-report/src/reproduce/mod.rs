@@ -4,10 +4,25 @@
 //! numbers in a folder of its own, and a page of all. One file here for each figure.
 
 mod context;
+mod draw;
+mod fig01;
+mod fig03;
+mod fig05;
+mod fig08;
+mod fig09;
+mod fig10;
+mod fig11;
+mod fig12;
+mod fig13;
+mod fig14;
+mod fig15;
 mod figures;
+mod index;
 mod markdown;
 mod models;
+mod numbers;
 mod outcome;
+mod raster;
 mod write;
 
 pub use context::Context;

@@ -125,6 +125,14 @@ impl Model {
             .expect("finite points are a cloud")
     }
 
+    /// A shape that was put together.
+    ///
+    /// # Errors
+    /// [`ShapeError`].
+    pub fn from_file(name: &str, file: ShapeFile) -> Result<Self, ShapeError> {
+        Self::new(name.to_owned(), file, None)
+    }
+
     fn new(name: String, file: ShapeFile, path: Option<PathBuf>) -> Result<Self, ShapeError> {
         let points = file.points().to_vec();
         let shape = if file.faces().is_empty() {

@@ -1,5 +1,6 @@
 //! Files of figures, and the page of all.
 
+use super::index::html;
 use super::{Made, Outcome, ReproduceError, Target, shown};
 use std::path::{Path, PathBuf};
 
@@ -47,32 +48,5 @@ pub(super) fn failed(path: &Path, source: impl Into<super::FigureError>) -> Repr
 
 /// Writes `index.html`.
 pub(super) fn index(root: &Path, made: &[Made]) -> Result<(), ReproduceError> {
-    let mut page = String::from(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width\"><title>The paper, made again</title>\
-         <style>body{max-width:60rem;margin:auto;font-family:sans-serif;padding:1rem}img{max-width:100%}</style>\
-         <h1>The paper, made again</h1>",
-    );
-    for one in made {
-        let outcome = &one.outcome;
-        page += &format!("<h2 id=\"{}\">{}: {}</h2>", outcome.id, outcome.id, escaped(&outcome.title));
-        for picture in &outcome.pictures {
-            let file = format!("{}/{}", one.folder, picture.name);
-            page += &format!("<p><img src=\"{file}\" alt=\"\"><br>{}</p>", escaped(&picture.caption));
-        }
-        for text in &outcome.text {
-            page += &format!("<p>{}</p>", escaped(text));
-        }
-        let verdict = &outcome.verdict;
-        page += &format!("<p><b>{}.</b> {}</p>", verdict.headline(), escaped(verdict.sentence()));
-        for table in &outcome.tables {
-            page +=
-                &format!("<p><a href=\"{}/{}\">{}</a></p>", one.folder, table.name, escaped(&table.caption));
-        }
-    }
-    bytes(&root.join("index.html"), page.as_bytes())
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    bytes(&root.join("index.html"), html(made).as_bytes())
 }
