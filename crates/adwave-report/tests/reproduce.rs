@@ -87,6 +87,27 @@ fn what_is_to_stop_stops_and_leaves_a_page() {
 }
 
 #[test]
+fn a_model_that_one_figure_cannot_use_leaves_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    // A mesh of three vertices in a line: it has no harmonics and no features, but a page all the same.
+    std::fs::write(folder.path().join("dinosaur.xyz"), "0 0 0\n1 0 0\n2 0 0\n3 0 0\n").unwrap();
+    let mut models = Models::search(&[folder.path().to_owned()]).unwrap();
+    models.read(&["dinosaur"]).unwrap();
+    let context = Context::new(models, Progress::none()).with_most_vertices(SMALL);
+    let figures = named(&["fig1", "fig14", "fig15"]);
+    let mut finished = Vec::new();
+    let result = reproduce(&figures, &context, &target(folder.path()), &mut |event| {
+        if let Event::Finished(made) = event {
+            finished.push(made.outcome.id.clone());
+        }
+    });
+    assert!(finished.contains(&"fig1".to_owned()), "{finished:?}");
+    if let Err(error) = result {
+        assert!(matches!(error, ReproduceError::Figures(..)), "{error}");
+    }
+}
+
+#[test]
 fn what_cannot_be_written_shows_before_the_first_figure() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("out"), "a file").unwrap();

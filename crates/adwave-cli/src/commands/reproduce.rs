@@ -132,7 +132,7 @@ impl From<ReproduceError> for CliError {
         match error {
             ReproduceError::Cancelled => Self::Cancelled,
             ReproduceError::Write { .. } => Self::Environment(error.to_string()),
-            ReproduceError::Figure { .. } => Self::input(error),
+            ReproduceError::Figures(..) => Self::input(error),
         }
     }
 }

@@ -11,6 +11,8 @@ use adwave_render::value_range;
 const N_VERTICES: usize = 14_000;
 /// As many levels as it takes until the walk forgets where it began: 2^23 steps.
 const MOST_LEVELS: usize = 24;
+/// The levels that are shown, beside the coarsest.
+const SHOWN: [usize; 4] = [0, 6, 9, 12];
 /// What counts as constant: the spread of a component, relative to that of the signal there.
 const CONSTANT: f64 = 1e-3;
 
@@ -50,7 +52,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ]);
     }
 
-    let shown = [0, 6, 9, 12, n_levels];
+    let shown = [SHOWN[0], SHOWN[1], SHOWN[2], SHOWN[3], n_levels];
     let (low, high) = value_range(&curvature, 0.02, 0.98);
     let mut sheet = Sheet::new(shown.len());
     for j in shown {
@@ -148,7 +150,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 /// Levels until σ is three diagonals: a walker is then anywhere with the chance that the stationary law gives.
 fn levels(walk: &Decomposer, size: f64) -> usize {
     let step = walk.diffusion().step_length();
-    (8..MOST_LEVELS).find(|&j| step * ((j as f64 - 1.0) / 2.0).exp2() >= 3.0 * size).unwrap_or(MOST_LEVELS)
+    (SHOWN[3] + 1..MOST_LEVELS)
+        .find(|&j| step * ((j as f64 - 1.0) / 2.0).exp2() >= 3.0 * size)
+        .unwrap_or(MOST_LEVELS)
 }
 
 /// A signal at the coarsest level.

@@ -5,7 +5,7 @@ use super::numbers::{bands, correlation, rank_correlation, walk};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::features::{FeatureParams, Response, features};
 use adwave::saliency::{SaliencyParams, saliency};
-use adwave::sample::Sample;
+use adwave::sample::{SAMPLE_NAMES, Sample};
 use adwave_io::ShapeFile;
 use std::sync::Arc;
 
@@ -119,6 +119,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 
 fn drawn(n_points: usize) -> Result<Arc<Model>, FigureError> {
     const SEED: u64 = 12;
-    let cloud = Sample::by_name("creature", Some(n_points))?.draw_cloud(n_points, SEED)?;
+    let fewest = SAMPLE_NAMES.iter().find(|s| s.name == "creature").map_or(0, |s| s.min_vertices);
+    let cloud = Sample::by_name("creature", Some(n_points.max(fewest)))?.draw_cloud(n_points, SEED)?;
     Ok(Arc::new(Model::from_file(DRAWN, ShapeFile::from_cloud(cloud.points))?))
 }

@@ -48,14 +48,14 @@ pub enum ReproduceError {
         /// Why.
         source: FigureError,
     },
-    /// One figure cannot be made; those before it are written.
-    #[error("{figure} cannot be made: {source}")]
-    Figure {
-        /// Its name.
-        figure: &'static str,
-        /// Why.
-        source: FigureError,
-    },
+    /// Figures that cannot be made; the others are written.
+    #[error("{} cannot be made: {}", .0.join(", "), .1)]
+    Figures(
+        /// Their names.
+        Vec<&'static str>,
+        /// Why the first of them cannot.
+        FigureError,
+    ),
     /// The call was told to stop; the figures before are written.
     #[error("stopped on request")]
     Cancelled,
@@ -104,17 +104,22 @@ pub fn reproduce(
     on: &mut dyn FnMut(Event<'_>),
 ) -> Result<Vec<Made>, ReproduceError> {
     let mut made: Vec<Made> = Vec::new();
+    let (mut failed, mut cause) = (Vec::new(), None);
     write::check(target)?;
     write::index(&target.folder, &made)?;
     for figure in figures {
         on(Event::Started(figure));
         let start = Instant::now();
-        let outcome =
-            (figure.make)(context).and_then(|outcome| Ok(context.progress.step(1, 1).map(|()| outcome)?));
-        let mut outcome = outcome.map_err(|source| match context.progress.step(0, 1) {
-            Err(_) => ReproduceError::Cancelled,
-            Ok(()) => ReproduceError::Figure { figure: figure.name, source },
-        })?;
+        let mut outcome = match (figure.make)(context) {
+            _ if context.progress.step(1, 1).is_err() => return Err(ReproduceError::Cancelled),
+            Ok(outcome) => outcome,
+            // A model that one figure cannot be made on is no reason to leave out the others.
+            Err(error) => {
+                failed.push(figure.name);
+                cause.get_or_insert(error);
+                continue;
+            }
+        };
         figure.name.clone_into(&mut outcome.id);
         figure.title.clone_into(&mut outcome.title);
         outcome.command = format!("adwave reproduce {} -o out", figure.name);
@@ -127,7 +132,10 @@ pub fn reproduce(
     if let Some(path) = &target.markdown {
         markdown::write(path, &made)?;
     }
-    Ok(made)
+    match cause {
+        Some(cause) => Err(ReproduceError::Figures(failed, cause)),
+        None => Ok(made),
+    }
 }
 
 /// `path` for messages.
