@@ -3,6 +3,9 @@
 use crate::vector::{Direction, Vec3, dot_f32, facing_unit};
 use rayon::prelude::*;
 
+/// Discs whose normal points less towards the viewer than this are seen from their edge.
+const STEEPEST: f32 = 0.05;
+
 /// Rows of pixels in a strip.
 const STRIP: usize = 16;
 
@@ -121,14 +124,19 @@ impl Strip {
     fn draw(&mut self, primitive: &Primitive) {
         match primitive {
             Primitive::Triangle { corners, normals, colors } => self.triangle(corners, normals, colors),
-            Primitive::Disc { center, radius, normal, color } if normal[2].abs() > 1e-3 => {
-                // Steep discs would be needles in depth.
-                let slope =
-                    [-normal[0] / normal[2], normal[1] / normal[2]].map(|s| f64::from(s).clamp(-2.0, 2.0));
-                self.round(center, *radius, |dx, dy, _| (slope[0] * dx + slope[1] * dy, *normal), *color);
+            Primitive::Disc { center, radius, normal, color } if normal[2].abs() > STEEPEST => {
+                let slope = [-normal[0] / normal[2], normal[1] / normal[2]].map(f64::from);
+                let plane = |dx: f64, dy: f64, _| {
+                    let height = slope[0] * dx + slope[1] * dy;
+                    // Seen at an angle a disc is an ellipse; its middle is always seen.
+                    let inside = dx * dx + dy * dy + height * height <= (radius * radius).max(1.0);
+                    inside.then_some((height, *normal))
+                };
+                self.round(center, *radius, plane, *color);
             }
+            Primitive::Disc { normal, .. } if *normal != [0.0; 3] => {}
             Primitive::Disc { center, radius, color, .. } | Primitive::Ball { center, radius, color } => {
-                let ball = |dx: f64, dy: f64, out: f64| (out, [dx as f32, -dy as f32, out as f32]);
+                let ball = |dx: f64, dy: f64, out: f64| Some((out, [dx as f32, -dy as f32, out as f32]));
                 self.round(center, *radius, ball, *color);
             }
         }
@@ -162,20 +170,21 @@ impl Strip {
         }
     }
 
-    /// What is seen as a circle: `look` gives the height above the centre and the normal at an offset.
+    /// What is seen inside a circle: `look` gives the height above the centre and the normal at an offset, if anything.
     fn round(
         &mut self,
         center: &Vec3,
         radius: f64,
-        look: impl Fn(f64, f64, f64) -> (f64, Direction),
+        look: impl Fn(f64, f64, f64) -> Option<(f64, Direction)>,
         color: Color,
     ) {
         for y in self.rows(center[1] - radius, center[1] + radius) {
             for x in self.columns(center[0] - radius, center[0] + radius) {
                 let (dx, dy) = (x as f64 + 0.5 - center[0], (y + self.top) as f64 + 0.5 - center[1]);
                 let square = radius * radius - dx * dx - dy * dy;
-                if square >= 0.0 {
-                    let (height, normal) = look(dx, dy, square.sqrt());
+                if square >= 0.0
+                    && let Some((height, normal)) = look(dx, dy, square.sqrt())
+                {
                     self.put(x, y, center[2] + height, || (normal, color));
                 }
             }
@@ -232,7 +241,7 @@ fn light(color: &Color, normal: &Direction) -> Color {
     let key = dot_f32(normal, &KEY).max(0.0);
     let fill = dot_f32(normal, &FILL).max(0.0);
     let sky = 0.5 + 0.5 * normal[1];
-    let shade = 0.24 + 0.10 * sky + 0.62 * key + 0.20 * fill;
+    let shade = 0.29 + 0.10 * sky + 0.66 * key + 0.20 * fill;
     let shine = 16.0 * dot_f32(normal, &SHINE).max(0.0).powi(24);
     color.map(|c| (c * shade + shine).min(255.0))
 }

@@ -1,7 +1,7 @@
 //! From surfaces to pictures.
 
 use crate::color_bar::{self, ink, letter_size};
-use crate::color_range::ColorScale;
+use crate::color_range::{ColorScale, ValueRange};
 use crate::error::RenderError;
 use crate::frame::{Extent, Frame};
 use crate::normals::{corner_normals, discs};
@@ -14,7 +14,7 @@ use adwave::shape::MAX_COORDINATE;
 use rayon::prelude::*;
 
 /// A disc of a cloud, by the distance to its nearest neighbours: they overlap, so that no background shows between.
-const DISC: f64 = 0.85;
+const DISC: f64 = 1.15;
 
 /// One picture of a sheet.
 #[derive(Clone, Debug)]
@@ -61,8 +61,8 @@ pub fn render(surface: &Surface, balls: &[Ball], params: &RenderParams) -> Resul
     Ok(panel(&fitted.surface(surface), &fitted.balls, params, &extent, scale.as_ref()))
 }
 
-/// Several pictures of `params`' size on one sheet, row by row, each with its caption. Fields of the same label have one
-/// range of colours.
+/// Several pictures of `params`' size on one sheet, row by row, each with its caption. Fields of the same label whose
+/// range is automatic have one range for all.
 ///
 /// # Errors
 ///
@@ -184,13 +184,16 @@ fn scale_of(surface: &Surface) -> Option<ColorScale> {
     }
 }
 
-/// The scale that all fields of this one's label share.
+/// The field's own range, or the scale that all fields of its label without one share.
 fn shared_scale(panels: &[Panel], surface: &Surface) -> Option<ColorScale> {
     let Paint::Field(own) = &surface.paint else { return None };
+    if own.range != ValueRange::Auto {
+        return Some(ColorScale::of(&[own]));
+    }
     let same: Vec<&FieldPaint> = panels
         .iter()
         .filter_map(|p| match &p.surface.paint {
-            Paint::Field(field) if field.label == own.label => Some(field),
+            Paint::Field(field) if field.label == own.label && field.range == own.range => Some(field),
             _ => None,
         })
         .collect();
