@@ -130,9 +130,11 @@ def main():
         folder_of_graphs = args.data / "benchmarks/pygsp" if args.data else Path("-")
         if folder_of_graphs.is_dir():
             points = scipy.io.loadmat(folder_of_graphs / "bunny.mat")["bunny"]
-            results.append(wavelets(args.program, folder, "bunny", graphs.NNGraph(points, NNtype="knn", k=10)))
+            results.append(wavelets(args.program, folder, "bunny", graphs.NNGraph(points, NNtype="radius", epsilon=0.2)))
             adjacency = scipy.io.loadmat(folder_of_graphs / "minnesota.mat")["A"]
-            adjacency = sp.csr_matrix((adjacency + adjacency.T) > 0).astype(float)
+            adjacency = sp.lil_matrix(adjacency)
+            adjacency[348, 354] = adjacency[354, 348] = 1  # as PyGSP connects it
+            adjacency = sp.csr_matrix(sp.csr_matrix(adjacency) > 0).astype(float)
             results.append(wavelets(args.program, folder, "minnesota", graphs.Graph(adjacency)))
         else:
             print("skipped: no benchmarks/pygsp in the data folder")
