@@ -1,5 +1,6 @@
 //! What `cargo xtask …` does: the checks and measurements of the project, each by one command on a bare machine.
 
+mod peers;
 mod python;
 
 use std::ffi::OsStr;
@@ -13,6 +14,8 @@ usage: cargo xtask COMMAND
   oracle    compare the bands with SciPy's, on built-in shapes and on ../shared/data where it is there
   oracle-baselines
             compare eigenvalues with SciPy's on libigl's matrices, and spectral graph wavelets with PyGSP's
+  bench-peers [--models DIR] [--only PART]
+            time other programs and ours on the same operators and write docs/PERFORMANCE.md
 
 Python packages go into an environment of their own below target/; nothing is installed elsewhere.";
 
@@ -25,6 +28,7 @@ fn main() -> ExitCode {
         ["test"] => test(),
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
+        ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             Ok(())

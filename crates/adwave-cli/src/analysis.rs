@@ -7,9 +7,10 @@ use crate::output::{bands_params, schedule};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, Signal};
+use crate::stopwatch::Stopwatch;
 use adwave::Decomposer;
 use adwave::bands::Bands;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A shape split into bands.
 pub(crate) struct Analysis {
@@ -36,9 +37,9 @@ impl Analysis {
         global: &GlobalArgs,
     ) -> Result<Self, CliError> {
         let params = bands_params(levels)?;
-        let start = Instant::now();
+        let mut watch = Stopwatch::start();
         let input = with_spinner(global, "reading", || load(shape))?;
-        let read = start.elapsed();
+        let read = watch.lap();
         let (walk, signal) = with_spinner(global, "building the walk", || {
             let walk = Decomposer::new(&input.shape, &shape.operator());
             let signal = signal::load_with_texture(&input, &field.field, field.texture.as_deref())?;
@@ -46,15 +47,11 @@ impl Analysis {
             Ok::<(Decomposer, Signal), CliError>((walk, signal))
         })?;
         let (schedule, why) = schedule(levels, &walk)?;
-        let built = start.elapsed();
+        let built = watch.lap();
         let bands = with_progress(global, "splitting", |progress| {
             walk.decompose(&signal.values, signal.n_channels, &schedule, &params, progress)
         })?;
-        let seconds = Seconds {
-            read: read.as_secs_f64(),
-            walk: (built - read).as_secs_f64(),
-            bands: (start.elapsed() - built).as_secs_f64(),
-        };
+        let seconds = Seconds { read, walk: built, bands: watch.lap() };
         Ok(Self { input, walk, bands, why, seconds })
     }
 

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub(crate) struct FieldArgs {
     /// The signal: coords, normals, mean-curvature, gaussian-curvature, shape-index, density, luminance, lightness,
-    /// texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.csv[:COLUMN], FILE.gii[:NAME]
+    /// texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN, FILE.gii or FILE.gii:NAME
     #[arg(long, value_name = "NAME", default_value = "coords", help_heading = "Signal")]
     pub(crate) field: String,
     /// The picture of the texture [default: the one that the OBJ's materials name]

@@ -12,6 +12,7 @@ mod output;
 mod progress;
 mod shape_input;
 mod signal;
+mod stopwatch;
 
 use args::{Cli, Command};
 use clap::Parser;

@@ -106,7 +106,7 @@ fn what_is_wrong_with_a_gifti_is_said_in_one_line() {
         (points("ASCII", "0 0 zero 0 0 0 0 0 0"), "zero"),
         (points("Base64Binary", "@@@"), "Base64"),
         (points("GZipBase64Binary", &base64(b"not zlib at all")), "compressed"),
-        (points("GZipBase64Binary", &base64(&zlib(&[0; 1 << 16]))), "more than"),
+        (points("GZipBase64Binary", &base64(&zlib(&vec![0; 1 << 16]))), "more than"),
         (points("Base64Binary", &base64(&[0; 35])), "fewer than"),
         (points("ExternalFileBinary", ""), "another file"),
         (points("Base128", ""), "Base128"),

@@ -315,7 +315,10 @@ impl Decomposer {
                 weighted_bands(diffusion, weld, signal, n_channels, schedule, &factors, params, progress)?;
             edited.par_chunks_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, row)| {
                 for (value, change) in row.iter_mut().zip(&change[x * n_channels..]) {
-                    *value += weights[x] * change;
+                    let change = weights[x] * change;
+                    if change != 0.0 {
+                        *value += change; // adding 0 would turn −0 into 0, and a file's text with it
+                    }
                 }
             });
             return Ok(edited);

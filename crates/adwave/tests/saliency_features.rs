@@ -211,7 +211,8 @@ fn ties_leave_exactly_one_feature() {
     let params = FeatureParams::default().with_response(Response::Literal);
     let found = features(&walk, &bands, &params).unwrap();
     let tops: Vec<usize> = found.iter().filter(|f| f.sign() > 0).map(|f| f.vertex).collect();
-    assert_eq!(tops, [19]);
+    // Which of the two comes first is the numbering's to say.
+    assert!(tops == [19] || tops == [20], "{tops:?}");
 }
 
 #[test]

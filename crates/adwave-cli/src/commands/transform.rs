@@ -8,12 +8,12 @@ use crate::output::{
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal;
+use crate::stopwatch::Stopwatch;
 use adwave::Decomposer;
 use adwave::bands::Bands;
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
 use serde_json::json;
 use std::path::Path;
-use std::time::Instant;
 
 pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliError> {
     let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
@@ -126,19 +126,4 @@ pub(crate) fn fresh(file: &ShapeFile) -> ShapeFile {
     let mut file = file.clone();
     file.forget_original();
     file
-}
-
-/// Seconds from lap to lap.
-struct Stopwatch(Instant);
-
-impl Stopwatch {
-    fn start() -> Self {
-        Self(Instant::now())
-    }
-
-    fn lap(&mut self) -> f64 {
-        let seconds = self.0.elapsed().as_secs_f64();
-        self.0 = Instant::now();
-        seconds
-    }
 }

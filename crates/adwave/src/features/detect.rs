@@ -28,7 +28,7 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 ///
 /// ```
 /// use adwave::bands::{BandsParams, Schedule};
-/// use adwave::features::{FeatureParams, features};
+/// use adwave::features::{FeatureParams, Response, features};
 /// use adwave::sample::Sample;
 /// use adwave::{Decomposer, Progress, operator::OperatorParams, shape::{Mesh, Shape}};
 /// let sphere = Sample::by_name("sphere", Some(2000))?;
@@ -39,7 +39,8 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 /// let shape = Shape::Mesh(Mesh::new(sphere.points, sphere.faces)?);
 /// let walk = Decomposer::new(&shape, &OperatorParams::default());
 /// let bands = walk.decompose(&signal, 1, &Schedule::dyadic(8)?, &BandsParams::default(), Progress::none())?;
-/// let found = features(&walk, &bands, &FeatureParams::default())?;
+/// let params = FeatureParams::default().with_response(Response::Literal);
+/// let found = features(&walk, &bands, &params)?;
 /// let strongest = found.iter().max_by(|a, b| a.strength.total_cmp(&b.strength)).unwrap();
 /// assert_eq!((strongest.vertex, strongest.sign()), (7, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,0 +1,40 @@
+//! The comparison with other people's programs: builds ours, makes their environment, runs `benches/peers`.
+
+use crate::{Outcome, cargo, python, root, run};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// Times us and the peers in one run and writes `docs/PERFORMANCE.md`. `arguments`: `--models DIR`, where a
+/// `stanford-bunny.obj` may be found, and `--only PART` for one part that is printed and not written.
+pub(crate) fn bench_peers(arguments: &[&str]) -> Outcome {
+    let mut models =
+        std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from);
+    let mut only = None;
+    let mut rest = arguments.iter();
+    while let Some(&option) = rest.next() {
+        let value = rest.next().ok_or_else(|| format!("{option} needs a value"))?;
+        match option {
+            "--models" => models = PathBuf::from(value),
+            "--only" => only = Some(value),
+            _ => return Err(format!("bench-peers knows --models and --only, not {option}")),
+        }
+    }
+    let release = ["build", "--release", "--locked", "--quiet"];
+    cargo(&[&release[..], &["-p", "adwave-cli"]].concat(), &[])?;
+    cargo(&[&release[..], &["-p", "adwave", "--example", "timing_on_request"]].concat(), &[])?;
+    let python = python::environment(&root(), "peers")?;
+    let target = root().join("target");
+    run(Command::new(python)
+        .arg(root().join("benches/peers/bench_peers.py"))
+        .arg("--ours")
+        .arg(target.join("release/examples/timing_on_request"))
+        .arg("--adwave")
+        .arg(target.join("release/adwave"))
+        .arg("--models")
+        .arg(models)
+        .arg("--work")
+        .arg(target.join("bench-peers"))
+        .arg("--docs")
+        .arg(root().join("docs"))
+        .args(only.iter().flat_map(|part| ["--only", part])))
+}
