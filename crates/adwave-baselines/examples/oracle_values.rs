@@ -54,7 +54,7 @@ fn sgwt(path: &str, family: &str, n: usize, lambda_max: f64) -> Result<(), Box<d
         match line.split(' ').collect::<Vec<_>>()[..] {
             ["s", value] => signal.push(value.parse()?),
             [u, v, w] => {
-                let (u, v, w) = (u.parse()?, v.parse()?, w.parse()?);
+                let (u, v, w): (u32, u32, f64) = (u.parse()?, v.parse()?, w.parse()?);
                 entries.extend([(u, u, w), (v, v, w), (u, v, -w)]);
             }
             _ => return Err(format!("not an edge or a value: {line}").into()),
