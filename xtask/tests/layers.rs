@@ -14,8 +14,9 @@ fn crates_depend_only_on_those_below_them() {
     let layer = |name: &str| match name {
         "adwave" => Some(0),
         "adwave-io" | "adwave-baselines" | "adwave-render" => Some(1),
-        "adwave-cli" => Some(2),
-        "xtask" => Some(3),
+        "adwave-report" => Some(2),
+        "adwave-cli" => Some(3),
+        "xtask" => Some(4),
         _ => None,
     };
     let packages = metadata["packages"].as_array().unwrap();

@@ -26,7 +26,6 @@
 #![allow(clippy::cast_possible_wrap)]
 
 mod atomic;
-mod color_map;
 mod columns_meaning;
 mod columns_read;
 mod columns_write;
@@ -72,7 +71,6 @@ mod vtp_write;
 mod write;
 
 pub use atomic::{atomic_write, remove_temporaries};
-pub use color_map::{ColorMap, value_range};
 pub use csv_fields::{parse_csv_fields, read_csv_fields};
 pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};

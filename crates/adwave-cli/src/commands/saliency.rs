@@ -8,7 +8,8 @@ use crate::error::CliError;
 use crate::output::{check_writable, number, print, table, write_error, write_shape};
 use crate::progress::with_spinner;
 use adwave::saliency::{Saliency, SaliencyLevel, saliency, saliency_per_level};
-use adwave_io::{ArrayValues, ColorMap, Field, FieldValues, Format, value_range, write_npy};
+use adwave_io::{ArrayValues, Field, FieldValues, Format, write_npy};
+use adwave_render::{ColorMap, value_range};
 use serde_json::json;
 use std::time::Instant;
 

@@ -35,7 +35,7 @@ impl ColorMap {
     /// The map of that name.
     ///
     /// ```
-    /// use adwave_io::ColorMap;
+    /// use adwave_render::ColorMap;
     /// assert_eq!(ColorMap::from_name("viridis").unwrap().color(0.0), [68, 1, 84]);
     /// assert!(ColorMap::from_name("sepia").is_none());
     /// ```
@@ -64,7 +64,7 @@ impl ColorMap {
 /// values do not spoil. (0, 1) without finite values. O(n log n).
 ///
 /// ```
-/// use adwave_io::value_range;
+/// use adwave_render::value_range;
 /// assert_eq!(value_range(&[5.0, f64::NAN, 1.0, 3.0], 0.0, 1.0), (1.0, 5.0));
 /// ```
 pub fn value_range(values: &[f64], low: f64, high: f64) -> (f64, f64) {
