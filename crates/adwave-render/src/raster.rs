@@ -6,6 +6,9 @@ use rayon::prelude::*;
 /// Discs whose normal points less towards the viewer than this are seen from their edge.
 const STEEPEST: f32 = 0.05;
 
+/// The radius in samples of the dot that a disc seen from its edge becomes.
+const EDGE: f64 = 1.2;
+
 /// Rows of pixels in a strip.
 const STRIP: usize = 16;
 
@@ -134,7 +137,10 @@ impl Strip {
                 };
                 self.round(center, *radius, plane, *color);
             }
-            Primitive::Disc { normal, .. } if *normal != [0.0; 3] => {}
+            // A disc from its edge has no area; a dot keeps it from vanishing.
+            Primitive::Disc { center, normal, color, .. } if *normal != [0.0; 3] => {
+                self.round(center, EDGE, |_, _, _| Some((0.0, *normal)), *color);
+            }
             Primitive::Disc { center, radius, color, .. } | Primitive::Ball { center, radius, color } => {
                 let ball = |dx: f64, dy: f64, out: f64| Some((out, [dx as f32, -dy as f32, out as f32]));
                 self.round(center, *radius, ball, *color);
