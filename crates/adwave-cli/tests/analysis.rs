@@ -40,6 +40,21 @@ fn a_map_is_written_with_its_colours_or_as_an_array() {
     assert_eq!(array.shape, [n, 5]);
     assert_eq!(array.values.get(5 * at), map[at]);
     json(folder.path(), "saliency a.ply -o map.vtp --field mean-curvature --weighting ranks");
+    // All that stands out of a flat plane is its border.
+    const N: usize = 40;
+    let mut flat = format!("OFF\n{} {} 0\n", N * N, (N - 1) * (N - 1));
+    for x in 0..N * N {
+        flat += &format!("{} {} 0\n", x / N, x % N);
+    }
+    for x in (0..N * (N - 1)).filter(|x| x % N + 1 < N) {
+        flat += &format!("4 {x} {} {} {}\n", x + N, x + N + 1, x + 1);
+    }
+    fs::write(folder.path().join("flat.off"), flat).unwrap();
+    let edge = |flags: &str| {
+        let line = format!("saliency flat.off -o edge.npy --levels 6 --weighting none{flags}");
+        json(folder.path(), &line)["largest"].as_f64().unwrap()
+    };
+    assert!(edge(" --border 1") < 0.1 * edge(""));
 }
 
 #[test]
@@ -183,6 +198,8 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("saliency a.ply -o m.obj", ".ply, .vtp or .npy"),
         ("saliency a.ply -o m.ply --levels 2", "skip fewer"),
         ("saliency a.ply -o m.ply --color-map sepia", "viridis"),
+        ("saliency a.ply -o m.ply --border -1", "distance from the border is -1"),
+        ("features a.ply --border nan", "distance from the border is NaN"),
         ("saliency a.ply -o m.ply --color-top 0", "--color-top"),
         ("saliency a.ply -o m.ply --field density", "cloud"),
         ("saliency a.ply -o m.ply --field luminance", "no colours"),

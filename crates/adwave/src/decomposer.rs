@@ -8,6 +8,7 @@ use crate::basis::{BasisError, SparseRow, one_vertex};
 use crate::filter::{Edit, FilterError};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
+use crate::region::surface_distance;
 use crate::shape::{Adjacency, Domain, Health, Shape, health, one_ring, squared_distance};
 use crate::signal::cloud_border;
 use rayon::prelude::*;
@@ -135,6 +136,13 @@ impl Decomposer {
         border.sort_unstable();
         border.dedup();
         border
+    }
+
+    /// How far each vertex of the analysis is from the border along the surface, in model units: infinite beyond `reach` and
+    /// where there is no border.
+    pub(crate) fn distance_from_border(&self, reach: f64) -> Vec<f64> {
+        let sources: Vec<(usize, f64)> = self.border().into_iter().map(|x| (x, 0.0)).collect();
+        surface_distance(&self.ring(), &self.domain.points, &sources, reach)
     }
 
     /// The one-ring of a mesh without the vertices that are left out; of a cloud or graph what one step can reach.

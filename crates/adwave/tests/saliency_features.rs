@@ -250,6 +250,60 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
 }
 
 #[test]
+fn a_border_fades_out_of_a_map_and_nothing_else_does() {
+    // Beyond σ a straight border draws coordinates by less than a tenth of what it does at itself, and there the level has
+    // only begun to fade in.
+    const LEFT: f64 = 0.03;
+    let faded = SaliencyParams::default().with_weighting(Weighting::Uniform).with_border_sigmas(1.0);
+    let plain = SaliencyParams { border_sigmas: None, ..faded };
+    let largest = |map: &[f64]| map.iter().copied().fold(0.0, f64::max);
+    // A flat plane has nothing but its border. The last level is wider than the plane and has nothing left at all.
+    let flat = plane(60);
+    let shape = mesh(flat.points.clone(), flat.faces.clone());
+    let walk = walk(&shape);
+    let split = bands(&walk, shape.points().unwrap().as_flattened(), 3, 14);
+    let (with, without) =
+        (saliency(&walk, &split, &faded).unwrap(), saliency(&walk, &split, &plain).unwrap());
+    assert!(largest(&with.map) < LEFT * largest(&without.map), "{}", largest(&with.map));
+    let last = with.levels.last().unwrap();
+    assert!(last.sigma > 1.0 && (last.mean, last.max) == (0.0, 0.0));
+    for weighting in WEIGHTINGS {
+        let map = saliency(&walk, &split, &faded.with_weighting(weighting)).unwrap().map;
+        assert!(map.iter().all(|v| v.is_finite() && *v >= 0.0), "{weighting:?}");
+    }
+    // S = 0 leaves out the border's own vertices.
+    let map = saliency(&walk, &split, &faded.with_border_sigmas(0.0)).unwrap().map;
+    for ((p, with), without) in flat.points.iter().zip(&map).zip(&without.map) {
+        let on_border = p[0].abs() == 1.0 || p[1].abs() == 1.0;
+        assert_eq!(*with, if on_border { 0.0 } else { *without }, "{p:?}");
+    }
+    // What is far enough from the border keeps its value to the last bit.
+    let wave: Vec<f64> = flat.points.iter().map(|p| (9.0 * p[0]).sin() * (7.0 * p[1]).cos()).collect();
+    let split = bands(&walk, &wave, 1, 6);
+    let [with, without] = [&faded, &plain].map(|params| saliency(&walk, &split, params).unwrap().map);
+    let far = 1.0 - 2.0 * split.sigma[6];
+    let inside = |p: &[f64; 3]| p[0].abs() < far && p[1].abs() < far;
+    assert!(flat.points.iter().filter(|p| inside(p)).count() > 500);
+    for x in (0..wave.len()).filter(|&x| inside(&flat.points[x])) {
+        assert_eq!(with[x], without[x]);
+    }
+    // A closed surface has no border.
+    let closed = potato(2000);
+    let shape = mesh(closed.points, closed.faces);
+    let walk = Decomposer::new(&shape, &OperatorParams::default());
+    let split = bands(&walk, shape.points().unwrap().as_flattened(), 3, 6);
+    for weighting in WEIGHTINGS {
+        let [with, without] =
+            [&faded, &plain].map(|p| saliency(&walk, &split, &p.with_weighting(weighting)).unwrap().map);
+        assert!(with == without, "{weighting:?}");
+    }
+    for sigmas in [-1.0, f64::NAN, f64::INFINITY] {
+        let error = saliency(&walk, &split, &faded.with_border_sigmas(sigmas)).unwrap_err();
+        assert!(error.to_string().contains(&sigmas.to_string()), "{error}");
+    }
+}
+
+#[test]
 fn a_mask_is_left_out_and_not_spread() {
     let sample = potato(4000);
     let shape = mesh(sample.points.clone(), sample.faces);

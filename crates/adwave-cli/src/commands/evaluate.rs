@@ -21,7 +21,8 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 pub(crate) fn run(args: &EvaluateArgs, global: &GlobalArgs) -> Result<(), CliError> {
-    args.detect.params().check().map_err(CliError::input)?;
+    args.detect.params(&args.border).check().map_err(CliError::input)?;
+    args.map.params(&args.border).check().map_err(CliError::input)?;
     let analysis = Analysis::new(&args.shape, &args.field, &args.levels, global)?;
     match &args.against {
         Some(looks) => against(args, global, &analysis, looks),
@@ -44,7 +45,9 @@ fn against(
         Ok(signal.values)
     };
     let looks = one_channel(looks)?;
-    let own = saliency(&analysis.walk, &analysis.bands, &args.map.params()).map_err(CliError::input)?.map;
+    let own = saliency(&analysis.walk, &analysis.bands, &args.map.params(&args.border))
+        .map_err(CliError::input)?
+        .map;
     let control = analysis.input.shape.points().map(centre_distance);
     let mut maps = vec![(format!("saliency of {}", args.field.field), own)];
     for name in &args.maps {
@@ -167,7 +170,7 @@ fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatab
 }
 
 fn find(args: &EvaluateArgs, analysis: &Analysis) -> Result<Vec<Feature>, CliError> {
-    features(&analysis.walk, &analysis.bands, &args.detect.params()).map_err(CliError::input)
+    features(&analysis.walk, &analysis.bands, &args.detect.params(&args.border)).map_err(CliError::input)
 }
 
 /// The features of a changed shape, on levels of the same widths.
@@ -204,5 +207,5 @@ fn find_again(args: &EvaluateArgs, analysis: &Analysis, changed: &Changed) -> Re
     let params = bands_params(&args.levels)?;
     let bands =
         walk.decompose(&values, n_channels, &schedule, &params, Progress::none().with_cancel(&STOP))?;
-    features(&walk, &bands, &args.detect.params()).map_err(CliError::input)
+    features(&walk, &bands, &args.detect.params(&args.border)).map_err(CliError::input)
 }

@@ -25,7 +25,7 @@ struct Found {
 }
 
 pub(crate) fn run(args: &FeaturesArgs, global: &GlobalArgs) -> Result<(), CliError> {
-    args.detect.params().check().map_err(CliError::input)?;
+    args.detect.params(&args.border).check().map_err(CliError::input)?;
     let kind = args.output.as_deref().map(output_kind).transpose()?;
     if let Some(path) = &args.output {
         check_writable(path)?;
@@ -56,8 +56,8 @@ pub(crate) fn run(args: &FeaturesArgs, global: &GlobalArgs) -> Result<(), CliErr
 fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &GlobalArgs) -> Result<Found, CliError> {
     let analysis = Analysis::new(shape, &args.field, &args.levels, global)?;
     let start = Instant::now();
-    let features =
-        features(&analysis.walk, &analysis.bands, &args.detect.params()).map_err(CliError::input)?;
+    let features = features(&analysis.walk, &analysis.bands, &args.detect.params(&args.border))
+        .map_err(CliError::input)?;
     let seconds = start.elapsed().as_secs_f64();
     let descriptors = if args.descriptors || args.other.is_some() {
         describe(&analysis.walk, &analysis.bands, &features)

@@ -30,8 +30,9 @@ pub(crate) fn run(args: &SaliencyArgs, global: &GlobalArgs) -> Result<(), CliErr
             args.color_top
         )));
     }
+    let params = args.map.params(&args.border);
+    params.check().map_err(CliError::input)?;
     let analysis = Analysis::new(&args.shape, &args.field, &args.levels, global)?;
-    let params = args.map.params();
     let start = Instant::now();
     let saliency = saliency(&analysis.walk, &analysis.bands, &params).map_err(CliError::input)?;
     let took = start.elapsed();
