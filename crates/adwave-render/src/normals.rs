@@ -1,0 +1,147 @@
+//! Normals of a mesh for smooth shading, with edges kept sharp.
+
+use crate::vector::{Vec3, add_scaled, cross, dot, sub, unit};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// A normal for each corner of each triangle, by index.
+#[derive(Debug)]
+pub(crate) struct CornerNormals {
+    /// Unit normals in the model's axes; zero for a triangle without area.
+    pub(crate) normals: Vec<Vec3>,
+    /// For each triangle the normals of its corners.
+    pub(crate) of: Vec<[u32; 3]>,
+}
+
+/// Normals that are means over the faces at a vertex, weighted by their angles there, over those faces only that meet the
+/// corner's own at less than `crease_angle` (degrees). O(n), and O(Σ valence²) at creases.
+///
+/// Vertices at equal positions count as one, so that the seams of files that repeat vertices do not show.
+///
+/// Source: Thürmer and Wüthrich, "Computing vertex normals from polygonal facets", 1998.
+pub(crate) fn corner_normals(points: &[Vec3], triangles: &[[u32; 3]], crease_angle: f64) -> CornerNormals {
+    let class = positions(points);
+    let scale = largest_extent(points);
+    let faces: Vec<Vec3> = triangles.par_iter().map(|t| face_normal(points, t, scale)).collect();
+    let (first, corners) = corners_at(&class, triangles);
+    let limit = crease_angle.to_radians().cos();
+    let half = (crease_angle / 2.0).to_radians().cos();
+    // (class, normals of its corners): one normal where the vertex is smooth, one a corner at a crease.
+    let found: Vec<Vec<Vec3>> = (0..first.len() - 1)
+        .into_par_iter()
+        .with_min_len(1024)
+        .map(|v| {
+            let here = &corners[first[v]..first[v + 1]];
+            let weighted: Vec<(Vec3, f64)> = here
+                .iter()
+                .map(|&c| (faces[c as usize / 3], corner_angle(points, &triangles[c as usize / 3], c % 3)))
+                .collect();
+            let mean = |keep: &dyn Fn(&Vec3) -> bool| {
+                let kept = weighted.iter().filter(|(n, _)| keep(n));
+                unit(&kept.fold([0.0; 3], |sum, (n, w)| add_scaled(&sum, *w, n)))
+            };
+            let all = mean(&|_| true).unwrap_or([0.0; 3]);
+            if weighted.iter().all(|(n, _)| dot(n, &all) >= half || *n == [0.0; 3]) {
+                return vec![all];
+            }
+            weighted.iter().map(|(own, _)| mean(&|n| dot(own, n) >= limit).unwrap_or(*own)).collect()
+        })
+        .collect();
+    let mut of = vec![[0_u32; 3]; triangles.len()];
+    let mut normals = Vec::with_capacity(found.len());
+    for (v, list) in found.iter().enumerate() {
+        for (k, &c) in corners[first[v]..first[v + 1]].iter().enumerate() {
+            of[c as usize / 3][c as usize % 3] = (normals.len() + if list.len() == 1 { 0 } else { k }) as u32;
+        }
+        normals.extend_from_slice(list);
+    }
+    CornerNormals { normals, of }
+}
+
+fn largest_extent(points: &[Vec3]) -> f64 {
+    let most = points.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
+    if most > 0.0 { most } else { 1.0 }
+}
+
+fn face_normal(points: &[Vec3], triangle: &[u32; 3], scale: f64) -> Vec3 {
+    let [a, b, c] = triangle.map(|v| points[v as usize].map(|c| c / scale));
+    let (ab, ac) = (sub(&b, &a), sub(&c, &a));
+    // Edges of length 1, lest the cross product of tiny ones underflows.
+    match (unit(&ab), unit(&ac)) {
+        (Some(ab), Some(ac)) => unit(&cross(&ab, &ac)).unwrap_or([0.0; 3]),
+        _ => [0.0; 3],
+    }
+}
+
+fn corner_angle(points: &[Vec3], triangle: &[u32; 3], corner: u32) -> f64 {
+    let at = |k: u32| points[triangle[(k % 3) as usize] as usize];
+    let p = at(corner);
+    match (unit(&sub(&at(corner + 1), &p)), unit(&sub(&at(corner + 2), &p))) {
+        (Some(a), Some(b)) => dot(&a, &b).clamp(-1.0, 1.0).acos(),
+        _ => 0.0,
+    }
+}
+
+/// A number for each vertex, equal for those at equal positions.
+fn positions(points: &[Vec3]) -> Vec<u32> {
+    let mut numbers: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
+    points
+        .iter()
+        .map(|p| {
+            let next = numbers.len() as u32;
+            // −0 is where 0 is.
+            *numbers.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(next)
+        })
+        .collect()
+}
+
+/// The corners (3 × triangle + corner) at each class of vertices, as offsets and a list.
+fn corners_at(class: &[u32], triangles: &[[u32; 3]]) -> (Vec<usize>, Vec<u32>) {
+    let n = class.iter().max().map_or(0, |m| *m as usize + 1);
+    let mut first = vec![0; n + 1];
+    for &v in triangles.as_flattened() {
+        first[class[v as usize] as usize + 1] += 1;
+    }
+    for v in 0..n {
+        first[v + 1] += first[v];
+    }
+    let mut next = first.clone();
+    let mut corners = vec![0; triangles.len() * 3];
+    for (c, &v) in triangles.as_flattened().iter().enumerate() {
+        let at = &mut next[class[v as usize] as usize];
+        corners[*at] = c as u32;
+        *at += 1;
+    }
+    (first, corners)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CUBE_CORNER: [Vec3; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    const THREE_SIDES: [[u32; 3]; 3] = [[0, 1, 2], [0, 2, 3], [0, 3, 1]];
+
+    #[test]
+    fn a_crease_is_kept_and_a_wide_angle_smooths_it() {
+        let sharp = corner_normals(&CUBE_CORNER, &THREE_SIDES, 50.0);
+        for (t, axis) in [(0, 2), (1, 0), (2, 1)] {
+            for corner in sharp.of[t] {
+                assert!((sharp.normals[corner as usize][axis].abs() - 1.0).abs() < 1e-12);
+            }
+        }
+        let smooth = corner_normals(&CUBE_CORNER, &THREE_SIDES, 180.0);
+        // Three right angles at the corner: all axes weigh alike.
+        let n = smooth.normals[smooth.of[0][0] as usize];
+        assert!(n.iter().all(|c| (c - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12), "{n:?}");
+    }
+
+    #[test]
+    fn repeated_vertices_share_their_normal() {
+        let seam =
+            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.3]];
+        let found = corner_normals(&seam, &[[0, 1, 2], [3, 4, 5]], 50.0);
+        assert_eq!(found.of[0][1], found.of[1][1]);
+        assert_eq!(found.of[0][2], found.of[1][0]);
+    }
+}

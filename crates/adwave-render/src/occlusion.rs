@@ -1,0 +1,134 @@
+//! What depth does to light: places that see little of the sky are darker, ridges a little brighter.
+
+use crate::vector::{Direction, dot_f32};
+use rayon::prelude::*;
+
+/// The foremost surface of each pixel.
+pub(crate) struct Front {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// Towards the viewer, in pixels; −∞ where there is nothing.
+    pub(crate) depth: Vec<f32>,
+    pub(crate) normal: Vec<Direction>,
+}
+
+/// What kind of surface it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Smooth: ridges and creases are brought out.
+    Mesh,
+    /// Of discs, whose edges are no ridges.
+    Cloud,
+}
+
+/// How many pixels around are looked at.
+const TAPS: usize = 20;
+
+/// Turns of the spiral that they lie on; prime to their number, so that no two lie in line.
+const TURNS: f32 = 7.0;
+
+/// How much of the light a closed cavity takes away.
+const STRENGTH: f32 = 1.15;
+
+/// No place gets darker than this.
+const DARKEST: f32 = 0.25;
+
+/// Half the width of the smoothing, pixels: the pattern of the taps repeats over it.
+const BLUR: i32 = 2;
+
+/// How much a crease or ridge changes the light.
+const CAVITY: f32 = 0.35;
+
+impl Front {
+    fn at(&self, x: i32, y: i32) -> Option<(usize, f32)> {
+        let inside = x >= 0 && y >= 0 && x < self.width as i32 && y < self.height as i32;
+        let k = y as usize * self.width + x as usize;
+        (inside && self.depth[k] > f32::NEG_INFINITY).then(|| (k, self.depth[k]))
+    }
+
+    /// The share of the light that reaches each pixel, from surroundings of `radius` pixels.
+    ///
+    /// Source: McGuire, Mara and Luebke, "Scalable ambient obscurance", 2012, with a fixed pattern of 4 × 4 in place of
+    /// random turns, and the depth-aware smoothing over just that pattern.
+    pub(crate) fn light(&self, radius: f32, kind: Kind) -> Vec<f32> {
+        let raw: Vec<f32> = self.by_rows(|x, y, k| self.openness(x, y, k, radius));
+        let near = (0.02 * radius).max(1.5);
+        let smooth = |values: &[f32], step: [i32; 2]| {
+            self.by_rows(|x, y, k| {
+                let (mut sum, mut weight) = (0.0, 0.0);
+                for d in -BLUR..=BLUR {
+                    if let Some((other, depth)) = self.at(x + d * step[0], y + d * step[1]) {
+                        // Relative to the slope, lest slanted surfaces keep the pattern.
+                        let slant = (1.0 - self.normal[k][2]).max(0.0) * 4.0 + 1.0;
+                        let w = (1.0 - (depth - self.depth[k]).abs() / (near * slant)).max(0.0);
+                        sum += w * values[other];
+                        weight += w;
+                    }
+                }
+                if weight > 0.0 { sum / weight } else { values[k] }
+            })
+        };
+        let smoothed = smooth(&smooth(&raw, [1, 0]), [0, 1]);
+        match kind {
+            Kind::Mesh => self.by_rows(|x, y, k| smoothed[k] * self.ridge(x, y, k)),
+            Kind::Cloud => smoothed,
+        }
+    }
+
+    /// A value for each pixel that shows something, 1 elsewhere.
+    fn by_rows(&self, value: impl Fn(i32, i32, usize) -> f32 + Sync) -> Vec<f32> {
+        let mut values = vec![1.0; self.depth.len()];
+        values.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
+            for (x, v) in row.iter_mut().enumerate() {
+                let k = y * self.width + x;
+                if self.depth[k] > f32::NEG_INFINITY {
+                    *v = value(x as i32, y as i32, k);
+                }
+            }
+        });
+        values
+    }
+
+    fn openness(&self, x: i32, y: i32, k: usize, radius: f32) -> f32 {
+        let n = self.normal[k];
+        let phase = ((x & 3) * 4 + (y & 3)) as f32 * (11.0 / 16.0);
+        let phase = phase.fract();
+        let square = radius * radius;
+        // Flat surfaces that are slanted must not shade themselves.
+        let bias = 0.02 * radius * 0.1 + 0.6;
+        let mut sum = 0.0;
+        for tap in 0..TAPS {
+            let share = (tap as f32 + 0.5) / TAPS as f32;
+            let angle = std::f32::consts::TAU * (share * TURNS + phase);
+            let reach = 1.0 + share * share * radius;
+            let (dx, dy) = ((angle.cos() * reach).round(), (angle.sin() * reach).round());
+            if let Some((_, depth)) = self.at(x + dx as i32, y + dy as i32) {
+                let v = [dx, -dy, depth - self.depth[k]];
+                let length = dot_f32(&v, &v);
+                if length < square {
+                    let up = (dot_f32(&v, &n) - bias).max(0.0);
+                    let fade = 1.0 - length / square;
+                    sum += fade * up / (length.sqrt() + 0.5);
+                }
+            }
+        }
+        (1.0 - STRENGTH * sum / TAPS as f32 * 2.0).clamp(DARKEST, 1.0)
+    }
+
+    /// Above 1 on ridges, below in creases: how the normals turn from pixel to pixel.
+    fn ridge(&self, x: i32, y: i32, k: usize) -> f32 {
+        let turn = |dx: i32, dy: i32, axis: usize| {
+            let pair = (self.at(x + dx, y + dy), self.at(x - dx, y - dy));
+            match pair {
+                (Some((a, depth_a)), Some((b, depth_b)))
+                    if (depth_a - self.depth[k]).abs() < 8.0 && (depth_b - self.depth[k]).abs() < 8.0 =>
+                {
+                    self.normal[a][axis] - self.normal[b][axis]
+                }
+                _ => 0.0,
+            }
+        };
+        let curvature = turn(1, 0, 0) - turn(0, 1, 1);
+        1.0 + CAVITY * curvature.clamp(-0.8, 0.5)
+    }
+}
