@@ -32,6 +32,7 @@ fn main() -> ExitCode {
         Command::Basis(args) => commands::basis::run(args, &cli.global),
         Command::Sample(args) => commands::sample::run(args, &cli.global),
         Command::Demo(args) => commands::demo::run(args, &cli.global),
+        Command::Reproduce(args) => commands::reproduce::run(args, &cli.global),
         Command::Completions(args) => commands::shell::completions(args),
         Command::Man(args) => commands::shell::man(args),
     });

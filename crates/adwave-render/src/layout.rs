@@ -11,7 +11,7 @@ const LETTERS: f64 = 1.0 / 42.0;
 const SMALLEST_LETTERS: f64 = 11.0;
 
 /// What the shape keeps off the picture's border, in parts of its shorter side.
-const MARGIN: f64 = 0.035;
+pub(crate) const MARGIN: f64 = 0.035;
 
 /// The most of a picture's width that a bar may take.
 const MOST_FOR_BAR: f64 = 0.4;

@@ -23,6 +23,8 @@ mod scene;
 mod shade;
 mod splats;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod text;
 mod vector;
 mod view;

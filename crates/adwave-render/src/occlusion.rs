@@ -28,22 +28,24 @@ const TAPS: usize = 20;
 const TURNS: f32 = 7.0;
 
 /// How much of the light a closed cavity takes away.
-const STRENGTH: f32 = 1.15;
+const STRENGTH: f32 = 1.7;
 
 /// No place gets darker than this.
-const DARKEST: f32 = 0.25;
+const DARKEST: f32 = 0.2;
 
 /// Half the width of the smoothing, pixels: the pattern of the taps repeats over it.
 const BLUR: i32 = 2;
 
 /// How much a crease or ridge changes the light.
-const CAVITY: f32 = 0.35;
+const CAVITY: f32 = 0.5;
 
 impl Front {
     fn at(&self, x: i32, y: i32) -> Option<(usize, f32)> {
-        let inside = x >= 0 && y >= 0 && x < self.width as i32 && y < self.height as i32;
+        if x < 0 || y < 0 || x >= self.width as i32 || y >= self.height as i32 {
+            return None;
+        }
         let k = y as usize * self.width + x as usize;
-        (inside && self.depth[k] > f32::NEG_INFINITY).then(|| (k, self.depth[k]))
+        (self.depth[k] > f32::NEG_INFINITY).then(|| (k, self.depth[k]))
     }
 
     /// The share of the light that reaches each pixel, from surroundings of `radius` pixels.
@@ -95,7 +97,7 @@ impl Front {
         let phase = phase.fract();
         let square = radius * radius;
         // Flat surfaces that are slanted must not shade themselves.
-        let bias = 0.02 * radius * 0.1 + 0.6;
+        let bias = 0.002 * radius + 0.6;
         let mut sum = 0.0;
         for tap in 0..TAPS {
             let share = (tap as f32 + 0.5) / TAPS as f32;

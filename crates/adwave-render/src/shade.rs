@@ -9,17 +9,17 @@ struct Light {
 }
 
 /// The main light comes over the viewer's left shoulder, high enough that relief throws shade.
-const KEY: Light = Light { towards: [-0.51, 0.62, 0.596], color: [0.88, 0.86, 0.82] };
+const KEY: Light = Light { towards: [-0.51, 0.62, 0.596], color: [1.02, 0.99, 0.94] };
 /// A weak, cool one from the right lifts the shaded side.
-const FILL: Light = Light { towards: [0.82, 0.05, 0.57], color: [0.17, 0.185, 0.21] };
+const FILL: Light = Light { towards: [0.82, 0.05, 0.57], color: [0.12, 0.135, 0.16] };
 /// One from behind draws a fine bright line along the outline.
 const RIM: Light = Light { towards: [0.42, 0.42, -0.805], color: [0.45, 0.46, 0.48] };
 /// From everywhere: from above and from below.
-const SKY: [f32; 3] = [0.20, 0.21, 0.23];
-const GROUND: [f32; 3] = [0.10, 0.095, 0.09];
+const SKY: [f32; 3] = [0.19, 0.20, 0.22];
+const GROUND: [f32; 3] = [0.07, 0.066, 0.062];
 
 /// How much of the key light wraps past the terminator, which softens it as a large lamp would.
-const WRAP: f32 = 0.12;
+const WRAP: f32 = 0.06;
 
 /// How strongly and how narrowly a surface reflects the key light.
 #[derive(Clone, Copy)]
