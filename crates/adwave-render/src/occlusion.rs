@@ -21,6 +21,9 @@ pub(crate) enum Kind {
     Cloud,
 }
 
+/// The pattern of the taps repeats after so many pixels, both ways.
+const PERIOD: usize = 4;
+
 /// How many pixels around are looked at.
 const TAPS: usize = 20;
 
@@ -33,8 +36,8 @@ const STRENGTH: f32 = 1.7;
 /// No place gets darker than this.
 const DARKEST: f32 = 0.2;
 
-/// Half the width of the smoothing, pixels: the pattern of the taps repeats over it.
-const BLUR: i32 = 2;
+/// The weights of the smoothing to either side: together one period of the pattern, so that it cancels.
+const BLUR: [f32; 3] = [1.0, 1.0, 0.5];
 
 /// How much a crease or ridge changes the light.
 const CAVITY: f32 = 0.5;
@@ -53,16 +56,18 @@ impl Front {
     /// Source: McGuire, Mara and Luebke, "Scalable ambient obscurance", 2012, with a fixed pattern of 4 × 4 in place of
     /// random turns, and the depth-aware smoothing over just that pattern.
     pub(crate) fn light(&self, radius: f32, kind: Kind) -> Vec<f32> {
-        let raw: Vec<f32> = self.by_rows(|x, y, k| self.openness(x, y, k, radius));
+        let taps = taps(radius);
+        let raw: Vec<f32> = self.by_rows(|x, y, k| self.openness(x, y, k, radius, &taps));
         let near = (0.02 * radius).max(1.5);
         let smooth = |values: &[f32], step: [i32; 2]| {
             self.by_rows(|x, y, k| {
                 let (mut sum, mut weight) = (0.0, 0.0);
-                for d in -BLUR..=BLUR {
+                for d in 1 - BLUR.len() as i32..BLUR.len() as i32 {
                     if let Some((other, depth)) = self.at(x + d * step[0], y + d * step[1]) {
                         // Relative to the slope, lest slanted surfaces keep the pattern.
                         let slant = (1.0 - self.normal[k][2]).max(0.0) * 4.0 + 1.0;
-                        let w = (1.0 - (depth - self.depth[k]).abs() / (near * slant)).max(0.0);
+                        let w = BLUR[d.unsigned_abs() as usize]
+                            * (1.0 - (depth - self.depth[k]).abs() / (near * slant)).max(0.0);
                         sum += w * values[other];
                         weight += w;
                     }
@@ -91,30 +96,23 @@ impl Front {
         values
     }
 
-    fn openness(&self, x: i32, y: i32, k: usize, radius: f32) -> f32 {
+    fn openness(&self, x: i32, y: i32, k: usize, radius: f32, taps: &[[[i32; 2]; TAPS]]) -> f32 {
         let n = self.normal[k];
-        let phase = ((x & 3) * 4 + (y & 3)) as f32 * (11.0 / 16.0);
-        let phase = phase.fract();
         let square = radius * radius;
         // Flat surfaces that are slanted must not shade themselves.
         let bias = 0.002 * radius + 0.6;
         let mut sum = 0.0;
-        for tap in 0..TAPS {
-            let share = (tap as f32 + 0.5) / TAPS as f32;
-            let angle = std::f32::consts::TAU * (share * TURNS + phase);
-            let reach = 1.0 + share * share * radius;
-            let (dx, dy) = ((angle.cos() * reach).round(), (angle.sin() * reach).round());
-            if let Some((_, depth)) = self.at(x + dx as i32, y + dy as i32) {
-                let v = [dx, -dy, depth - self.depth[k]];
+        for [dx, dy] in taps[x as usize % PERIOD * PERIOD + y as usize % PERIOD] {
+            if let Some((_, depth)) = self.at(x + dx, y + dy) {
+                let v = [dx as f32, -dy as f32, depth - self.depth[k]];
                 let length = dot_f32(&v, &v);
                 if length < square {
                     let up = (dot_f32(&v, &n) - bias).max(0.0);
-                    let fade = 1.0 - length / square;
-                    sum += fade * up / (length.sqrt() + 0.5);
+                    sum += (1.0 - length / square) * up / (length.sqrt() + 0.5);
                 }
             }
         }
-        (1.0 - STRENGTH * sum / TAPS as f32 * 2.0).clamp(DARKEST, 1.0)
+        (1.0 - 2.0 * STRENGTH * sum / TAPS as f32).clamp(DARKEST, 1.0)
     }
 
     /// Above 1 on ridges, below in creases: how the normals turn from pixel to pixel.
@@ -133,4 +131,19 @@ impl Front {
         let curvature = turn(1, 0, 0) - turn(0, 1, 1);
         1.0 + CAVITY * curvature.clamp(-0.8, 0.5)
     }
+}
+
+/// Where to look from each pixel of the pattern: a spiral, turned a little from pixel to pixel.
+fn taps(radius: f32) -> Vec<[[i32; 2]; TAPS]> {
+    let turned = |pixel: usize| {
+        // Steps of 11 of 16, so that neighbours differ much.
+        let phase = (pixel * 11 % (PERIOD * PERIOD)) as f32 / (PERIOD * PERIOD) as f32;
+        std::array::from_fn(|tap| {
+            let share = (tap as f32 + 0.5) / TAPS as f32;
+            let angle = std::f32::consts::TAU * (share * TURNS + phase);
+            let reach = 1.0 + share * share * radius;
+            [angle.cos(), angle.sin()].map(|c| (c * reach).round() as i32)
+        })
+    };
+    (0..PERIOD * PERIOD).map(turned).collect()
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 const NEIGHBOURS: usize = 8;
 
 /// A disc's radius in distances to the neighbours' middle one: wide enough that discs of an even sampling leave no gaps.
-const OVERLAP: f64 = 1.1;
+const OVERLAP: f64 = 0.95;
 
 /// The largest disc, in medians of all: a lone point must not hide the others.
 const LARGEST: f64 = 3.0;
