@@ -1,6 +1,7 @@
 //! Every flag, defined once: help, man page and completions come from here.
 
 use crate::analysis_args::{EvaluateArgs, FeaturesArgs, FieldArgs, SaliencyArgs};
+use crate::render_args::RenderArgs;
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, OperatorParams};
 use adwave::region::{Region, RegionSyntaxError, parse_region};
@@ -65,6 +66,8 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Write the scaling functions and wavelets: those of one vertex as fields, or all as sparse matrices
     Basis(BasisArgs),
+    /// Draw a picture of a shape, a field on it, its features; or a sheet of several
+    Render(RenderArgs),
     /// Write a built-in shape
     Sample(SampleArgs),
     /// Decompose, filter and edit a built-in creature, and show what happened

@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::color_bar;
-use crate::color_range::ColorScale;
+use crate::color_range::{ColorScale, ValueRange};
 use crate::error::RenderError;
 use crate::layout::{Layout, bar, letter_size};
 use crate::params::{Background, ColorBar, RenderParams, check_size};
@@ -34,7 +34,7 @@ pub enum SharedCamera {
 
 /// A sheet of panels in rows of `columns`, each of the size in `params`; the sheet is wider where one bar serves them all.
 ///
-/// Fields with the same name share one range of colours; where all panels that show a field share one, its bar stands
+/// Fields with the same name and an automatic range share one range of colours; where all panels that show a field share one, its bar stands
 /// once at the right.
 ///
 /// # Errors
@@ -60,7 +60,11 @@ pub fn grid(
     let scales: Vec<Option<ColorScale>> = panels.iter().map(|p| scale_of(p, panels)).collect();
     let labels: Vec<&str> = panels.iter().filter_map(field).map(|f| f.label.as_str()).collect();
     let shown = params.color_bar == ColorBar::Shown;
-    let one_bar = shown && labels.len() > 1 && labels.iter().all(|l| *l == labels[0]);
+    let drawn: Vec<&ColorScale> = scales.iter().flatten().collect();
+    let one_bar = shown
+        && labels.len() > 1
+        && labels.iter().all(|l| *l == labels[0])
+        && drawn.iter().all(|s| s.stands_for_the_same(drawn[0]));
     let sheet_height = height * rows as f64;
     let common = scales.iter().flatten().next().filter(|_| one_bar).and_then(|scale| {
         let size = letter_size(width, height);
@@ -129,9 +133,12 @@ fn field<'a>(panel: &'a Panel) -> Option<&'a FieldPaint<'a>> {
     }
 }
 
-/// The colours of a panel's field: those of all fields of that name.
+/// The colours of a panel's field: those of its own range, or those that all fields of its name without one share.
 fn scale_of(panel: &Panel, panels: &[Panel]) -> Option<ColorScale> {
-    let label = &field(panel)?.label;
-    let same: Vec<&FieldPaint> = panels.iter().filter_map(field).filter(|f| f.label == *label).collect();
-    Some(ColorScale::of(&same))
+    let own = field(panel)?;
+    if own.range != ValueRange::Auto {
+        return Some(ColorScale::of(&[own]));
+    }
+    let alike = |f: &&FieldPaint| f.label == own.label && f.range == ValueRange::Auto;
+    Some(ColorScale::of(&panels.iter().filter_map(field).filter(alike).collect::<Vec<_>>()))
 }

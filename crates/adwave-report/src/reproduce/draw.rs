@@ -1,14 +1,11 @@
 //! Sheets of pictures.
 
-use super::raster::{Ball, Paint, Panel, Scale, sheet};
-pub(super) use super::raster::{ValueRange, View};
-use super::{Context, FigureError, Model, Outcome, digits};
+use super::{Context, FigureError, Model, Outcome};
 use adwave::features::Feature;
-use adwave_render::value_range;
+use adwave_render::{Ball, FieldPaint, Paint, Panel, RenderParams, SharedCamera, Surface, grid, value_range};
+pub(super) use adwave_render::{ValueRange, View};
 use std::borrow::Cow;
 
-/// A surface that nothing is known of: a light clay, on which relief shows best.
-const CLAY: [u8; 3] = [204, 196, 184];
 /// What marks a feature.
 pub(super) const GREEN: [u8; 3] = [52, 168, 83];
 /// What marks a second kind of place.
@@ -102,19 +99,19 @@ impl<'a> Frame<'a> {
 pub(super) struct Sheet<'a> {
     frames: Vec<Frame<'a>>,
     columns: usize,
-    scale: Scale,
+    camera: SharedCamera,
     view: View,
 }
 
 impl<'a> Sheet<'a> {
     /// A sheet with that many columns, all of one scale.
     pub(super) fn new(columns: usize) -> Self {
-        Self { frames: Vec::new(), columns, scale: Scale::Same, view: View::THREE_QUARTER }
+        Self { frames: Vec::new(), columns, camera: SharedCamera::Same, view: View::THREE_QUARTER }
     }
 
     /// With every panel filled by its own shape.
     pub(super) fn own_cameras(self) -> Self {
-        Self { scale: Scale::Own, ..self }
+        Self { camera: SharedCamera::Own, ..self }
     }
 
     /// Seen from there.
@@ -131,20 +128,15 @@ impl<'a> Sheet<'a> {
     fn png(&self, context: &Context<'_>) -> Result<Vec<u8>, FigureError> {
         context.progress.step(0, 1)?;
         let panels: Vec<Panel<'_>> = self.frames.iter().map(panel).collect();
-        Ok(sheet(&panels, self.columns, self.scale, self.view, PANEL)?)
+        let params = RenderParams::default().with_size(PANEL, PANEL).with_view(self.view);
+        Ok(grid(&panels, self.columns, self.camera, &params)?.png()?)
     }
 
-    /// What the panels show, row by row, with the values that the ends of the colours stand for.
+    /// What the panels show, row by row.
     fn legend(&self) -> String {
-        let one = |frame: &Frame<'_>| match &frame.look {
-            Look::Field { values, label, range } => {
-                let (low, high) = range.of(values);
-                format!("{} ({label}, {} … {})", frame.caption, digits(low), digits(high))
-            }
-            _ => frame.caption.clone(),
-        };
         let rows = self.frames.chunks(self.columns);
-        let row = |frames: &[Frame<'_>]| frames.iter().map(one).collect::<Vec<_>>().join(" · ");
+        let row =
+            |frames: &[Frame<'_>]| frames.iter().map(|f| f.caption.as_str()).collect::<Vec<_>>().join(" · ");
         rows.map(row).collect::<Vec<_>>().join("; ")
     }
 }
@@ -165,11 +157,30 @@ impl Outcome {
 
 fn panel<'a>(frame: &'a Frame<'_>) -> Panel<'a> {
     let paint = match &frame.look {
-        Look::Clay => Paint::Plain(CLAY),
+        Look::Clay => Paint::CLAY,
         Look::Colors(colors) => Paint::Colors(colors),
-        Look::Field { values, range, .. } => Paint::Field(values, *range),
+        Look::Field { values, label, range } => {
+            let range = match *range {
+                ValueRange::Auto => own_range(values),
+                fixed @ ValueRange::Fixed(..) => fixed,
+            };
+            Paint::Field(FieldPaint { values, label: label.clone(), color_map: None, range })
+        }
     };
-    Panel { points: &frame.points, triangles: frame.triangles, paint, balls: &frame.balls }
+    Panel {
+        surface: Surface { points: &frame.points, triangles: frame.triangles, paint },
+        balls: frame.balls.clone(),
+        caption: frame.caption.clone(),
+    }
+}
+
+/// The 2nd to the 98th percentile of one field, 0 in the middle where there are both signs: levels of different size side by
+/// side would hide each other in one range.
+fn own_range(values: &[f64]) -> ValueRange {
+    let (low, high) = value_range(values, 0.02, 0.98);
+    let most = high.max(-low);
+    let (low, high) = if low < 0.0 && high > 0.0 { (-most, most) } else { (low, high) };
+    if low < high && (high - low).is_finite() { ValueRange::Fixed(low, high) } else { ValueRange::Auto }
 }
 
 /// How the well-known files of a model, and the plane, whose bumps point up, have to be turned to stand upright and look at the viewer: which signed axis of the

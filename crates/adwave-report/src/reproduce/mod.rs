@@ -22,7 +22,6 @@ mod markdown;
 mod models;
 mod numbers;
 mod outcome;
-mod raster;
 mod write;
 
 pub use context::Context;
