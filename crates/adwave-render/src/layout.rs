@@ -6,8 +6,12 @@ use crate::color_range::ColorScale;
 use crate::params::{ColorBar, RenderParams};
 use crate::text;
 
-/// The height of letters in parts of the picture's shorter side, and its bounds in pixels.
-const LETTERS: f64 = 1.0 / 42.0;
+/// The height of letters in a picture whose shorter side is [`USUAL_SIDE`], pixels.
+const LETTERS: f64 = 22.0;
+const USUAL_SIDE: f64 = 900.0;
+
+/// Letters shrink less than pictures do, lest those of small panels are hard to read.
+const SHRINKING: f64 = 0.6;
 const SMALLEST_LETTERS: f64 = 11.0;
 
 /// What the shape keeps off the picture's border, in parts of its shorter side.
@@ -32,7 +36,7 @@ pub(crate) struct Layout {
 
 /// The size of letters for pictures of this size, pixels.
 pub(crate) fn letter_size(width: f64, height: f64) -> f64 {
-    (width.min(height) * LETTERS).max(SMALLEST_LETTERS)
+    (LETTERS * (width.min(height) / USUAL_SIDE).powf(SHRINKING)).max(SMALLEST_LETTERS)
 }
 
 impl Layout {

@@ -1,12 +1,12 @@
 //! The discs that stand for the points of a cloud.
 
-use crate::vector::Vec3;
-use adwave::shape::{diagonal, nearest_neighbours};
+use crate::vector::{Vec3, add_scaled, dot, unit};
+use adwave::shape::{Neighbourhoods, diagonal, nearest_neighbours};
 use adwave::signal::cloud_normals;
 use rayon::prelude::*;
 
 /// How many neighbours tell the size and the direction of a disc.
-const NEIGHBOURS: usize = 8;
+const NEIGHBOURS: usize = 12;
 
 /// A disc's radius in distances to the neighbours' middle one: wide enough that discs of an even sampling leave no gaps.
 const OVERLAP: f64 = 0.95;
@@ -44,6 +44,19 @@ impl Splats {
         let spread = (NEIGHBOURS as f64 / std::f64::consts::PI).sqrt();
         let radii =
             own.iter().map(|r| r.clamp(median / LARGEST, median * LARGEST).min(lone * LARGEST) / spread);
-        Self { radii: radii.collect(), normals: cloud_normals(points, &near) }
+        Self { radii: radii.collect(), normals: smoothed(&cloud_normals(points, &near), &near) }
     }
+}
+
+/// The means over each point and its neighbours, signs made alike: noise in the planes would show as glitter.
+fn smoothed(normals: &[Vec3], near: &Neighbourhoods) -> Vec<Vec3> {
+    let mean = |x: usize| {
+        let own = &normals[x];
+        let add = |sum: Vec3, &y: &u32| {
+            let other = &normals[y as usize];
+            add_scaled(&sum, if dot(own, other) < 0.0 { -1.0 } else { 1.0 }, other)
+        };
+        unit(&near.adjacency.of(x).iter().fold(*own, add)).unwrap_or(*own)
+    };
+    (0..normals.len()).into_par_iter().with_min_len(1024).map(mean).collect()
 }
