@@ -89,6 +89,7 @@ impl Camera {
             [most(&|v, r| v[c] + t * v[2] + r * slope), most(&|v, r| -v[c] + t * v[2] + r * slope)]
         });
         let eye = bounds.map(|[upper, lower]| (upper - lower) / 2.0);
+        let mut shift = [0.0; 2];
         let (distance, focal) = match params.projection {
             Projection::Orthographic => {
                 let extents = bounds.map(|[upper, lower]| upper + lower);
@@ -97,10 +98,22 @@ impl Camera {
             }
             Projection::Perspective { .. } => {
                 let needed = [0, 1].map(|c| (bounds[c][0] + bounds[c][1]) / (2.0 * tangents[c]));
-                let distance = needed[0].max(needed[1]).max(nearest + LEAST_DISTANCE);
-                (distance, rect.width / (2.0 * tangents[0]))
+                let needed = needed[0].max(needed[1]);
+                let distance = needed.max(nearest + LEAST_DISTANCE);
+                // What is seen from there, as tangents: the lens is as long and shifted as fills the picture with it.
+                let seen = [0, 1].map(|c| {
+                    let tangent =
+                        |v: Vec3, r: f64, sign: f64| (sign * (v[c] - eye[c]) + r) / (distance - v[2] - r);
+                    [most(&|v, r| tangent(v, r, 1.0)), most(&|v, r| tangent(v, r, -1.0))]
+                });
+                let fill = |c: usize, side: f64| side / (seen[c][0] + seen[c][1]).max(1e-9);
+                let focal = fill(0, rect.width).min(fill(1, rect.height));
+                shift = [0, 1].map(|c| focal * (seen[c][1] - seen[c][0]) / 2.0);
+                (distance, focal)
             }
         };
+        camera.center[0] += shift[0];
+        camera.center[1] -= shift[1];
         camera.eye = eye;
         camera.distance = distance;
         camera.focal = focal;

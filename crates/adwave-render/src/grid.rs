@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use crate::color_bar;
 use crate::color_range::{ColorScale, ValueRange};
 use crate::error::RenderError;
-use crate::layout::{Layout, bar, letter_size};
+use crate::layout::{Layout, bar, caption_height, letter_size};
 use crate::params::{Background, ColorBar, RenderParams, check_size};
 use crate::picture::Picture;
 use crate::render::Subject;
@@ -34,8 +34,8 @@ pub enum SharedCamera {
 
 /// A sheet of panels in rows of `columns`, each of the size in `params`; the sheet is wider where one bar serves them all.
 ///
-/// Fields with the same name and an automatic range share one range of colours; where all panels that show a field share one, its bar stands
-/// once at the right.
+/// Fields with the same name and an automatic range share one range of colours; where all panels show the same one, its bar stands once at the
+/// right. Captions stand below the panels and make the sheet higher.
 ///
 /// # Errors
 ///
@@ -56,23 +56,27 @@ pub fn grid(
     }
     let columns = columns.min(panels.len());
     let rows = panels.len().div_ceil(columns);
+    let captioned = panels.iter().any(|p| !p.caption.is_empty());
+    let size = letter_size(f64::from(params.width), f64::from(params.height));
+    let strip = if captioned { caption_height(size).ceil() as u32 } else { 0 };
+    let params = &params.clone().with_size(params.width, params.height.saturating_add(strip));
     let (width, height) = (f64::from(params.width), f64::from(params.height));
     let scales: Vec<Option<ColorScale>> = panels.iter().map(|p| scale_of(p, panels)).collect();
     let labels: Vec<&str> = panels.iter().filter_map(field).map(|f| f.label.as_str()).collect();
     let shown = params.color_bar == ColorBar::Shown;
     let drawn: Vec<&ColorScale> = scales.iter().flatten().collect();
     let one_bar = shown
-        && labels.len() > 1
+        && panels.len() > 1
+        && labels.len() == panels.len()
         && labels.iter().all(|l| *l == labels[0])
         && drawn.iter().all(|s| s.stands_for_the_same(drawn[0]));
     let sheet_height = height * rows as f64;
     let common = scales.iter().flatten().next().filter(|_| one_bar).and_then(|scale| {
-        let size = letter_size(width, height);
         // As if it stood in a picture of its own, then as wide as it needs to be.
         bar(scale, labels[0], size, 2.0 * width, sheet_height.min(1.6 * height)).map(|bar| (scale, bar))
     });
     let bar_width = common.as_ref().map_or(0.0, |(_, b)| (2.0 * width - b.left_edge).ceil());
-    let size = |panels: usize, pixels: u32, more: u32| {
+    let sum = |panels: usize, pixels: u32, more: u32| {
         u32::try_from(panels)
             .ok()
             .and_then(|n| n.checked_mul(pixels))
@@ -80,7 +84,7 @@ pub fn grid(
             .unwrap_or(u32::MAX)
     };
     let (sheet_width, sheet_rows) =
-        (size(columns, params.width, bar_width as u32), size(rows, params.height, 0));
+        (sum(columns, params.width, bar_width as u32), sum(rows, params.height, 0));
     check_size(sheet_width, sheet_rows)?;
     let empty = match params.background {
         Background::Transparent => [0; 4],
@@ -89,7 +93,6 @@ pub fn grid(
     let mut sheet = Picture::filled(sheet_width, sheet_rows, empty)?;
     let own = if common.is_some() { params.clone().with_color_bar(ColorBar::Hidden) } else { params.clone() };
     let subjects: Vec<Subject> = panels.iter().map(|p| Subject::new(&p.surface, &p.balls)).collect();
-    let captioned = panels.iter().any(|p| !p.caption.is_empty());
     let layouts: Vec<Layout> = panels
         .iter()
         .zip(&scales)

@@ -39,6 +39,11 @@ pub(crate) fn letter_size(width: f64, height: f64) -> f64 {
     (LETTERS * (width.min(height) / USUAL_SIDE).powf(SHRINKING)).max(SMALLEST_LETTERS)
 }
 
+/// The room for a caption of letters of this size, pixels.
+pub(crate) fn caption_height(size: f64) -> f64 {
+    2.0 * size
+}
+
 impl Layout {
     pub(crate) fn new(
         params: &RenderParams,
@@ -48,7 +53,7 @@ impl Layout {
         let (width, height) = (f64::from(params.width), f64::from(params.height));
         let size = letter_size(width, height);
         let roomy = width.min(height) > LEAST_LETTERS * size;
-        let line = if caption.is_some() && roomy { 2.0 * size } else { 0.0 };
+        let line = if caption.is_some() && roomy { caption_height(size) } else { 0.0 };
         let bar = field
             .filter(|_| roomy && params.color_bar == ColorBar::Shown)
             .and_then(|(scale, label)| bar(scale, label, size, width, height - line));

@@ -151,3 +151,47 @@ fn a_sheet_has_room_for_its_panels_and_captions() {
     let row = |y: u32| (0..240).filter(|&x| named.pixel(x, y)[0] < 128).count();
     assert!((70..named.height).map(row).sum::<usize>() > 20, "no caption");
 }
+
+#[test]
+fn triangles_that_meet_leave_nothing_out() {
+    // A square of uneven slivers, turned so that no edge lies along the pixels.
+    let n = 40_u32;
+    let at = |k: u32| (f64::from(k) / f64::from(n)).powi(2);
+    let points: Vec<_> =
+        (0..=n).flat_map(|i| (0..=n).map(move |j| [at(i) + 0.3 * at(j), at(j) - 0.2 * at(i), 0.0])).collect();
+    let cell = |i: u32, j: u32| {
+        let a = i * (n + 1) + j;
+        [[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]
+    };
+    let triangles: Vec<_> = (0..n).flat_map(|i| (0..n).flat_map(move |j| cell(i, j))).collect();
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::CLAY };
+    let clear = small().with_background(Background::Transparent);
+    let picture = render(&surface, &[], &clear).unwrap();
+    for y in 0..picture.height {
+        let opaque: Vec<u32> = (0..picture.width).filter(|&x| picture.pixel(x, y)[3] == 255).collect();
+        if let (Some(first), Some(last)) = (opaque.first(), opaque.last()) {
+            assert_eq!(opaque.len() as u32, last - first + 1, "a hole in row {y}");
+        }
+    }
+}
+
+#[test]
+fn every_view_and_projection_frames_the_shape_fully() {
+    let (points, triangles) = sphere();
+    let points: Vec<_> = points.iter().map(|p| [4.0 * p[0] + 1e6, p[1], 0.4 * p[2] - 3.0]).collect();
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::CLAY };
+    let perspective = |field_of_view| Projection::Perspective { field_of_view };
+    for projection in [Projection::Orthographic, perspective(20.0), perspective(80.0)] {
+        for view in View::names().map(|name| name.parse().unwrap()) {
+            let params =
+                small().with_background(Background::Transparent).with_view(view).with_projection(projection);
+            let picture = render(&surface, &[], &params).unwrap();
+            let seen = |x: u32, y: u32| picture.pixel(x, y)[3] > 0;
+            let border =
+                (0..120).any(|x| seen(x, 0) || seen(x, 89)) || (0..90).any(|y| seen(0, y) || seen(119, y));
+            assert!(!border, "{view:?} {projection:?} touches the border");
+            let trimmed = picture.trimmed(0);
+            assert!(trimmed.width > 100 || trimmed.height > 70, "{view:?} {projection:?} leaves room");
+        }
+    }
+}
