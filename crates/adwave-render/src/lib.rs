@@ -17,6 +17,7 @@ mod normals;
 mod occlusion;
 mod params;
 mod picture;
+pub mod plot;
 mod raster;
 mod render;
 mod scene;

@@ -1,8 +1,8 @@
 //! The list of what can be made.
 
 use super::{
-    Context, FigureError, Outcome, fig01, fig03, fig05, fig08, fig09, fig10, fig11, fig12, fig13, fig14,
-    fig15,
+    Context, FigureError, Outcome, fig01, fig02, fig03, fig04, fig05, fig06, fig07, fig08, fig09, fig10,
+    fig11, fig12, fig13, fig14, fig15, table1, table2,
 };
 
 /// A figure or table of the paper.
@@ -36,6 +36,13 @@ pub const FIGURES: &[Figure] = &[
         make: fig01::make,
     },
     Figure {
+        name: "fig2",
+        folder: "fig02",
+        title: "Scaling functions and wavelets of three kinds on a line",
+        models: &[],
+        make: fig02::make,
+    },
+    Figure {
         name: "fig3",
         folder: "fig03",
         title: "A scaling function and a wavelet on a surface",
@@ -43,11 +50,32 @@ pub const FIGURES: &[Figure] = &[
         make: fig03::make,
     },
     Figure {
+        name: "fig4",
+        folder: "fig04",
+        title: "Coefficients of a function on a line",
+        models: &[],
+        make: fig04::make,
+    },
+    Figure {
         name: "fig5",
         folder: "fig05",
         title: "A shape and a scalar field from fine to the coarsest scale",
         models: &["dinosaur", "kitten", "bunny"],
         make: fig05::make,
+    },
+    Figure {
+        name: "fig6",
+        folder: "fig06",
+        title: "Cost from fine to coarse, against eigenfunctions from coarse to fine",
+        models: &["hand", "dinosaur", "kitten"],
+        make: fig06::make,
+    },
+    Figure {
+        name: "fig7",
+        folder: "fig07",
+        title: "Sparse matrices of the line",
+        models: &[],
+        make: fig07::make,
     },
     Figure {
         name: "fig8",
@@ -104,6 +132,33 @@ pub const FIGURES: &[Figure] = &[
         title: "Global filters against manifold harmonics",
         models: &["hand", "dinosaur", "kitten"],
         make: fig15::make,
+    },
+    Figure {
+        name: "table1",
+        folder: "table1",
+        title: "Properties of three kinds of wavelets, as numbers",
+        models: &[],
+        make: table1::make,
+    },
+    Figure {
+        name: "table2",
+        folder: "table2",
+        title: "Seconds for the twelve shapes of the paper",
+        models: &[
+            "dinosaur",
+            "armadillo",
+            "face",
+            "pegaso",
+            "kitten",
+            "horse",
+            "cow",
+            "sphere",
+            "skull",
+            "gargoyle",
+            "buddha",
+            "hand",
+        ],
+        make: table2::make,
     },
 ];
 

@@ -3,11 +3,16 @@
 //! [`FIGURES`] lists them, [`reproduce()`] makes those that are asked for and writes each as it is done: its pictures and
 //! numbers in a folder of its own, and a page of all. One file here for each figure.
 
+mod charts;
 mod context;
 mod draw;
 mod fig01;
+mod fig02;
 mod fig03;
+mod fig04;
 mod fig05;
+mod fig06;
+mod fig07;
 mod fig08;
 mod fig09;
 mod fig10;
@@ -22,6 +27,8 @@ mod markdown;
 mod models;
 mod numbers;
 mod outcome;
+mod table1;
+mod table2;
 mod write;
 
 pub use context::Context;
