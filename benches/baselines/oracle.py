@@ -34,10 +34,18 @@ def run(program, *arguments):
 
 
 def grid_sphere(n):
-    """A sphere of latitudes and longitudes: a mesh of our own where there is no data."""
+    """A sphere of latitudes and longitudes: a mesh of our own where there is no data.
+
+    Its vertices are nudged: four corners on a circle have two Delaunay triangulations, and masses for each.
+    """
     theta = np.linspace(0, np.pi, n)[1:-1]
     phi = np.linspace(0, 2 * np.pi, 2 * n, endpoint=False)
-    ring = [[np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)] for t in theta for p in phi]
+    nudge = np.random.default_rng(0).uniform(-0.2, 0.2, (len(theta), len(phi), 2)) * np.pi / n
+    ring = [
+        [np.sin(t + dt) * np.cos(p + dp), np.sin(t + dt) * np.sin(p + dp), np.cos(t + dt)]
+        for t, row in zip(theta, nudge)
+        for p, (dt, dp) in zip(phi, row)
+    ]
     v = np.array(ring + [[0, 0, 1], [0, 0, -1]])
     m, rows = len(phi), len(theta)
     f = []
@@ -63,8 +71,7 @@ def spectrum(program, folder, name, v, f, k, delaunay, timed):
         out.writelines("f %d %d %d\n" % tuple(t) for t in f)
     start = time.perf_counter()
     if delaunay:
-        lengths = igl.edge_lengths(v, f)
-        stiffness, intrinsic, faces = igl.intrinsic_delaunay_cotmatrix(lengths, f)
+        stiffness, intrinsic, faces = igl.intrinsic_delaunay_cotmatrix(v, f)
         mass = igl.massmatrix_intrinsic(intrinsic, faces, igl.MASSMATRIX_TYPE_BARYCENTRIC)
     else:
         stiffness = igl.cotmatrix(v, f)

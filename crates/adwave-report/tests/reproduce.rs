@@ -19,15 +19,11 @@ fn named(names: &[&str]) -> Vec<&'static Figure> {
 }
 
 #[test]
-fn the_figures_on_surfaces_are_all_there_and_the_list_is_in_the_order_of_the_paper() {
+fn all_figures_and_tables_are_there_in_the_order_of_the_paper() {
     let names: Vec<&str> = FIGURES.iter().map(|f| f.name).collect();
     let figures = (1..=15).map(|k| format!("fig{k}"));
     let paper: Vec<String> = figures.chain(["table1".to_owned(), "table2".to_owned()]).collect();
-    let places: Vec<usize> = names.iter().map(|n| paper.iter().position(|p| p == n).unwrap()).collect();
-    assert!(places.windows(2).all(|p| p[0] < p[1]), "{names:?}");
-    for number in [1, 3, 5, 8, 9, 10, 11, 12, 13, 14, 15] {
-        assert!(names.contains(&format!("fig{number}").as_str()), "figure {number}");
-    }
+    assert_eq!(names, paper);
 }
 
 #[test]

@@ -40,6 +40,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             local(adw.scaling.support),
             adw.wavelet.mean < ZERO,
             bdw.wavelet.mean > ZERO,
+            dw.wavelet.mean > ZERO,
         ],
         format!(
             "On level {} the scaling functions reach {} (DW), {} (BDW) and {} (ADW) of {N_POINTS} points, and the largest mean \

@@ -21,10 +21,10 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut table =
         Table::new("fig07.csv", "Entries above ε = 1e-6", &["level", "steps", "entries", "part of all"]);
     for j in 1..=N_LEVELS {
-        let nnz = basis.scaling[j].nnz();
+        let nnz = basis.scaling[j - 1].nnz();
         table.push([j.to_string(), (1 << (j - 1)).to_string(), nnz.to_string(), digits(nnz as f64 / all)]);
     }
-    let density = |j: usize| basis.scaling[j].nnz() as f64 / all;
+    let density = |j: usize| basis.scaling[j - 1].nnz() as f64 / all;
     let verdict = Verdict::from_parts(
         &[density(1) < SPARSE, density(4) < SPARSE],
         format!(
@@ -38,7 +38,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     for j in [1, 4] {
         let rows = 0..N_POINTS as u32;
         let entries: Vec<[u32; 2]> =
-            rows.flat_map(|x| basis.scaling[j].row(x as usize).0.iter().map(move |&y| [x, y])).collect();
+            rows.flat_map(|x| basis.scaling[j - 1].row(x as usize).0.iter().map(move |&y| [x, y])).collect();
         let picture = sparsity_pattern(N_POINTS, N_POINTS, &entries, 4)?.png()?;
         outcome = outcome.picture(
             &format!("fig07-phi{j}.png"),
