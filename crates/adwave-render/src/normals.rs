@@ -7,7 +7,7 @@ use std::collections::HashMap;
 /// A normal for each corner of each triangle, by index.
 #[derive(Debug)]
 pub(crate) struct CornerNormals {
-    /// Unit normals in the model's axes; zero for a triangle without area.
+    /// Unit normals in the model's axes, on the side that their triangle's order of corners tells; zero without area.
     pub(crate) normals: Vec<Vec3>,
     /// For each triangle the normals of its corners.
     pub(crate) of: Vec<[u32; 3]>,
@@ -36,24 +36,34 @@ pub(crate) fn corner_normals(points: &[Vec3], triangles: &[[u32; 3]], crease_ang
                 .iter()
                 .map(|&c| (faces[c as usize / 3], corner_angle(points, &triangles[c as usize / 3], c % 3)))
                 .collect();
-            let mean = |keep: &dyn Fn(&Vec3) -> bool| {
-                let kept = weighted.iter().filter(|(n, _)| keep(n));
-                unit(&kept.fold([0.0; 3], |sum, (n, w)| add_scaled(&sum, *w, n)))
+            // Both sides are lit alike, so a face that is listed the other way round counts turned over.
+            let mean = |towards: &Vec3, least: f64| {
+                let kept = weighted.iter().filter(|(n, _)| dot(towards, n).abs() >= least);
+                let add = |sum: Vec3, (n, w): &(Vec3, f64)| add_scaled(&sum, w.copysign(dot(towards, n)), n);
+                unit(&kept.fold([0.0; 3], add))
             };
-            let all = mean(&|_| true).unwrap_or([0.0; 3]);
-            if weighted.iter().all(|(n, _)| dot(n, &all) >= half || *n == [0.0; 3]) {
+            let first = weighted.iter().map(|(n, _)| *n).find(|n| *n != [0.0; 3]).unwrap_or([0.0; 3]);
+            let all = mean(&first, 0.0).unwrap_or([0.0; 3]);
+            if weighted.iter().all(|(n, _)| dot(n, &all).abs() >= half || *n == [0.0; 3]) {
                 return vec![all];
             }
-            weighted.iter().map(|(own, _)| mean(&|n| dot(own, n) >= limit).unwrap_or(*own)).collect()
+            weighted.iter().map(|(own, _)| mean(own, limit).unwrap_or(*own)).collect()
         })
         .collect();
     let mut of = vec![[0_u32; 3]; triangles.len()];
     let mut normals = Vec::with_capacity(found.len());
     for (v, list) in found.iter().enumerate() {
-        for (k, &c) in corners[first[v]..first[v + 1]].iter().enumerate() {
-            of[c as usize / 3][c as usize % 3] = (normals.len() + if list.len() == 1 { 0 } else { k }) as u32;
-        }
+        let start = normals.len();
         normals.extend_from_slice(list);
+        for (k, &c) in corners[first[v]..first[v + 1]].iter().enumerate() {
+            let face = c as usize / 3;
+            let mut at = start + if list.len() == 1 { 0 } else { k };
+            if dot(&faces[face], &normals[at]) < 0.0 {
+                normals.push(normals[at].map(|c| -c));
+                at = normals.len() - 1;
+            }
+            of[face][c as usize % 3] = at as u32;
+        }
     }
     CornerNormals { normals, of }
 }
@@ -134,6 +144,20 @@ mod tests {
         // Three right angles at the corner: all axes weigh alike.
         let n = smooth.normals[smooth.of[0][0] as usize];
         assert!(n.iter().all(|c| (c - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12), "{n:?}");
+    }
+
+    #[test]
+    fn a_face_listed_the_other_way_round_is_shaded_as_its_neighbours() {
+        let gentle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.2]];
+        let normals = |second| {
+            let found = corner_normals(&gentle, &[[0, 1, 2], second], 50.0);
+            found.of[0].map(|c| found.normals[c as usize])
+        };
+        for (a, b) in normals([1, 3, 2]).iter().zip(&normals([3, 1, 2])) {
+            assert!((dot(a, b) - 1.0).abs() < 1e-12);
+        }
+        let found = corner_normals(&gentle, &[[0, 1, 2], [3, 1, 2]], 50.0);
+        assert!(found.of[1].iter().all(|c| found.normals[*c as usize][2] < 0.0), "on its own side");
     }
 
     #[test]
