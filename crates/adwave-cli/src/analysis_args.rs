@@ -98,8 +98,8 @@ pub(crate) struct SaliencyArgs {
     /// Write what each level adds too, as the fields saliency3, saliency4 …
     #[arg(long, help_heading = "Map")]
     pub(crate) per_level: bool,
-    /// The colours: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, red-blue or spectral
-    #[arg(long, value_name = "NAME", default_value = "viridis", help_heading = "Map")]
+    /// The colours: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, grey, coolwarm, red-blue or spectral
+    #[arg(long, alias = "colormap", value_name = "NAME", default_value = "viridis", help_heading = "Map")]
     pub(crate) color_map: String,
     /// The last colour stands for this percentile of the map and all above
     #[arg(long, value_name = "P", default_value_t = 99.0, help_heading = "Map")]
@@ -176,7 +176,7 @@ Output by extension; without it the features are printed:
 
 Examples:
   adwave features bunny.obj
-  adwave features bunny.obj -o features.csv --theta 2 --levels 8
+  adwave features bunny.obj -o features.csv --theta 1.8     weaker ones too, knees and elbows
   adwave features scan.pcd -o features.ply --best 50 --refine
   adwave features sample:plane --field mean-curvature --response literal --edge-ratio 10 --border 1
   adwave features a.obj --match b.obj -o pairs.json")]

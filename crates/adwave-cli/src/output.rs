@@ -4,7 +4,7 @@ use crate::args::{GlobalArgs, LevelArgs};
 use crate::error::CliError;
 use crate::interrupt::STOP;
 use adwave::Decomposer;
-use adwave::bands::{BandsParams, Schedule};
+use adwave::bands::{BandsParams, DEFAULT_REACH, Schedule};
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::Value;
@@ -61,6 +61,15 @@ pub(crate) fn number(value: f64) -> String {
 
 /// The schedule that the arguments ask for, and why it has as many levels.
 pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
+    schedule_reaching(DEFAULT_REACH, args, decomposer)
+}
+
+/// The same, with levels up to a share of the diagonal where no number is asked for.
+pub(crate) fn schedule_reaching(
+    reach: f64,
+    args: &LevelArgs,
+    decomposer: &Decomposer,
+) -> Result<(Schedule, String), CliError> {
     if let Some(steps) = &args.steps {
         let schedule = Schedule::new(steps.clone())?;
         let why = format!("{} levels, of the steps asked for", schedule.n_levels());
@@ -73,7 +82,7 @@ pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Sch
     }
     let (levels, why) = match args.levels {
         Some(levels) => (levels, format!("{levels} levels, the number asked for")),
-        None => decomposer.default_levels(),
+        None => decomposer.levels_reaching(reach),
     };
     match args.voices {
         Some(voices) => {

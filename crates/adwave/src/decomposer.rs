@@ -2,7 +2,8 @@
 
 use crate::Progress;
 use crate::bands::{
-    Bands, BandsError, BandsParams, Schedule, check_signal, decompose, default_levels, weighted_bands,
+    Bands, BandsError, BandsParams, DEFAULT_REACH, Schedule, check_signal, decompose, levels_reaching,
+    weighted_bands,
 };
 use crate::basis::{BasisError, SparseRow, one_vertex};
 use crate::filter::{Edit, FilterError};
@@ -202,9 +203,15 @@ impl Decomposer {
         health(shape, &self.domain, self.neighbours())
     }
 
-    /// The number of dyadic levels to take where none is asked for, and why (see [`default_levels`]).
+    /// The number of dyadic levels to take where none is asked for, and why (see
+    /// [`default_levels`](crate::bands::default_levels)).
     pub fn default_levels(&self) -> (usize, String) {
-        default_levels(self.diffusion.step_length(), self.diagonal)
+        self.levels_reaching(DEFAULT_REACH)
+    }
+
+    /// The number of dyadic levels whose last is as wide as a share of the diagonal, and why (see [`levels_reaching`]).
+    pub fn levels_reaching(&self, reach: f64) -> (usize, String) {
+        levels_reaching(reach, self.diffusion.step_length(), self.diagonal)
     }
 
     /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into bands.

@@ -8,8 +8,8 @@ use crate::interrupt::STOP;
 use crate::output::{bands_params, print, table};
 use crate::shape_input::Input;
 use crate::signal;
-use adwave::bands::Schedule;
-use adwave::features::{Feature, features};
+use adwave::bands::{DEFAULT_REACH, Schedule};
+use adwave::features::{FEATURE_REACH, Feature, features};
 use adwave::measure::{
     Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
     repeatability,
@@ -23,7 +23,8 @@ use std::fmt::Write;
 pub(crate) fn run(args: &EvaluateArgs, global: &GlobalArgs) -> Result<(), CliError> {
     args.detect.params(&args.border).check().map_err(CliError::input)?;
     args.map.params(&args.border).check().map_err(CliError::input)?;
-    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, global)?;
+    let reach = if args.against.is_some() { DEFAULT_REACH } else { FEATURE_REACH };
+    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, reach, global)?;
     match &args.against {
         Some(looks) => against(args, global, &analysis, looks),
         None => again(args, global, &analysis),

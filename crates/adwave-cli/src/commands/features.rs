@@ -5,7 +5,9 @@ use crate::analysis_args::FeaturesArgs;
 use crate::args::{GlobalArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::output::{check_writable, number, print, table, write_error, write_shape};
-use adwave::features::{Descriptor, Feature, Match, describe, features, match_features, spheres};
+use adwave::features::{
+    Descriptor, FEATURE_REACH, Feature, Match, describe, features, match_features, spheres,
+};
 use adwave_io::{Field, FieldValues, Format, ShapeFile, atomic_write};
 use adwave_render::ColorMap;
 use serde_json::{Value, json};
@@ -54,7 +56,7 @@ pub(crate) fn run(args: &FeaturesArgs, global: &GlobalArgs) -> Result<(), CliErr
 }
 
 fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &GlobalArgs) -> Result<Found, CliError> {
-    let analysis = Analysis::new(shape, &args.field, &args.levels, global)?;
+    let analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_REACH, global)?;
     let start = Instant::now();
     let features = features(&analysis.walk, &analysis.bands, &args.detect.params(&args.border))
         .map_err(CliError::input)?;

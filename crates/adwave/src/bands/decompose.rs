@@ -22,7 +22,7 @@ pub enum BandsError {
     },
     /// A value is NaN or infinite.
     #[error(
-        "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite"
+        "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite; correct it, or leave the vertex out"
     )]
     NotFinite {
         /// The vertex.

@@ -171,23 +171,38 @@ impl Schedule {
     }
 }
 
-/// The number of dyadic levels to take where none is asked for, and why.
-///
-/// The smallest J with σ_J ≥ 2 % of `diagonal`, at least 4 and at most 16, so that the same command does the same to a
-/// coarse and to a fine mesh of one shape. Where there is no diagonal (a graph) it is 6.
+/// How wide the last level is where no number of levels is asked for, as a share of the bounding box's diagonal.
+pub const DEFAULT_REACH: f64 = 0.02;
+
+/// The number of dyadic levels to take where none is asked for, and why: [`levels_reaching`] for [`DEFAULT_REACH`].
 ///
 /// ```
 /// use adwave::bands::default_levels;
 /// assert_eq!(default_levels(0.003, 1.0).0, 7); // 0.003·√64 = 0.024 ≥ 0.02
 /// ```
 pub fn default_levels(step_length: f64, diagonal: f64) -> (usize, String) {
+    levels_reaching(DEFAULT_REACH, step_length, diagonal)
+}
+
+/// The number of dyadic levels whose last is as wide as a share of the diagonal, and why.
+///
+/// The smallest J with σ_J ≥ `reach`·`diagonal`, at least 4 and at most 16, so that the same command does the same to a
+/// coarse and to a fine mesh of one shape. Where there is no diagonal (a graph) it is 6.
+///
+/// ```
+/// use adwave::bands::levels_reaching;
+/// let (levels, why) = levels_reaching(0.04, 0.003, 1.0);
+/// assert_eq!(levels, 9); // 0.003·√256 = 0.048 ≥ 0.04
+/// assert!(why.contains("≥ 4 % of the diagonal"));
+/// ```
+pub fn levels_reaching(reach: f64, step_length: f64, diagonal: f64) -> (usize, String) {
     const FEWEST: usize = 4;
     const MOST: usize = 16;
     const WITHOUT_LENGTH: usize = 6;
     if !(diagonal > 0.0 && step_length > 0.0) {
         return (WITHOUT_LENGTH, format!("{WITHOUT_LENGTH} levels, because the shape has no extent"));
     }
-    let target = 0.02 * diagonal;
+    let target = reach * diagonal;
     let sigma = |j: usize| step_length * ((j as f64 - 1.0) / 2.0).exp2();
     let levels = (FEWEST..MOST).find(|&j| sigma(j) >= target).unwrap_or(MOST);
     let percent = 100.0 * sigma(levels) / diagonal;
@@ -199,7 +214,10 @@ pub fn default_levels(step_length: f64, diagonal: f64) -> (usize, String) {
             format!("{MOST} levels, the most by default: σ_{MOST} is {percent:.3} % of the diagonal")
         }
         _ => {
-            format!("{levels} levels: the first with σ_{levels} ≥ 2 % of the diagonal (it is {percent:.3} %)")
+            let least = 100.0 * reach;
+            format!(
+                "{levels} levels: the first with σ_{levels} ≥ {least} % of the diagonal (it is {percent:.3} %)"
+            )
         }
     };
     (levels, why)
