@@ -63,8 +63,8 @@ pub struct Bands {
     pub n_vertices: usize,
     /// Number of channels of the signal.
     pub n_channels: usize,
-    /// Steps of the walk on level j, n_0 = 0 … n_J, whole or not.
-    pub steps: Vec<f64>,
+    /// Steps of the walk on level j, n_0 = 0 … n_J.
+    pub steps: Vec<u64>,
     /// Widths σ_j = s·√n_j in model units (hops on a graph), σ_0 = 0.
     pub sigma: Vec<f64>,
     /// S_f(j), j = 0 … J; S_f(0) is the signal itself.

@@ -25,7 +25,7 @@ pub fn basis_by_squaring(
     progress: Progress<'_>,
 ) -> Result<Basis<f64>, BasisError> {
     params.check()?;
-    let steps = params.steps();
+    let steps = params.schedule.steps();
     if let Some(j) = (0..steps.len()).find(|&j| steps[j] != 1 << j) {
         return Err(BasisError::NotDyadic { level: j + 1, steps: steps[j] });
     }
