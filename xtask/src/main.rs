@@ -12,6 +12,8 @@ usage: cargo xtask COMMAND
 
   test      format, lints, unit, property, documentation and command-line tests: all that must pass
   oracle    compare the bands with SciPy's, on built-in shapes and on ../shared/data where it is there
+  oracle-baselines
+            compare eigenvalues with SciPy's on libigl's matrices, and spectral graph wavelets with PyGSP's
   bench-peers [--models DIR] [--only PART]
             time other programs and ours on the same operators and write docs/PERFORMANCE.md
 
@@ -25,6 +27,7 @@ fn main() -> ExitCode {
     let outcome = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test(),
         ["oracle"] => oracle(),
+        ["oracle-baselines"] => oracle_baselines(),
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
@@ -66,6 +69,18 @@ fn oracle() -> Outcome {
         .args([&adwave, &samples])
         .arg("--data")
         .arg(root().join("../shared/data")))
+}
+
+fn oracle_baselines() -> Outcome {
+    let build =
+        ["build", "--release", "--locked", "--quiet", "-p", "adwave-baselines", "--example", "oracle_values"];
+    cargo(&build, &[])?;
+    let python = python::environment(&root(), "baselines")?;
+    run(Command::new(python)
+        .arg(root().join("benches/baselines/oracle.py"))
+        .arg(root().join("target/release/examples/oracle_values"))
+        .arg("--data")
+        .arg(std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from)))
 }
 
 /// The root of the repository.

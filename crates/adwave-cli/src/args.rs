@@ -1,6 +1,7 @@
 //! Every flag, defined once: help, man page and completions come from here.
 
 use crate::analysis_args::{EvaluateArgs, FeaturesArgs, FieldArgs, SaliencyArgs};
+use crate::render_args::RenderArgs;
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, OperatorParams};
 use adwave::region::{Region, RegionSyntaxError, parse_region};
@@ -65,10 +66,14 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Write the scaling functions and wavelets: those of one vertex as fields, or all as sparse matrices
     Basis(BasisArgs),
+    /// Draw a picture of a shape, a field on it, its features; or a sheet of several
+    Render(RenderArgs),
     /// Write a built-in shape
     Sample(SampleArgs),
     /// Decompose, filter and edit a built-in creature, and show what happened
     Demo(DemoArgs),
+    /// Make the figures and tables of the paper again, with the numbers behind them and whether its claims hold
+    Reproduce(ReproduceArgs),
     /// Print the completions for a shell
     Completions(CompletionsArgs),
     /// Print the manual page
@@ -419,6 +424,36 @@ pub(crate) struct DemoArgs {
     /// Number of vertices of the creature (about)
     #[arg(long, value_name = "N")]
     pub(crate) vertices: Option<usize>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+DIR/index.html shows every figure with its pictures, what to see and whether it came out as the paper claims; DIR/figNN
+holds the pictures in full size and the numbers as CSV.
+
+Models are found by name in the folders and all folders below: armadillo, dinosaur, skull, horse, kitten, face, bunny,
+spot (with its texture), gargoyle, buddha, hand, pegaso, cow, sphere. Built-in shapes stand in for those that are missing.
+
+Examples:
+  adwave reproduce -o out
+  adwave reproduce fig10 table2 -o out
+  adwave reproduce all -o out --models models --models textured-models")]
+pub(crate) struct ReproduceArgs {
+    /// fig1 … fig15, table1, table2, or all
+    #[arg(value_name = "FIGURE", default_value = "all")]
+    pub(crate) figures: Vec<String>,
+    /// Folder that the files go to
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Folder with copies of the paper's models; may be given several times
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Vec<PathBuf>,
+    /// Write the page as Markdown too, with small pictures in a folder beside it
+    #[arg(long, value_name = "FILE.md")]
+    pub(crate) markdown: Option<PathBuf>,
+    /// Make built-in shapes no larger than this: a quick sketch of every figure
+    #[arg(long, value_name = "N")]
+    pub(crate) most_vertices: Option<NonZeroUsize>,
 }
 
 #[derive(Debug, Args)]

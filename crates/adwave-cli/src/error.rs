@@ -12,7 +12,7 @@ pub(crate) enum CliError {
     #[error("{0}")]
     Environment(String),
     /// Ctrl-C.
-    #[error("stopped; no file was changed")]
+    #[error("stopped; no file is half written")]
     Cancelled,
     /// Who reads the standard output has stopped reading.
     #[error("the standard output is closed")]

@@ -17,7 +17,7 @@ pub(crate) fn install() {
             std::thread::sleep(PATIENCE);
         }
         adwave_io::remove_temporaries();
-        eprintln!("adwave: stopped; no file was changed");
+        eprintln!("adwave: stopped; no file is half written");
         std::process::exit(130);
     });
 }

@@ -10,6 +10,7 @@ mod error;
 mod interrupt;
 mod output;
 mod progress;
+mod render_args;
 mod shape_input;
 mod signal;
 mod stopwatch;
@@ -30,8 +31,10 @@ fn main() -> ExitCode {
         Command::Evaluate(args) => commands::evaluate::run(args, &cli.global),
         Command::Compare(args) => commands::compare::run(args, &cli.global),
         Command::Basis(args) => commands::basis::run(args, &cli.global),
+        Command::Render(args) => commands::render::run(args, &cli.global),
         Command::Sample(args) => commands::sample::run(args, &cli.global),
         Command::Demo(args) => commands::demo::run(args, &cli.global),
+        Command::Reproduce(args) => commands::reproduce::run(args, &cli.global),
         Command::Completions(args) => commands::shell::completions(args),
         Command::Man(args) => commands::shell::man(args),
     });

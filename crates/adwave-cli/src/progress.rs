@@ -28,7 +28,8 @@ pub(crate) fn with_spinner<T>(global: &GlobalArgs, what: &str, work: impl FnOnce
     result
 }
 
-fn bar(global: &GlobalArgs, what: &str) -> ProgressBar {
+/// A bar that is drawn on a terminal only.
+pub(crate) fn bar(global: &GlobalArgs, what: &str) -> ProgressBar {
     let shown = !global.quiet && std::io::stderr().is_terminal();
     let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let style = ProgressStyle::with_template("{spinner} {msg} {bar:32} {percent} % {eta}")

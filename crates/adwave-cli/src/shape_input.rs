@@ -18,20 +18,45 @@ pub(crate) struct Input {
     pub(crate) name: String,
 }
 
+/// What says where a shape comes from.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    /// A file, `-`, or `sample:NAME`.
+    pub(crate) shape: &'a str,
+    pub(crate) kind: Option<Kind>,
+    pub(crate) vertices: Option<usize>,
+    pub(crate) noise: Option<f64>,
+    pub(crate) seed: u64,
+}
+
+impl<'a> Source<'a> {
+    /// A shape as it is.
+    pub(crate) fn new(shape: &'a str) -> Self {
+        Self { shape, kind: None, vertices: None, noise: None, seed: 1 }
+    }
+}
+
 /// Reads or makes the shape that the arguments ask for.
 pub(crate) fn load(args: &ShapeArgs) -> Result<Input, CliError> {
-    let name = args.shape.clone();
-    let file = if let Some(sample) = args.shape.strip_prefix("sample:") {
-        make_sample(sample, args.vertices, args.noise, args.seed)?
+    let ShapeArgs { shape, kind, vertices, noise, seed, .. } = args;
+    load_source(&Source { shape, kind: *kind, vertices: *vertices, noise: *noise, seed: *seed })
+}
+
+/// Reads or makes a shape.
+pub(crate) fn load_source(source: &Source<'_>) -> Result<Input, CliError> {
+    let name = source.shape.to_owned();
+    let file = if let Some(sample) = source.shape.strip_prefix("sample:") {
+        make_sample(sample, source.vertices, source.noise, source.seed)?
     } else {
-        for (flag, given) in [("--vertices", args.vertices.is_some()), ("--noise", args.noise.is_some())] {
+        for (flag, given) in [("--vertices", source.vertices.is_some()), ("--noise", source.noise.is_some())]
+        {
             if given {
                 return Err(CliError::Input(format!("{flag} is for samples; '{name}' is a file")));
             }
         }
-        read(&args.shape)?
+        read(source.shape)?
     };
-    let shape = to_shape(&file, args.kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    let shape = to_shape(&file, source.kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
     Ok(Input { file, shape, name })
 }
 

@@ -1,19 +1,36 @@
 //! Colours for a scalar, by named colour maps.
 
+use crate::diverging::coolwarm;
 use colorous::Gradient;
 
+/// Where the colours of a map come from.
+#[derive(Clone, Copy)]
+enum Source {
+    Library(Gradient),
+    CoolWarm,
+    Grey,
+}
+
+impl std::fmt::Debug for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Source")
+    }
+}
+
 /// The colour maps by name: perceptually even ones first, then diverging ones.
-const MAPS: [(&str, Gradient); 10] = [
-    ("viridis", colorous::VIRIDIS),
-    ("magma", colorous::MAGMA),
-    ("inferno", colorous::INFERNO),
-    ("plasma", colorous::PLASMA),
-    ("cividis", colorous::CIVIDIS),
-    ("turbo", colorous::TURBO),
-    ("cool", colorous::COOL),
-    ("warm", colorous::WARM),
-    ("red-blue", colorous::RED_BLUE),
-    ("spectral", colorous::SPECTRAL),
+const MAPS: [(&str, Source); 12] = [
+    ("viridis", Source::Library(colorous::VIRIDIS)),
+    ("magma", Source::Library(colorous::MAGMA)),
+    ("inferno", Source::Library(colorous::INFERNO)),
+    ("plasma", Source::Library(colorous::PLASMA)),
+    ("cividis", Source::Library(colorous::CIVIDIS)),
+    ("turbo", Source::Library(colorous::TURBO)),
+    ("cool", Source::Library(colorous::COOL)),
+    ("warm", Source::Library(colorous::WARM)),
+    ("grey", Source::Grey),
+    ("coolwarm", Source::CoolWarm),
+    ("red-blue", Source::Library(colorous::RED_BLUE)),
+    ("spectral", Source::Library(colorous::SPECTRAL)),
 ];
 
 /// What has no value.
@@ -23,7 +40,13 @@ const MISSING: [u8; 3] = [128, 128, 128];
 #[derive(Clone, Copy, Debug)]
 pub struct ColorMap {
     name: &'static str,
-    gradient: Gradient,
+    source: Source,
+}
+
+impl PartialEq for ColorMap {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
 }
 
 impl ColorMap {
@@ -40,7 +63,12 @@ impl ColorMap {
     /// assert!(ColorMap::from_name("sepia").is_none());
     /// ```
     pub fn from_name(name: &str) -> Option<Self> {
-        MAPS.iter().find(|m| m.0 == name).map(|&(name, gradient)| Self { name, gradient })
+        MAPS.iter().find(|m| m.0 == name).map(|&(name, source)| Self { name, source })
+    }
+
+    /// A map of the list that is always there.
+    pub(crate) fn usual(name: &str) -> Self {
+        Self::from_name(name).expect("a name of the list")
     }
 
     /// Its name.
@@ -50,7 +78,15 @@ impl ColorMap {
 
     /// Red, green and blue at `t`, which is taken to [0, 1]; grey for NaN.
     pub fn color(&self, t: f64) -> [u8; 3] {
-        if t.is_nan() { MISSING } else { self.gradient.eval_continuous(t.clamp(0.0, 1.0)).as_array() }
+        if t.is_nan() {
+            return MISSING;
+        }
+        let t = t.clamp(0.0, 1.0);
+        match self.source {
+            Source::Library(gradient) => gradient.eval_continuous(t).as_array(),
+            Source::CoolWarm => coolwarm(t),
+            Source::Grey => [(40.0 + 200.0 * t).round() as u8; 3],
+        }
     }
 
     /// A colour for each value, `low` and below at one end, `high` and above at the other.

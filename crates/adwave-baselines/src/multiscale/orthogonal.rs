@@ -11,6 +11,8 @@
 
 use super::dense::{Dense, rank_revealing};
 use super::{Coefficients, MultiscaleError, MultiscaleParams, check_length, symmetric_walk};
+use crate::linalg::SymmetricMatrix;
+use crate::sgwt::largest_eigenvalue;
 use adwave::Progress;
 use adwave::operator::Diffusion;
 
@@ -21,8 +23,12 @@ pub struct DiffusionWavelets {
     levels: Vec<Level>,
 }
 
+/// None where the space is that of the level before: its scaling functions stay, and there are no wavelets.
 #[derive(Clone, Debug)]
-struct Level {
+struct Level(Option<Parts>);
+
+#[derive(Clone, Debug)]
+struct Parts {
     /// Scaling functions in those of the level before.
     q: Dense,
     /// Wavelets in the scaling functions of the level before.
@@ -54,16 +60,25 @@ impl DiffusionWavelets {
     ) -> Result<Self, MultiscaleError> {
         params.check(walk.n_vertices())?;
         let (mut t, root) = symmetric_walk(walk)?;
-        let mut levels = Vec::new();
+        let (n, mut least) = (t.rows, smallest_eigenvalue(&t)?);
+        let mut levels: Vec<Level> = Vec::new();
         for level in 0..params.levels {
             progress.step(level as u64, params.levels as u64)?;
             if t.rows <= 1 {
                 break;
             }
+            // No column can have less left than the smallest singular value, so nothing would be dropped.
+            if t.rows == n && least > FULL_RANK * params.precision {
+                levels.push(Level(None));
+                t = t.times(&t);
+                least *= least;
+                continue;
+            }
             let parts = rank_revealing(&t, params.precision)?;
             let tq = t.times(&parts.q);
             t = tq.transposed_times(&tq);
-            levels.push(Level { q: parts.q, w: parts.complement });
+            levels.push(Level(Some(Parts { q: parts.q, w: parts.complement })));
+            least = 0.0;
         }
         Ok(Self { root, levels })
     }
@@ -75,7 +90,11 @@ impl DiffusionWavelets {
 
     /// Number of scaling functions on each level from 0 on: the ranks.
     pub fn ranks(&self) -> Vec<usize> {
-        std::iter::once(self.root.len()).chain(self.levels.iter().map(|l| l.q.columns)).collect()
+        let mut ranks = vec![self.root.len()];
+        for level in &self.levels {
+            ranks.push(level.0.as_ref().map_or(ranks[ranks.len() - 1], |parts| parts.q.columns));
+        }
+        ranks
     }
 
     /// `f ↦ (⟨√π f, φ_J⟩, ⟨√π f, ψ_j⟩)`. Orthogonal: the coefficients' squares sum to n times the π-weighted mean square of f.
@@ -87,8 +106,12 @@ impl DiffusionWavelets {
         let mut scaling: Vec<f64> = signal.iter().zip(&self.root).map(|(f, r)| f * r).collect();
         let mut wavelets = Vec::new();
         for level in &self.levels {
-            wavelets.push(level.w.apply_transposed(&scaling));
-            scaling = level.q.apply_transposed(&scaling);
+            let Level(Some(parts)) = level else {
+                wavelets.push(Vec::new());
+                continue;
+            };
+            wavelets.push(parts.w.apply_transposed(&scaling));
+            scaling = parts.q.apply_transposed(&scaling);
         }
         Ok(Coefficients { scaling, wavelets })
     }
@@ -101,10 +124,14 @@ impl DiffusionWavelets {
         check_length(self.levels.len(), coefficients.wavelets.len())?;
         let mut scaling = coefficients.scaling.clone();
         for (level, w) in self.levels.iter().zip(&coefficients.wavelets).rev() {
-            check_length(level.q.columns, scaling.len())?;
-            check_length(level.w.columns, w.len())?;
-            let fine = level.w.apply(w);
-            scaling = level.q.apply(&scaling).iter().zip(&fine).map(|(a, b)| a + b).collect();
+            let Level(Some(parts)) = level else {
+                check_length(0, w.len())?;
+                continue;
+            };
+            check_length(parts.q.columns, scaling.len())?;
+            check_length(parts.w.columns, w.len())?;
+            let fine = parts.w.apply(w);
+            scaling = parts.q.apply(&scaling).iter().zip(&fine).map(|(a, b)| a + b).collect();
         }
         check_length(self.root.len(), scaling.len())?;
         Ok(scaling.iter().zip(&self.root).map(|(s, r)| s / r).collect())
@@ -123,7 +150,10 @@ impl DiffusionWavelets {
     /// # Panics
     /// Where there is no such level.
     pub fn wavelets(&self, level: usize) -> Vec<Vec<f64>> {
-        split(&self.ambient(level - 1).times(&self.levels[level - 1].w))
+        match &self.levels[level - 1].0 {
+            Some(parts) => split(&self.ambient(level - 1).times(&parts.w)),
+            None => Vec::new(),
+        }
     }
 
     /// Largest `|⟨φ_i, φ_k⟩ − δ_ik|` among the scaling functions of a level.
@@ -133,11 +163,11 @@ impl DiffusionWavelets {
     }
 
     fn ambient(&self, level: usize) -> Dense {
-        let mut functions = Dense::identity(self.root.len());
-        for (k, level) in self.levels[..level].iter().enumerate() {
-            functions = if k == 0 { level.q.clone() } else { functions.times(&level.q) };
+        let mut functions: Option<Dense> = None;
+        for parts in self.levels[..level].iter().filter_map(|level| level.0.as_ref()) {
+            functions = Some(functions.map_or_else(|| parts.q.clone(), |f| f.times(&parts.q)));
         }
-        functions
+        functions.unwrap_or_else(|| Dense::identity(self.root.len()))
     }
 }
 
@@ -146,6 +176,20 @@ impl DiffusionWavelets {
     pub(super) fn ambient_for_test(&self, level: usize) -> Dense {
         self.ambient(level)
     }
+}
+
+/// How much of the precision the smallest eigenvalue must keep away from, as its bound is an estimate.
+const FULL_RANK: f64 = 10.0;
+
+/// A lower bound of the smallest eigenvalue of T, whose largest is 1; 0 where it is not above 0.
+fn smallest_eigenvalue(t: &Dense) -> Result<f64, MultiscaleError> {
+    let entries = (0..t.columns).flat_map(|j| (0..=j).map(move |i| (i, j)));
+    let entries: Vec<_> = entries
+        .map(|(i, j)| (i as u32, j as u32, f64::from(u8::from(i == j)) - t.at(i, j)))
+        .filter(|e| e.2 != 0.0)
+        .collect();
+    let complement = SymmetricMatrix::from_halves(t.columns, &entries)?;
+    Ok((1.0 - largest_eigenvalue(&complement)).max(0.0))
 }
 
 pub(super) fn split(functions: &Dense) -> Vec<Vec<f64>> {

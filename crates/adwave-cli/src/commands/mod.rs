@@ -7,6 +7,8 @@ pub(crate) mod evaluate;
 pub(crate) mod features;
 pub(crate) mod filter;
 pub(crate) mod info;
+pub(crate) mod render;
+pub(crate) mod reproduce;
 pub(crate) mod saliency;
 pub(crate) mod sample;
 pub(crate) mod shell;

@@ -1,0 +1,254 @@
+//! `adwave render`: pictures of shapes, fields and features.
+
+use crate::args::GlobalArgs;
+use crate::error::CliError;
+use crate::output::{check_writable, print, write_error};
+use crate::progress::with_spinner;
+use crate::render_args::{RangeArg, RenderArgs, SizeArg};
+use crate::shape_input::{Input, Source, load_source};
+use crate::signal::{Signal, load_with_texture};
+use adwave::shape::{Shape, triangulate};
+use adwave_io::{FieldValues, ReadLimits, atomic_write};
+use adwave_render::{
+    Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
+    Surface, ValueRange, grid, render,
+};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::Instant;
+
+/// The name of no field at all.
+const PLAIN: &str = "plain";
+
+/// What marks a feature.
+const GREEN: [u8; 3] = [52, 168, 83];
+
+pub(crate) fn run(args: &RenderArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    let params = check(args)?;
+    let balls = args.features.as_deref().map(features).transpose()?.unwrap_or_default();
+    let start = Instant::now();
+    let shapes = with_spinner(global, "reading", || load_all(args))?;
+    let read = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let picture = with_spinner(global, "drawing", || draw(args, &params, &shapes, &balls))?;
+    let drawn = start.elapsed().as_secs_f64();
+    let png = picture.png().map_err(CliError::input)?;
+    atomic_write(&args.output, |out| Ok(out.write_all(&png)?)).map_err(write_error)?;
+    let text = format!(
+        "{} × {} pixels, {} vertices; read {read:.2} s, drawn {drawn:.2} s\n{}",
+        picture.width,
+        picture.height,
+        shapes.iter().map(|s| s.input.shape.n_vertices()).sum::<usize>(),
+        args.output.display()
+    );
+    let json = json!({
+        "output": args.output.display().to_string(),
+        "width": picture.width,
+        "height": picture.height,
+        "shapes": shapes.iter().map(|s| json!({
+            "shape": s.input.name,
+            "vertices": s.input.shape.n_vertices(),
+            "colors": s.looks.iter().map(Look::label).collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
+        "features": balls.len(),
+        "seconds": {"read": read, "draw": drawn},
+    });
+    print(global, &text, &json)
+}
+
+/// What can be refused before anything is read.
+fn check(args: &RenderArgs) -> Result<RenderParams, CliError> {
+    if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return Err(CliError::Input(format!("{}: a picture is written as .png", args.output.display())));
+    }
+    check_writable(&args.output)?;
+    if args.grid.is_none() && args.shapes.len() * args.color.len().max(1) > 1 {
+        return Err(CliError::Input("several shapes or fields go on one sheet; add --grid".to_owned()));
+    }
+    color_map(args)?;
+    let usual = if args.grid.is_some() { SizeArg(600, 500) } else { SizeArg(1200, 900) };
+    let SizeArg(width, height) = args.size.unwrap_or(usual);
+    let background = if args.transparent { Background::Transparent } else { Background::Color([255; 3]) };
+    let params = RenderParams::default()
+        .with_size(width, height)
+        .with_view(args.view)
+        .with_up(args.up)
+        .with_background(background)
+        .with_color_bar(if args.no_bar { ColorBar::Hidden } else { ColorBar::Shown })
+        .with_crease_angle(args.crease);
+    params.check().map_err(CliError::input)?;
+    Ok(params)
+}
+
+fn color_map(args: &RenderArgs) -> Result<Option<ColorMap>, CliError> {
+    let Some(name) = &args.colormap else { return Ok(None) };
+    ColorMap::from_name(name).map(Some).ok_or_else(|| {
+        let names: Vec<&str> = ColorMap::names().collect();
+        CliError::Input(format!("there is no colour map '{name}'; there is {}", names.join(", ")))
+    })
+}
+
+/// A shape and what is shown of it.
+struct Loaded {
+    input: Input,
+    triangles: Vec<[u32; 3]>,
+    looks: Vec<Look>,
+}
+
+/// The colours of one panel.
+enum Look {
+    Plain,
+    Colors { values: Vec<[u8; 3]>, label: String },
+    Field { values: Vec<f64>, label: String },
+}
+
+impl Look {
+    fn label(&self) -> Option<&str> {
+        match self {
+            Self::Plain => None,
+            Self::Colors { label, .. } | Self::Field { label, .. } => Some(label),
+        }
+    }
+}
+
+fn load_all(args: &RenderArgs) -> Result<Vec<Loaded>, CliError> {
+    args.shapes.iter().map(|name| load(args, name)).collect()
+}
+
+fn load(args: &RenderArgs, name: &str) -> Result<Loaded, CliError> {
+    let input = load_source(&Source { kind: args.kind, vertices: args.vertices, ..Source::new(name) })?;
+    let Some(points) = input.shape.points() else {
+        return Err(CliError::Input(format!("{name}: a graph has no positions to draw")));
+    };
+    let triangles =
+        if let Shape::Mesh(mesh) = &input.shape { triangulate(points, mesh.faces()) } else { Vec::new() };
+    let looks = if args.color.is_empty() {
+        let colors = input.file.field("color").and_then(|field| bytes(field.n_channels, &field.values));
+        vec![colors.map_or(Look::Plain, |values| Look::Colors { values, label: "color".to_owned() })]
+    } else {
+        args.color.iter().map(|color| look(args, &input, color)).collect::<Result<_, _>>()?
+    };
+    Ok(Loaded { input, triangles, looks })
+}
+
+/// What is shown by a field's name: its number, its length where it has several, or the colours that it holds.
+fn look(args: &RenderArgs, input: &Input, name: &str) -> Result<Look, CliError> {
+    if name == PLAIN {
+        return Ok(Look::Plain);
+    }
+    let label = name.rsplit('/').next().unwrap_or(name).to_owned();
+    if let Some(field) = input.file.field(name)
+        && (name == "color" || matches!(field.values, FieldValues::U8(_)))
+        && let Some(values) = bytes(field.n_channels, &field.values)
+    {
+        return Ok(Look::Colors { values, label });
+    }
+    let texture = args.texture.as_deref().filter(|_| name.starts_with("texture"));
+    let Signal { n_channels, values } = load_with_texture(input, name, texture)?;
+    if name == "texture"
+        && let Some(values) = bytes(n_channels, &FieldValues::F64(values.clone()))
+    {
+        return Ok(Look::Colors { values, label });
+    }
+    if n_channels == 1 {
+        return Ok(Look::Field { values, label });
+    }
+    let length = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>().sqrt();
+    Ok(Look::Field {
+        values: values.chunks_exact(n_channels).map(length).collect(),
+        label: format!("|{label}|"),
+    })
+}
+
+/// Red, green and blue in bytes, of bytes, of words, or of numbers in [0, 1] (or to 255 where some are above 1).
+fn bytes(n_channels: usize, values: &FieldValues) -> Option<Vec<[u8; 3]>> {
+    if n_channels < 3 {
+        return None;
+    }
+    let numbers = values.to_f64();
+    let scale = match values {
+        FieldValues::U8(_) => 1.0,
+        FieldValues::U16(_) => 255.0 / 65535.0,
+        _ if numbers.iter().any(|v| *v > 1.0) => 1.0,
+        _ => 255.0,
+    };
+    let byte = |v: f64| (scale * v).round().clamp(0.0, 255.0) as u8;
+    Some(numbers.chunks_exact(n_channels).map(|row| [byte(row[0]), byte(row[1]), byte(row[2])]).collect())
+}
+
+fn draw(
+    args: &RenderArgs,
+    params: &RenderParams,
+    shapes: &[Loaded],
+    balls: &[Ball],
+) -> Result<Picture, CliError> {
+    let color_map = color_map(args)?;
+    let range = match args.range {
+        RangeArg::Auto => ValueRange::Auto,
+        RangeArg::Fixed(low, high) => ValueRange::Fixed(low, high),
+    };
+    let panels: Vec<Panel<'_>> = shapes
+        .iter()
+        .flat_map(|shape| shape.looks.iter().map(move |look| (shape, look)))
+        .map(|(shape, look)| {
+            let paint = match look {
+                Look::Plain => Paint::CLAY,
+                Look::Colors { values, .. } => Paint::Colors(values),
+                Look::Field { values, label } => {
+                    Paint::Field(FieldPaint { values, label: label.clone(), color_map, range })
+                }
+            };
+            let points = shape.input.shape.points().unwrap_or_default();
+            Panel {
+                surface: Surface { points, triangles: &shape.triangles, paint },
+                balls: balls.to_vec(),
+                caption: caption(args, &shape.input.name, look.label()),
+            }
+        })
+        .collect();
+    if args.grid.is_none() {
+        return render(&panels[0].surface, balls, params).map_err(CliError::input);
+    }
+    let camera = if args.own_scale { SharedCamera::Own } else { SharedCamera::Same };
+    grid(&panels, args.columns(panels.len()), camera, params).map_err(CliError::input)
+}
+
+/// What tells a panel from the others.
+fn caption(args: &RenderArgs, shape: &str, label: Option<&str>) -> String {
+    let file = shape.rsplit('/').next().unwrap_or(shape);
+    match (args.shapes.len() > 1, label.filter(|_| !args.color.is_empty())) {
+        (false, Some(label)) => label.to_owned(),
+        (true, Some(label)) => format!("{file}: {label}"),
+        (_, None) => file.to_owned(),
+    }
+}
+
+/// The balls of the features in a file that `adwave features` wrote.
+fn features(path: &Path) -> Result<Vec<Ball>, CliError> {
+    let shown = path.display();
+    let rows: Vec<[f64; 4]> = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        let text = std::fs::read_to_string(path).map_err(|e| CliError::Input(format!("{shown}: {e}")))?;
+        let json: Value =
+            serde_json::from_str(&text).map_err(|e| CliError::Input(format!("{shown}: {e}")))?;
+        let list = json.get("features").unwrap_or(&json).as_array();
+        let list = list.ok_or_else(|| CliError::Input(format!("{shown}: there is no list of features")))?;
+        let row = |f: &Value| {
+            let number = |name: &str| f.get(name).and_then(Value::as_f64);
+            let position = |k: usize| f.get("position").and_then(|p| p.get(k)).and_then(Value::as_f64);
+            let at = |k: usize, name: &str| number(name).or_else(|| position(k));
+            Some([at(0, "x")?, at(1, "y")?, at(2, "z")?, number("sigma")?])
+        };
+        let missing = |k: usize| CliError::Input(format!("{shown}: feature {k} has no x, y, z and sigma"));
+        list.iter().enumerate().map(|(k, f)| row(f).ok_or_else(|| missing(k))).collect::<Result<_, _>>()?
+    } else {
+        let fields = adwave_io::read_csv_fields(path, &ReadLimits::default()).map_err(CliError::input)?;
+        let columns = ["x", "y", "z", "sigma"].map(|name| fields.iter().find(|f| f.name == name));
+        let [Some(x), Some(y), Some(z), Some(sigma)] = columns else {
+            return Err(CliError::Input(format!(
+                "{shown}: features have the columns x, y, z and sigma; write them with 'adwave features -o FILE.csv'"
+            )));
+        };
+        (0..x.len()).map(|k| [x, y, z, sigma].map(|f| f.get(k, 0))).collect()
+    };
+    Ok(rows.into_iter().map(|[x, y, z, radius]| Ball { center: [x, y, z], radius, color: GREEN }).collect())
+}

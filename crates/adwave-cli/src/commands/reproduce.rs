@@ -1,0 +1,138 @@
+//! `adwave reproduce`: the figures and tables of the paper, made again.
+
+use crate::args::{GlobalArgs, ReproduceArgs};
+use crate::error::CliError;
+use crate::interrupt::STOP;
+use crate::output::print;
+use crate::progress::bar;
+use adwave::Progress;
+use adwave_report::reproduce::{
+    Context, Event, FIGURES, Figure, Made, Models, ReproduceError, Target, reproduce, select,
+};
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+pub(crate) fn run(args: &ReproduceArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    let start = Instant::now();
+    let figures = select(&args.figures).map_err(|name| {
+        let known = FIGURES.iter().map(|f| f.name).collect::<Vec<_>>().join(", ");
+        CliError::Input(format!("there is no figure '{name}'; there is all, {known}"))
+    })?;
+    let models = models(args, &figures)?;
+    let found: Vec<Value> = models
+        .found()
+        .map(|(name, path)| json!({"name": name, "file": path.display().to_string()}))
+        .collect();
+    let line = Line::new(global, figures.len());
+    let report = |done: u64, total: u64| line.part(done, total);
+    let progress = Progress::none().with_report(&report).with_cancel(&STOP);
+    let mut context = Context::new(models, progress);
+    if let Some(most) = args.most_vertices {
+        context = context.with_most_vertices(most.get());
+    }
+    let target = Target { folder: args.output.clone(), markdown: args.markdown.clone() };
+    let made = reproduce(&figures, &context, &target, &mut |event| match event {
+        Event::Started(figure) => line.begin(figure),
+        Event::Finished(made) => line.end(made),
+    });
+    line.finish();
+    let made = made?;
+    let index = args.output.join("index.html");
+    let json = json!({
+        "output": args.output.display().to_string(),
+        "index": index.display().to_string(),
+        "models": found,
+        "seconds": start.elapsed().as_secs_f64(),
+        "figures": made.iter().map(describe).collect::<Vec<Value>>(),
+    });
+    print(global, &summary(&made, &index, start.elapsed()), &json)
+}
+
+/// The user's models, those that the figures can use read.
+fn models(args: &ReproduceArgs, figures: &[&Figure]) -> Result<Models, CliError> {
+    if args.models.is_empty() {
+        return Ok(Models::default());
+    }
+    let mut models = Models::search(&args.models).map_err(CliError::input)?;
+    let wanted: Vec<&str> = figures.iter().flat_map(|f| f.models.iter().copied()).collect();
+    models.read(&wanted).map_err(CliError::input)?;
+    Ok(models)
+}
+
+fn describe(made: &Made) -> Value {
+    let outcome = &made.outcome;
+    json!({
+        "id": outcome.id,
+        "title": outcome.title,
+        "command": outcome.command,
+        "shapes": outcome.shapes,
+        "verdict": outcome.verdict.keyword(),
+        "because": outcome.verdict.sentence(),
+        "text": outcome.text,
+        "seconds": made.seconds,
+        "files": made.files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>(),
+    })
+}
+
+fn summary(made: &[Made], index: &Path, took: Duration) -> String {
+    let count = |keyword: &str| made.iter().filter(|m| m.outcome.verdict.keyword() == keyword).count();
+    format!(
+        "{} of {} as the paper claims, {} in part, {} not, in {:.1} s\n{}\n",
+        count("as-claimed"),
+        made.len(),
+        count("partly"),
+        count("not-as-claimed"),
+        took.as_secs_f64(),
+        index.display(),
+    )
+}
+
+/// A line for every figure that is done, and on a terminal a bar below for the one that is being made.
+struct Line<'a> {
+    global: &'a GlobalArgs,
+    bar: ProgressBar,
+    n_figures: usize,
+}
+
+impl<'a> Line<'a> {
+    fn new(global: &'a GlobalArgs, n_figures: usize) -> Self {
+        Self { global, bar: bar(global, ""), n_figures }
+    }
+
+    fn begin(&self, figure: &Figure) {
+        self.bar.reset();
+        self.bar.set_message(format!("{} {}", figure.name, figure.title));
+        self.bar.enable_steady_tick(Duration::from_millis(100));
+    }
+
+    fn part(&self, done: u64, total: u64) {
+        self.bar.set_length(total);
+        self.bar.set_position(done);
+    }
+
+    fn end(&self, made: &Made) {
+        if !self.global.quiet && self.n_figures > 1 {
+            let outcome = &made.outcome;
+            let verdict = outcome.verdict.headline().to_lowercase();
+            self.bar.suspend(|| {
+                eprintln!("{:<7}{:>7.1} s  {}: {verdict}", outcome.id, made.seconds, outcome.title);
+            });
+        }
+    }
+
+    fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl From<ReproduceError> for CliError {
+    fn from(error: ReproduceError) -> Self {
+        match error {
+            ReproduceError::Cancelled => Self::Cancelled,
+            ReproduceError::Write { .. } => Self::Environment(error.to_string()),
+            ReproduceError::Figures(..) => Self::input(error),
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The flags of `render`.
+
+use crate::args::Kind;
+use adwave_render::{Up, View};
+use clap::Args;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Without --color a shape has the colours of its file, else one colour. A field of both signs gets a diverging map with 0 in
+the middle, others viridis, from the 1st to the 99th percentile; what is NaN is grey. The front is seen from +z with y up,
+or with --up z from -y.
+
+Examples:
+  adwave render bunny.obj -o bunny.png
+  adwave render bunny.obj -o curvature.png --color mean-curvature --view 30,15
+  adwave features bunny.obj -o features.csv && adwave render bunny.obj -o features.png --features features.csv
+  adwave saliency bunny.obj -o map.ply && adwave render map.ply -o map.png --color saliency --colormap turbo
+  adwave render scan.las -o scan.png --up z --view top
+  adwave render before.obj after.obj -o sheet.png --grid
+  adwave render pial.gii.gz -o folds.png --color sulc.gii.gz --color mean-curvature --grid --view left")]
+pub(crate) struct RenderArgs {
+    /// Files, '-', or sample:NAME; several with --grid
+    #[arg(value_name = "SHAPE", required = true)]
+    pub(crate) shapes: Vec<String>,
+    /// Where the picture goes (.png)
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// What its colours show: a field, named as for --field of other commands; 'plain' for one colour. Several with --grid
+    #[arg(long, value_name = "FIELD", help_heading = "Colours")]
+    pub(crate) color: Vec<String>,
+    /// viridis, magma, inferno, plasma, cividis, turbo, cool, warm, grey, coolwarm, red-blue or spectral
+    #[arg(long, value_name = "NAME", help_heading = "Colours")]
+    pub(crate) colormap: Option<String>,
+    /// The values of the first and last colour: auto, or LOW,HIGH
+    #[arg(
+        long,
+        value_name = "RANGE",
+        default_value = "auto",
+        allow_hyphen_values = true,
+        help_heading = "Colours"
+    )]
+    pub(crate) range: RangeArg,
+    /// No bar that says which colour stands for which value
+    #[arg(long, help_heading = "Colours")]
+    pub(crate) no_bar: bool,
+    /// Show features as balls of their size: a .csv or .json that 'adwave features' wrote
+    #[arg(long, value_name = "FILE", help_heading = "Features")]
+    pub(crate) features: Option<PathBuf>,
+    /// front, back, left, right, top, bottom, three-quarter, or AZIMUTH,ELEVATION in degrees
+    #[arg(
+        long,
+        value_name = "VIEW",
+        default_value = "three-quarter",
+        allow_hyphen_values = true,
+        help_heading = "Picture"
+    )]
+    pub(crate) view: View,
+    /// Which axis of the shape points up: x, y or z
+    #[arg(long, value_name = "AXIS", default_value = "y", help_heading = "Picture")]
+    pub(crate) up: Up,
+    /// Pixels; of one panel with --grid [default: 1200x900, with --grid 600x500]
+    #[arg(long, value_name = "WxH", help_heading = "Picture")]
+    pub(crate) size: Option<SizeArg>,
+    /// Nothing behind the shape
+    #[arg(long, help_heading = "Picture")]
+    pub(crate) transparent: bool,
+    /// Edges sharper than this are seen as edges, degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 50.0, help_heading = "Picture")]
+    pub(crate) crease: f64,
+    /// All shapes and fields on one sheet, with captions and of one scale; --grid=N for N columns
+    #[arg(
+        long,
+        value_name = "COLUMNS",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "0",
+        help_heading = "Picture"
+    )]
+    pub(crate) grid: Option<usize>,
+    /// With --grid: let every shape fill its panel
+    #[arg(long, requires = "grid", help_heading = "Picture")]
+    pub(crate) own_scale: bool,
+    /// Take the shapes as this, whatever their files say
+    #[arg(long = "as", value_name = "KIND", value_enum, help_heading = "Shape")]
+    pub(crate) kind: Option<Kind>,
+    /// Number of vertices of samples (about)
+    #[arg(long, value_name = "N", help_heading = "Shape")]
+    pub(crate) vertices: Option<usize>,
+    /// The picture of the texture, for --color texture…
+    #[arg(long, value_name = "FILE", help_heading = "Shape")]
+    pub(crate) texture: Option<PathBuf>,
+}
+
+impl RenderArgs {
+    /// Columns of the sheet with so many panels.
+    pub(crate) fn columns(&self, n_panels: usize) -> usize {
+        let columns = self.grid.and_then(NonZeroUsize::new).map(NonZeroUsize::get);
+        columns.unwrap_or_else(|| (1..=n_panels).find(|c| c * c >= n_panels).unwrap_or(1))
+    }
+}
+
+/// The values of the first and last colour.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum RangeArg {
+    Auto,
+    Fixed(f64, f64),
+}
+
+impl FromStr for RangeArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "auto" {
+            return Ok(Self::Auto);
+        }
+        let numbers = text.split_once(',').and_then(|(low, high)| {
+            Some((low.trim().parse::<f64>().ok()?, high.trim().parse::<f64>().ok()?))
+        });
+        match numbers {
+            Some((low, high)) if low < high && (high - low).is_finite() => Ok(Self::Fixed(low, high)),
+            _ => Err("it is auto, or two numbers LOW,HIGH with the smaller one first".to_owned()),
+        }
+    }
+}
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SizeArg(pub(crate) u32, pub(crate) u32);
+
+impl FromStr for SizeArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text
+            .split_once(['x', 'X', '×'])
+            .and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
+        match numbers {
+            Some((0, _) | (_, 0)) => Err("a picture without pixels; both are at least 1".to_owned()),
+            Some((width, height)) => Ok(Self(width, height)),
+            None => Err("it is WIDTHxHEIGHT in pixels, such as 1200x900".to_owned()),
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! `adwave render`: pictures of the size that was asked for, and refusals before any long work.
+
+mod common;
+
+use common::{adwave, json, refused};
+use std::path::Path;
+
+/// Width, height and channels as the file itself has them.
+fn header(path: &Path) -> (u32, u32, u8) {
+    let bytes = std::fs::read(path).unwrap();
+    assert_eq!(&bytes[1..4], b"PNG");
+    let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
+    (number(16), number(20), bytes[25])
+}
+
+#[test]
+fn pictures_have_the_size_and_ground_that_was_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let made =
+        json(path, "render sample:sphere --vertices 500 -o a.png --size 200x150 --color mean-curvature");
+    assert_eq!((made["width"].as_u64(), made["height"].as_u64()), (Some(200), Some(150)));
+    assert_eq!(header(&path.join("a.png")), (200, 150, 2));
+    json(
+        path,
+        "render sample:sphere --vertices 500 -o b.png --size 200x150 --transparent --view -30,20 --up z",
+    );
+    assert_eq!(header(&path.join("b.png")), (200, 150, 6));
+    let made = json(
+        path,
+        "render sample:sphere sample:torus --vertices 500 -o c.png --size 100x80 --grid=3 --color plain --color \
+         gaussian-curvature --own-scale",
+    );
+    assert_eq!(made["shapes"][1]["colors"][1], "gaussian-curvature");
+    let (width, height, _) = header(&path.join("c.png"));
+    assert!(width == 300 && height > 160, "{width} {height}");
+}
+
+#[test]
+fn the_same_command_makes_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, threads) in [("a.png", "1"), ("b.png", "2")] {
+        let arguments = ["render", "sample:knot", "-o", name, "--size", "160x120", "--threads", threads];
+        adwave(folder.path()).args(arguments).assert().success();
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("a.png"), read("b.png"));
+}
+
+#[test]
+fn features_are_shown_from_the_files_that_features_writes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let mut counts = Vec::new();
+    for file in ["f.csv", "f.json"] {
+        json(path, &format!("features sample:plane --vertices 2000 --levels 7 --theta 1.6 -o {file}"));
+        let made = json(
+            path,
+            &format!("render sample:plane --vertices 2000 -o f.png --size 90x90 --features {file}"),
+        );
+        counts.push(made["features"].as_u64().unwrap());
+    }
+    assert!(counts[0] > 0 && counts[0] == counts[1], "{counts:?}");
+}
+
+#[test]
+fn bad_requests_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    std::fs::write(path.join("other.csv"), "a,b\n1,2\n").unwrap();
+    std::fs::write(
+        path.join("graph.mtx"),
+        "%%MatrixMarket matrix coordinate real symmetric\n3 3 2\n2 1 1\n3 2 1\n",
+    )
+    .unwrap();
+    for (arguments, words) in [
+        ("sample:sphere -o a.png --size 99999x99999", "too large"),
+        ("sample:sphere -o a.png --colormap sepia --color density", "viridis"),
+        ("sample:sphere -o a.png --color heat", "coords"),
+        ("sample:sphere -o a.jpg", ".png"),
+        ("sample:sphere -o nowhere/a.png", "nowhere"),
+        ("sample:sphere sample:torus -o a.png", "--grid"),
+        ("sample:sphere -o a.png --features other.csv", "sigma"),
+        ("sample:sphere -o a.png --features missing.json", "missing.json"),
+        ("graph.mtx -o a.png", "no positions"),
+        ("missing.obj -o a.png", "missing.obj"),
+    ] {
+        let error = refused(path, &format!("render {arguments}"));
+        assert!(error.contains(words), "{arguments}: {error}");
+    }
+    assert!(!path.join("a.png").exists());
+}
+
+#[test]
+fn flags_that_cannot_be_parsed_say_what_they_want() {
+    let folder = tempfile::tempdir().unwrap();
+    for (flag, value, words) in [
+        ("--size", "0x10", "without pixels"),
+        ("--size", "wide", "WIDTHxHEIGHT"),
+        ("--view", "sideways", "three-quarter"),
+        ("--view", "10,100", "-90 to 90"),
+        ("--range", "3,1", "LOW,HIGH"),
+        ("--up", "w", "x, y or z"),
+    ] {
+        let run = adwave(folder.path())
+            .args(["render", "sample:sphere", "-o", "a.png", flag, value])
+            .assert()
+            .code(2);
+        let error = String::from_utf8(run.get_output().stderr.clone()).unwrap();
+        assert!(error.contains(words), "{flag} {value}: {error}");
+    }
+}

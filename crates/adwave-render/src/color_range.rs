@@ -1,0 +1,92 @@
+//! Which values the ends of a colour map stand for.
+
+use crate::color_map::{ColorMap, value_range};
+use crate::error::RenderError;
+use crate::surface::FieldPaint;
+
+/// How many of the values may lie outside an automatic range, at each end.
+const TAIL: f64 = 0.01;
+
+/// A field whose smaller side reaches this part of its larger side has both signs; below it the crossing of 0 is noise.
+const BOTH_SIGNS: f64 = 0.1;
+
+/// Which values the ends of the colour map stand for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ValueRange {
+    /// The 1st and the 99th percentile, or all where few values differ; symmetric about 0 for a field of both signs.
+    #[default]
+    Auto,
+    /// These two.
+    Fixed(f64, f64),
+}
+
+impl ValueRange {
+    pub(crate) fn check(self) -> Result<(), RenderError> {
+        match self {
+            Self::Fixed(low, high) if !(low < high && (high - low).is_finite()) => {
+                Err(RenderError::BadRange { low, high })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A colour map with the values of its ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ColorScale {
+    pub(crate) map: ColorMap,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    /// Whether there are values below `low`.
+    pub(crate) below: bool,
+    /// Whether there are values above `high`.
+    pub(crate) above: bool,
+}
+
+impl ColorScale {
+    /// The scale that the fields share: one range for all of their values together.
+    pub(crate) fn of(fields: &[&FieldPaint]) -> Self {
+        let values: Vec<f64> = fields.iter().flat_map(|f| f.values.iter().copied()).collect();
+        let (least, most) = value_range(&values, 0.0, 1.0);
+        let fixed = fields.iter().find_map(|f| match f.range {
+            ValueRange::Fixed(low, high) => Some((low, high)),
+            ValueRange::Auto => None,
+        });
+        let (low, high) = fixed.unwrap_or_else(|| automatic(&values));
+        let chosen = fields.iter().find_map(|f| f.color_map);
+        let usual = if both_signs(low, high) { "coolwarm" } else { "viridis" };
+        let map = chosen.unwrap_or_else(|| ColorMap::usual(usual));
+        Self { map, low, high, below: least < low, above: most > high }
+    }
+
+    /// Where a value lies between the ends, 0 to 1 inside.
+    pub(crate) fn place(&self, value: f64) -> f64 {
+        (value - self.low) / (self.high - self.low)
+    }
+}
+
+fn both_signs(low: f64, high: f64) -> bool {
+    low < 0.0 && high > 0.0 && -low > BOTH_SIGNS * high && high > BOTH_SIGNS * -low
+}
+
+/// The range that a few extreme values do not spoil.
+fn automatic(values: &[f64]) -> (f64, f64) {
+    let (least, most) = value_range(values, 0.0, 1.0);
+    let (mut low, mut high) = value_range(values, TAIL, 1.0 - TAIL);
+    if low >= high {
+        // Nearly all are equal: what differs is what there is to see.
+        (low, high) = (least, most);
+    }
+    if both_signs(low, high) {
+        let size = high.max(-low);
+        (low, high) = (-size, size);
+    }
+    // A range of more than the largest number has no width to divide by.
+    let largest = f64::MAX / 4.0;
+    (low, high) = (low.clamp(-largest, largest), high.clamp(-largest, largest));
+    if low < high {
+        return (low, high);
+    }
+    let room = if low == 0.0 { 1.0 } else { low.abs() * 0.5 };
+    (low - room, low + room)
+}

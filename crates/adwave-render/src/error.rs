@@ -1,0 +1,100 @@
+//! What a picture can fail by.
+
+use crate::view::ViewError;
+use thiserror::Error;
+
+/// A picture that cannot be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RenderError {
+    /// No pixels.
+    #[error("a picture of {width}x{height} pixels has none; give at least 1x1")]
+    NoPixels {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+    /// More pixels than is sensible to hold.
+    #[error("a picture of {width}x{height} pixels is too large; at most {most} pixels, and {side} to a side")]
+    TooLarge {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// The most pixels.
+        most: u64,
+        /// The most pixels of a side.
+        side: u32,
+    },
+    /// Nothing to look at.
+    #[error("the shape has no points; there is nothing to see")]
+    NoPoints,
+    /// A coordinate that is no position.
+    #[error("vertex {index} is at ({}, {}, {}); coordinates are finite and at most 1e100 in size", point[0], point[1], point[2])]
+    BadPoint {
+        /// The vertex, from 0.
+        index: usize,
+        /// Where it is.
+        point: [f64; 3],
+    },
+    /// A corner that is no vertex.
+    #[error("triangle {triangle} has a corner {corner}, but there are {n_vertices} vertices, counted from 0")]
+    BadCorner {
+        /// The triangle, from 0.
+        triangle: usize,
+        /// The corner's vertex.
+        corner: u32,
+        /// How many there are.
+        n_vertices: usize,
+    },
+    /// A paint that does not fit the shape.
+    #[error("there are {found} {what} for {expected} vertices; give one for each vertex")]
+    PaintLength {
+        /// Colours or values.
+        what: &'static str,
+        /// How many were given.
+        found: usize,
+        /// How many vertices there are.
+        expected: usize,
+    },
+    /// A range without width.
+    #[error("the range of colours is from {low} to {high}; give two finite numbers, the smaller one first")]
+    BadRange {
+        /// Its lower end.
+        low: f64,
+        /// Its upper end.
+        high: f64,
+    },
+    /// A ball that is none.
+    #[error("ball {index} has the centre ({}, {}, {}) and the radius {radius}; all are finite, the radius above 0", center[0], center[1], center[2])]
+    BadBall {
+        /// The ball, from 0.
+        index: usize,
+        /// Its centre.
+        center: [f64; 3],
+        /// Its radius.
+        radius: f64,
+    },
+    /// A view that is none.
+    #[error(transparent)]
+    View(#[from] ViewError),
+    /// A parameter out of range.
+    #[error("{name} is {value}; it is {range}")]
+    BadParam {
+        /// Its name.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What may be given.
+        range: &'static str,
+    },
+    /// A sheet without panels.
+    #[error("a sheet needs at least one panel and one column")]
+    NoPanels,
+    /// The picture could not be encoded.
+    #[error("the picture cannot be encoded: {reason}")]
+    Encoding {
+        /// The encoder's words.
+        reason: String,
+    },
+}

@@ -1,0 +1,160 @@
+use super::*;
+use adwave::sample::Sample;
+use std::f64::consts::PI;
+
+/// The edge of a silhouette in pixels may lie a fraction of a pixel off, so its area by this part of its border.
+const BORDER_PIXELS: f64 = 0.5;
+
+fn sphere() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let sample = Sample::by_name("sphere", Some(4000)).unwrap();
+    (sample.points, sample.faces.iter().map(|f| [f[0], f[1], f[2]]).collect())
+}
+
+fn small() -> RenderParams {
+    RenderParams::default().with_size(120, 90).with_view(View::FRONT)
+}
+
+#[test]
+fn a_sphere_is_seen_as_a_disc_of_its_area() {
+    let (points, triangles) = sphere();
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::CLAY };
+    let params = small().with_size(300, 300).with_background(Background::Transparent);
+    let picture = render(&surface, &[], &params).unwrap();
+    let seen: f64 = picture.rgba.iter().skip(3).step_by(4).map(|&a| f64::from(a) / 255.0).sum();
+    let radius = 0.94 * 150.0;
+    let expected = PI * radius * radius;
+    assert!((seen - expected).abs() < BORDER_PIXELS * 2.0 * PI * radius, "{seen} {expected}");
+    assert_eq!(picture.pixel(0, 0)[3], 0);
+    assert_eq!(picture.pixel(150, 150)[3], 255);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let (points, triangles) = sphere();
+    let values: Vec<f64> = points.iter().map(|p| p[0]).collect();
+    let field =
+        FieldPaint { values: &values, label: "x".to_owned(), color_map: None, range: ValueRange::Auto };
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::Field(field) };
+    let on = |n| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+        pool.install(|| render(&surface, &[], &small()).unwrap())
+    };
+    let one = on(1);
+    assert!(one == on(2) && one == on(3));
+}
+
+#[test]
+fn what_is_nearer_hides_what_is_behind() {
+    let points = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+    let surface = Surface { points: &points, triangles: &[[0, 1, 2]], paint: Paint::Plain([255, 0, 0]) };
+    let green_at_the_ball = |z: f64| {
+        let ball = Ball { center: [0.0, -0.5, z], radius: 0.2, color: [0, 255, 0] };
+        let picture = render(&surface, &[ball], &small()).unwrap();
+        let pixel = picture.pixel(60, 66);
+        pixel[1] > pixel[0]
+    };
+    assert!(green_at_the_ball(1.0) && !green_at_the_ball(-1.0));
+}
+
+#[test]
+fn a_flat_face_is_lit_evenly() {
+    let points = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let surface = Surface { points: &points, triangles: &[[0, 1, 2], [0, 2, 3]], paint: Paint::CLAY };
+    let picture = render(&surface, &[], &small()).unwrap();
+    let first = picture.pixel(40, 30);
+    for (x, y) in [(60, 45), (75, 20), (50, 70)] {
+        assert_eq!(picture.pixel(x, y), first);
+    }
+}
+
+#[test]
+fn turning_the_shape_is_turning_the_viewer() {
+    let (points, triangles) = sphere();
+    let points: Vec<_> = points.iter().map(|p| [p[0], 0.6 * p[1] + 0.3 * p[0], 0.4 * p[2]]).collect();
+    let turned: Vec<_> = points.iter().map(|p| [-p[2], p[1], p[0]]).collect();
+    let picture = |points: &[[f64; 3]], view| {
+        let surface = Surface { points, triangles: &triangles, paint: Paint::CLAY };
+        render(&surface, &[], &small().with_view(view)).unwrap()
+    };
+    let (a, b) = (picture(&points, "right".parse().unwrap()), picture(&turned, "front".parse().unwrap()));
+    let difference: f64 =
+        a.rgba.iter().zip(&b.rgba).map(|(x, y)| f64::from(x.abs_diff(*y))).sum::<f64>() / a.rgba.len() as f64;
+    assert!(difference < 0.5, "{difference} of 255 on average");
+}
+
+#[test]
+fn a_field_of_both_signs_is_centred_on_zero_and_the_bar_has_the_colours_of_the_ends() {
+    let (points, triangles) = sphere();
+    let values: Vec<f64> = points.iter().map(|p| p[1]).collect();
+    let field =
+        FieldPaint { values: &values, label: "y".to_owned(), color_map: None, range: ValueRange::Auto };
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::Field(field) };
+    let picture = render(&surface, &[], &small().with_size(400, 300)).unwrap();
+    let map = ColorMap::from_name("coolwarm").unwrap();
+    for end in [map.color(0.0), map.color(1.0)] {
+        let found = picture.rgba.chunks_exact(4).filter(|p| p[..3] == end).count();
+        assert!(found >= 5, "{end:?}: {found} pixels");
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_by_name() {
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, f64::NAN]];
+    let clay = |points, triangles| Surface { points, triangles, paint: Paint::CLAY };
+    let error =
+        |surface: &Surface, params: &RenderParams| render(surface, &[], params).unwrap_err().to_string();
+    assert!(error(&clay(&points, &[]), &small()).contains("vertex 2"));
+    assert!(error(&clay(&points[..2], &[[0, 1, 2]]), &small()).contains("corner 2"));
+    assert!(error(&clay(&[], &[]), &small()).contains("no points"));
+    assert!(error(&clay(&points[..2], &[]), &small().with_size(0, 9)).contains("0x9"));
+    assert!(error(&clay(&points[..2], &[]), &small().with_size(60_000, 9)).contains("too large"));
+    let ball = Ball { center: [0.0; 3], radius: 0.0, color: [0; 3] };
+    assert!(render(&clay(&points[..2], &[]), &[ball], &small()).unwrap_err().to_string().contains("ball 0"));
+    assert_eq!(grid(&[], 1, SharedCamera::Same, &small()), Err(RenderError::NoPanels));
+}
+
+#[test]
+fn shapes_without_extent_are_drawn_all_the_same() {
+    for points in [
+        vec![[1.0; 3]],
+        vec![[1e100; 3]; 4],
+        vec![[0.0; 3], [0.0, 0.0, 1e-300]],
+        vec![[-1e100; 3], [1e100; 3]],
+    ] {
+        let cloud = Surface { points: &points, triangles: &[], paint: Paint::CLAY };
+        let picture = render(&cloud, &[], &small()).unwrap();
+        assert!(picture.rgba.chunks_exact(4).any(|p| p[..3] != [255; 3]), "{points:?}");
+        let flat = Surface { points: &points, triangles: &[[0, 0, 0]], paint: Paint::CLAY };
+        render(&flat, &[], &small()).unwrap();
+    }
+}
+
+#[test]
+fn ticks_are_round_and_inside() {
+    for (low, high) in [(0.0, 1.0), (-3.2, 3.2), (1e-7, 4e-6), (99.0, 101.5), (-1e300, 1e300)] {
+        let (ticks, step) = color_bar::ticks(low, high);
+        assert!((2..=12).contains(&ticks.len()), "{low} {high}: {ticks:?}");
+        assert!(ticks.iter().all(|t| *t >= low - 1e-6 * step && *t <= high + 1e-6 * step), "{ticks:?}");
+    }
+}
+
+#[test]
+fn a_sheet_has_room_for_its_panels_and_captions() {
+    let (points, triangles) = sphere();
+    let panel = |caption: &str| Panel {
+        surface: Surface { points: &points, triangles: &triangles, paint: Paint::CLAY },
+        balls: Vec::new(),
+        caption: caption.to_owned(),
+    };
+    let plain = grid(&[panel(""), panel(""), panel("")], 2, SharedCamera::Same, &small()).unwrap();
+    assert_eq!((plain.width, plain.height), (240, 180));
+    let named = grid(
+        &[panel("σ"), panel("a very long caption that does not fit into its panel")],
+        2,
+        SharedCamera::Own,
+        &small(),
+    );
+    let named = named.unwrap();
+    let row = |y: u32| (0..240).filter(|&x| named.pixel(x, y)[0] < 128).count();
+    assert!((90..named.height).map(row).sum::<usize>() > 20, "no caption");
+}

@@ -1,0 +1,247 @@
+//! Fig. 5: a shape and a field on it from fine to the coarsest scale.
+
+use super::draw::{Frame, ORANGE, Sheet, ValueRange};
+use super::numbers::{bands, extent, mean_curvature, positions, walk};
+use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
+use adwave::Decomposer;
+use adwave::shape::{Polygons, diagonal};
+use adwave_io::ShapeFile;
+use adwave_render::value_range;
+
+const N_VERTICES: usize = 14_000;
+/// As many levels as it takes until the walk forgets where it began: 2^23 steps.
+const MOST_LEVELS: usize = 24;
+/// The levels that are shown, beside the coarsest.
+const SHOWN: [usize; 4] = [0, 6, 9, 12];
+/// What counts as constant: the spread of a component, relative to that of the signal there.
+const CONSTANT: f64 = 1e-3;
+
+#[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
+pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
+    let model = context.model_or(&["dinosaur", "kitten", "bunny"], "creature", N_VERTICES)?;
+    let walk_of_model = walk(&model);
+    let size = diagonal(model.points());
+    let n_levels = levels(&walk_of_model, size);
+    let curvature = mean_curvature(&model, &walk_of_model)?;
+    let shape = bands(context, &walk_of_model, model.coordinates(), 3, n_levels)?;
+    let field = bands(context, &walk_of_model, &curvature, 1, n_levels)?;
+
+    let mut table = Table::new(
+        "fig05.csv",
+        "How far the scaling coefficients of one component spread, level by level",
+        &[
+            "level",
+            "steps",
+            "sigma (% of diagonal)",
+            "extent of the shape (% of diagonal)",
+            "spread of the curvature (%)",
+        ],
+    );
+    let spread = |values: &[f64]| {
+        let (low, high) = extent(values);
+        high - low
+    };
+    let at_first = spread(&curvature);
+    for j in 0..=n_levels {
+        table.push([
+            j.to_string(),
+            shape.steps[j].to_string(),
+            digits(100.0 * shape.sigma[j] / size),
+            digits(100.0 * diagonal(&positions(&shape.scaling[j])) / size),
+            digits(100.0 * spread(&field.scaling[j]) / at_first),
+        ]);
+    }
+
+    let shown = [SHOWN[0], SHOWN[1], SHOWN[2], SHOWN[3], n_levels];
+    let (low, high) = value_range(&curvature, 0.02, 0.98);
+    let mut sheet = Sheet::new(shown.len());
+    for j in shown {
+        let points = positions(&shape.scaling[j]);
+        let extent = diagonal(&points) / size;
+        let mut frame = Frame::moved(&model, points.clone(), format!("shape, S_f({j})"));
+        if extent < 0.02 {
+            // A point of no size cannot be seen.
+            frame = frame.balls(&model, [(points[0], 0.012 * size)], ORANGE);
+        }
+        sheet.push(frame);
+    }
+    for j in shown {
+        let frame = Frame::new(&model, format!("curvature, S_f({j})"));
+        sheet.push(frame.field_in(&field.scaling[j], "1/model unit", ValueRange::Fixed(low, high)));
+    }
+
+    let cases = [
+        Case {
+            name: model.name.clone(),
+            walk: walk_of_model,
+            signal: curvature,
+            coarsest: field.scaling[n_levels].clone(),
+        },
+        two_components(context)?,
+    ];
+    let mut limits = Table::new(
+        "fig05-limits.csv",
+        "To which constant each connected component goes at the coarsest level",
+        &[
+            "shape",
+            "component",
+            "vertices",
+            "mean by the stationary law",
+            "mean by area",
+            "smallest S_f(J)",
+            "largest S_f(J)",
+        ],
+    );
+    let (mut constant, mut stationary, mut by_area) = (true, true, true);
+    for case in &cases {
+        for one in case.limits() {
+            constant &= one.high - one.low <= CONSTANT * one.spread;
+            stationary &= one.low.min(one.stationary) + CONSTANT * one.spread >= one.high.max(one.stationary);
+            by_area &= one.low.min(one.area) + CONSTANT * one.spread >= one.high.max(one.area);
+            limits.push([
+                case.name.clone(),
+                one.component.to_string(),
+                one.n_vertices.to_string(),
+                format!("{:.6}", one.stationary),
+                format!("{:.6}", one.area),
+                format!("{:.6}", one.low),
+                format!("{:.6}", one.high),
+            ]);
+        }
+    }
+    let yes = |holds: bool| if holds { "yes" } else { "no" };
+    let verdict = Verdict::from_parts(
+        &[constant, stationary, by_area],
+        format!(
+            "At the coarsest level the field is constant on every component (spread below {} % of the signal's): {}. The \
+             constant is the mean by the walk's stationary law: {}; it is the mean by area, as eq. 10 has it: {}. \
+             Components keep constants of their own.",
+            100.0 * CONSTANT,
+            yes(constant),
+            yes(stationary),
+            yes(by_area)
+        ),
+    );
+    Ok(Outcome::new(verdict)
+        .on(model.label())
+        .sheet(
+            "fig05.png",
+            format!(
+                "Top: the shape on levels 0, 6, 9, 12 and {n_levels}, at one scale; a constant shape is a point, marked by \
+                 a ball. Bottom: mean curvature on the same levels, drawn on the shape with one range of colours."
+            ),
+            &sheet,
+            context,
+        )?
+        .table(table)
+        .table(limits)
+        .say(format!(
+            "Level {n_levels} stands for {} steps of the walk. The shape loses its details, then its limbs, and ends as one \
+             point; the curvature ends as one number.",
+            shape.steps[n_levels]
+        ))
+        .say(
+            "The paper's eq. 10 says that the scaling functions go to the constant 1/A(M). They go to the walk's stationary \
+             law instead, which is nearly but not exactly proportional to area, and to each component's own: nothing \
+             crosses from one component to another.",
+        ))
+}
+
+/// Levels until σ is three diagonals: a walker is then anywhere with the chance that the stationary law gives.
+fn levels(walk: &Decomposer, size: f64) -> usize {
+    let step = walk.diffusion().step_length();
+    (SHOWN[3] + 1..MOST_LEVELS)
+        .find(|&j| step * ((j as f64 - 1.0) / 2.0).exp2() >= 3.0 * size)
+        .unwrap_or(MOST_LEVELS)
+}
+
+/// A signal at the coarsest level.
+struct Case {
+    name: String,
+    walk: Decomposer,
+    signal: Vec<f64>,
+    coarsest: Vec<f64>,
+}
+
+/// Where one component ends.
+struct Limit {
+    component: usize,
+    n_vertices: usize,
+    stationary: f64,
+    area: f64,
+    low: f64,
+    high: f64,
+    /// Largest minus smallest value of the signal.
+    spread: f64,
+}
+
+impl Case {
+    /// One for every component with more than one vertex.
+    fn limits(&self) -> Vec<Limit> {
+        let neighbours = self.walk.neighbours();
+        let n = self.walk.domain().n_vertices();
+        let mut component = vec![usize::MAX; n];
+        let mut n_components = 0;
+        for start in 0..n {
+            let mut open = vec![start];
+            if component[start] != usize::MAX {
+                continue;
+            }
+            component[start] = n_components;
+            while let Some(x) = open.pop() {
+                for &y in neighbours.of(x) {
+                    if component[y as usize] == usize::MAX {
+                        component[y as usize] = n_components;
+                        open.push(y as usize);
+                    }
+                }
+            }
+            n_components += 1;
+        }
+        let weld = &self.walk.domain().weld;
+        let (signal, coarsest) = (weld.mean(&self.signal, 1), weld.mean(&self.coarsest, 1));
+        let mut areas = vec![0.0; n];
+        for (&class, area) in weld.classes().iter().zip(self.walk.areas()) {
+            areas[class as usize] += area;
+        }
+        let law = self.walk.diffusion().stationary();
+        let of = |k: usize| -> Vec<usize> { (0..n).filter(|&x| component[x] == k).collect() };
+        let mean = |vertices: &[usize], weight: &[f64]| {
+            let total: f64 = vertices.iter().map(|&x| weight[x]).sum();
+            vertices.iter().map(|&x| weight[x] * signal[x]).sum::<f64>() / total
+        };
+        let limit = |(k, vertices): (usize, Vec<usize>)| {
+            let at = |values: &[f64]| extent(&vertices.iter().map(|&x| values[x]).collect::<Vec<_>>());
+            let ((low, high), (least, most)) = (at(&coarsest), at(&signal));
+            Limit {
+                component: k + 1,
+                n_vertices: vertices.len(),
+                stationary: mean(&vertices, law),
+                area: mean(&vertices, &areas),
+                low,
+                high,
+                spread: most - least,
+            }
+        };
+        let parts = (0..n_components).map(of).filter(|vertices| vertices.len() > 1);
+        parts.enumerate().map(limit).collect()
+    }
+}
+
+/// A torus and, some way off, the plane with bumps: two components with different means.
+fn two_components(context: &Context<'_>) -> Result<Case, FigureError> {
+    const EACH: usize = 2500;
+    let (torus, plane) = (context.built_in("torus", EACH)?, context.built_in("plane", EACH)?);
+    let n = torus.points().len() as u32;
+    let apart = plane.points().iter().map(|p| [p[0] + 5.0, p[1], p[2]]);
+    let points: Vec<[f64; 3]> = torus.points().iter().copied().chain(apart).collect();
+    let moved = plane.triangles.iter().map(|t| t.map(|v| v + n));
+    let triangles: Vec<[u32; 3]> = torus.triangles.iter().copied().chain(moved).collect();
+    let file = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
+    let both = Model::from_file("torus and plane", file)?;
+    let walk = walk(&both);
+    let signal = mean_curvature(&both, &walk)?;
+    let n_levels = levels(&walk, diagonal(both.points()));
+    let coarsest = bands(context, &walk, &signal, 1, n_levels)?.scaling.swap_remove(n_levels);
+    Ok(Case { name: both.name.clone(), walk, signal, coarsest })
+}

@@ -1,0 +1,102 @@
+//! Fig. 6: what a level costs from the fine end up, and what eigenfunctions cost from the coarse end down.
+
+use super::charts::{linear, logarithmic};
+use super::numbers::walk;
+use super::{Context, FigureError, Outcome, Table, Verdict, digits};
+use adwave::bands::{BandsParams, Schedule};
+use adwave_baselines::harmonics::Harmonics;
+use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+use adwave_baselines::linalg::EigenParams;
+use adwave_render::plot::{Chart, Mark, Series};
+use std::time::Instant;
+
+const N_VERTICES: usize = 8000;
+const N_LEVELS: usize = 10;
+const N_HARMONICS: [usize; 4] = [25, 50, 100, 200];
+/// Times a measurement is made; the least counts.
+const N_RUNS: usize = 3;
+
+pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
+    let model = context.model_or(&["hand", "dinosaur", "kitten"], "creature", N_VERTICES)?;
+    let start = Instant::now();
+    let walk = walk(&model);
+    let walking = start.elapsed().as_secs_f64();
+    let head = [
+        "method",
+        "down to level or up to eigenfunction",
+        "finest length σ or wave (model units)",
+        "seconds",
+    ];
+    let mut table = Table::new("fig06.csv", "Seconds to reach a level or a frequency", &head);
+    let mut ours = Vec::new();
+    for j in 1..=N_LEVELS {
+        let schedule = Schedule::dyadic(j)?;
+        let mut least = f64::INFINITY;
+        let mut sigma = 0.0;
+        for _ in 0..N_RUNS {
+            let start = Instant::now();
+            let bands =
+                walk.decompose(model.coordinates(), 3, &schedule, &BandsParams::default(), context.progress)?;
+            least = least.min(walking + start.elapsed().as_secs_f64());
+            sigma = bands.sigma[j];
+        }
+        table.push(["bands".to_owned(), j.to_string(), digits(sigma), digits(least)]);
+        ours.push([sigma, least]);
+    }
+    let start = Instant::now();
+    let laplacian = Laplacian::new(&model.shape, &LaplacianParams::default())?;
+    let assembling = start.elapsed().as_secs_f64();
+    let most = model.points().len() / 4;
+    let mut theirs = Vec::new();
+    for k in N_HARMONICS.into_iter().filter(|&k| k <= most) {
+        let (mut seconds, mut frequency) = (f64::INFINITY, 0.0);
+        for _ in 0..N_RUNS {
+            let start = Instant::now();
+            let harmonics = Harmonics::new(&laplacian, k, &EigenParams::default(), context.progress)?;
+            seconds = seconds.min(assembling + start.elapsed().as_secs_f64());
+            frequency = harmonics.values.last().copied().unwrap_or(0.0).max(0.0).sqrt();
+        }
+        // The width of a Gaussian whose spectrum has fallen to 1/e at that frequency, as in Fig. 15.
+        let sigma = 2.0 / frequency;
+        table.push(["harmonics".to_owned(), k.to_string(), digits(sigma), digits(seconds)]);
+        if sigma.is_finite() {
+            theirs.push([sigma, seconds]);
+        }
+    }
+    let rises = |points: &[[f64; 2]]| points.last().zip(points.first()).is_some_and(|(b, a)| b[1] > a[1]);
+    // The finest length that the harmonics reach, and what the bands cost down to there and beyond.
+    let finest = theirs.last().copied().unwrap_or([0.0, 0.0]);
+    let at_finest = ours.iter().find(|p| p[0] >= finest[0]).or(ours.last()).copied().unwrap_or([0.0; 2]);
+    let verdict = Verdict::from_parts(
+        &[rises(&ours), rises(&theirs), at_finest[1] < finest[1]],
+        format!(
+            "Bands take {} s for level 1 and {} s for {N_LEVELS} levels, with the walk. The finest length that eigenfunctions \
+             reached, {}, took them {} s; all bands up to there take {} s.",
+            digits(ours[0][1]),
+            digits(ours[N_LEVELS - 1][1]),
+            digits(finest[0]),
+            digits(finest[1]),
+            digits(at_finest[1]),
+        ),
+    );
+    let series = |label: &str, points| Series { label: label.to_owned(), mark: Mark::Points, points };
+    let mut all = vec![series("bands, from fine to coarse", ours)];
+    if !theirs.is_empty() {
+        all.push(series("harmonics, from coarse to fine", theirs));
+    }
+    let chart = Chart {
+        title: "Seconds to reach a length".to_owned(),
+        x: linear("length reached (model units)"),
+        y: logarithmic("seconds"),
+        series: all,
+    };
+    let caption = "What it costs to reach a length: bands start at the left, eigenfunctions at the right.";
+    Ok(Outcome::new(verdict)
+        .on(model.label())
+        .say(
+            "Bands are made from the fine end: each level doubles the steps. Eigenfunctions are made from the coarse end, and \
+             the finer the wanted detail the more of them.",
+        )
+        .chart("fig06", caption, &chart)?
+        .table(table))
+}

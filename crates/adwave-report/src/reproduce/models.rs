@@ -1,0 +1,303 @@
+//! The paper's models, found by name in folders that the user has.
+
+use adwave::sample::{Sample, SampleError};
+use adwave::shape::{Mesh, PointCloud, Shape, ShapeError, triangulate};
+use adwave_io::{Format, ReadError, ReadLimits, ShapeFile, read_path};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// The models that figures ask for, each with other names that files of it have.
+pub const MODELS: [(&str, &[&str]); 15] = [
+    ("armadillo", &[]),
+    ("dinosaur", &["dino"]),
+    ("skull", &[]),
+    ("horse", &[]),
+    ("kitten", &[]),
+    ("face", &[]),
+    ("bunny", &[]),
+    ("spot", &[]),
+    ("gargoyle", &[]),
+    ("buddha", &[]),
+    ("hand", &[]),
+    ("pegaso", &["pegasus"]),
+    ("cow", &[]),
+    ("sphere", &[]),
+    ("dragon", &[]),
+];
+
+/// Folders below folders that are looked into.
+const DEEPEST: usize = 12;
+/// Files and folders that are looked at.
+const MOST_ENTRIES: usize = 200_000;
+
+/// Why the models cannot be used.
+#[derive(Debug, Error)]
+pub enum ModelError {
+    /// A folder is not there or may not be read.
+    #[error("the folder of models {folder} cannot be read: {source}")]
+    Folder {
+        /// The folder.
+        folder: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// None of the models is in the folders.
+    #[error("no model of the paper is in {folders}; looked for files named after {}", names())]
+    None {
+        /// The folders.
+        folders: String,
+    },
+    /// A model's file is malformed.
+    #[error("the model '{name}' cannot be read: {source}")]
+    Read {
+        /// The model.
+        name: &'static str,
+        /// Why; names the file.
+        source: Box<ReadError>,
+    },
+    /// A model's file holds no shape.
+    #[error("the model '{name}' in {path} cannot be used: {source}")]
+    Shape {
+        /// The model.
+        name: &'static str,
+        /// Its file.
+        path: String,
+        /// Why.
+        source: ShapeError,
+    },
+    /// A built-in shape cannot be made.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+}
+
+fn names() -> String {
+    MODELS.map(|(name, _)| name).join(", ")
+}
+
+/// A shape to make figures on.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// `armadillo`, or `built-in creature`.
+    pub name: String,
+    /// What was read; a built-in shape without a file.
+    pub file: ShapeFile,
+    /// Where it was read from.
+    pub path: Option<PathBuf>,
+    /// The shape: a mesh where there are faces, else a cloud.
+    pub shape: Shape,
+    /// The faces, cut into triangles.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Model {
+    /// A built-in shape with about that many vertices.
+    ///
+    /// # Errors
+    /// [`ModelError::Sample`].
+    pub fn built_in(sample: &str, n_vertices: usize) -> Result<Self, ModelError> {
+        let made = Sample::by_name(sample, Some(n_vertices))?;
+        let name = format!("built-in {sample}");
+        Self::new(name, ShapeFile::from_mesh(made.points, made.faces), None)
+            .map_err(|source| ModelError::Shape { name: "built-in", path: sample.to_owned(), source })
+    }
+
+    /// The same faces with other positions.
+    ///
+    /// # Panics
+    /// Unless there is one finite position a vertex.
+    #[must_use]
+    pub fn moved(&self, name: &str, points: Vec<[f64; 3]>) -> Self {
+        let mut file = self.file.clone();
+        file.set_points(points);
+        Self::new(name.to_owned(), file, None).expect("as many finite points with the same faces")
+    }
+
+    /// Its vertices without the faces.
+    ///
+    /// # Panics
+    /// Never: the points of a shape are those of a cloud.
+    #[must_use]
+    pub fn cloud(&self) -> Self {
+        let file = ShapeFile::from_cloud(self.points().to_vec());
+        Self::new(format!("{} as a cloud", self.name), file, self.path.clone())
+            .expect("finite points are a cloud")
+    }
+
+    /// A shape that was put together.
+    ///
+    /// # Errors
+    /// [`ShapeError`].
+    pub fn from_file(name: &str, file: ShapeFile) -> Result<Self, ShapeError> {
+        Self::new(name.to_owned(), file, None)
+    }
+
+    fn new(name: String, file: ShapeFile, path: Option<PathBuf>) -> Result<Self, ShapeError> {
+        let points = file.points().to_vec();
+        let shape = if file.faces().is_empty() {
+            Shape::Cloud(PointCloud::new(points)?)
+        } else {
+            Shape::Mesh(Mesh::new(points, file.faces().clone())?)
+        };
+        let triangles = triangulate(file.points(), file.faces());
+        Ok(Self { name, file, path, shape, triangles })
+    }
+
+    /// Positions of the vertices.
+    pub fn points(&self) -> &[[f64; 3]] {
+        self.file.points()
+    }
+
+    /// Positions in one list, as a signal of three channels.
+    pub fn coordinates(&self) -> &[f64] {
+        self.points().as_flattened()
+    }
+
+    /// Whether it comes with the program.
+    pub fn is_built_in(&self) -> bool {
+        self.path.is_none()
+    }
+
+    /// `armadillo (43243 vertices)`.
+    pub fn label(&self) -> String {
+        format!("{} ({} vertices)", self.name, self.points().len())
+    }
+}
+
+/// The user's models that were found.
+#[derive(Clone, Debug, Default)]
+pub struct Models {
+    found: BTreeMap<&'static str, PathBuf>,
+    read: BTreeMap<&'static str, Arc<Model>>,
+}
+
+impl Models {
+    /// Looks through folders and the folders in them, an earlier folder before a later one. A file counts as a model when
+    /// one word of its name is the model's; the name alone is preferred, then the larger file.
+    ///
+    /// # Errors
+    /// [`ModelError::Folder`] when a folder cannot be read, [`ModelError::None`] when no file is a model.
+    pub fn search(folders: &[PathBuf]) -> Result<Self, ModelError> {
+        let mut files = Vec::new();
+        for folder in folders {
+            let entries = std::fs::read_dir(folder)
+                .map_err(|source| ModelError::Folder { folder: folder.display().to_string(), source })?;
+            let mut stack: Vec<(PathBuf, usize)> = entries.flatten().map(|e| (e.path(), 0)).collect();
+            let (first, mut n_entries) = (files.len(), 0);
+            while let Some((path, depth)) = stack.pop() {
+                n_entries += 1;
+                if n_entries > MOST_ENTRIES {
+                    break;
+                }
+                // A link to a folder is not followed: it may lead back.
+                let Ok(kind) = std::fs::symlink_metadata(&path) else { continue };
+                if kind.is_dir() && depth < DEEPEST {
+                    let inner = std::fs::read_dir(&path).into_iter().flatten().flatten();
+                    stack.extend(inner.map(|e| (e.path(), depth + 1)));
+                } else if !kind.is_dir() && Format::from_path(&path).is_some_and(Format::can_read) {
+                    let size = std::fs::metadata(&path).map_or(0, |m| m.len());
+                    files.push((path, size));
+                }
+            }
+            files[first..].sort();
+        }
+        let mut found = BTreeMap::new();
+        for (name, others) in MODELS {
+            let names = || std::iter::once(&name).chain(others);
+            // The first of the best, so that an earlier folder wins.
+            let best = files
+                .iter()
+                .rev()
+                .filter(|(path, _)| names().any(|n| fits(path, n)))
+                .max_by_key(|(path, size)| (names().any(|n| stem(path) == *n), *size));
+            if let Some((path, _)) = best {
+                found.insert(name, path.clone());
+            }
+        }
+        if found.is_empty() {
+            let folders = folders.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", ");
+            return Err(ModelError::None { folders });
+        }
+        Ok(Self { found, read: BTreeMap::new() })
+    }
+
+    /// Reads those of the models that were found, so that a broken file shows before any long work.
+    ///
+    /// # Errors
+    /// [`ModelError::Read`] or [`ModelError::Shape`], naming the model and its file.
+    pub fn read(&mut self, names: &[&str]) -> Result<(), ModelError> {
+        for (&name, path) in &self.found {
+            if !names.contains(&name) || self.read.contains_key(name) {
+                continue;
+            }
+            let file = read_path(path, &ReadLimits::default())
+                .map_err(|source| ModelError::Read { name, source: Box::new(source) })?;
+            let model = Model::new(name.to_owned(), file, Some(path.clone()))
+                .map_err(|source| ModelError::Shape { name, path: path.display().to_string(), source })?;
+            self.read.insert(name, Arc::new(model));
+        }
+        Ok(())
+    }
+
+    /// A model that was read.
+    pub fn get(&self, name: &str) -> Option<Arc<Model>> {
+        self.read.get(name).cloned()
+    }
+
+    /// The models that were found, with their files.
+    pub fn found(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        self.found.iter().map(|(&name, path)| (name, path.as_path()))
+    }
+}
+
+/// The name without its endings, in small letters.
+fn stem(path: &Path) -> String {
+    let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().to_lowercase());
+    name.split('.').next().unwrap_or_default().to_owned()
+}
+
+fn fits(path: &Path, name: &str) -> bool {
+    stem(path).split(|c: char| !c.is_alphabetic()).any(|word| word == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+    #[test]
+    fn a_file_is_the_model_that_a_word_of_its_name_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        write("a/b/Stanford-Bunny.OBJ", TRIANGLE);
+        write("surface.obj", TRIANGLE);
+        write("face_low.obj", &format!("# the larger file, but not the name alone\n{TRIANGLE}"));
+        write("face.obj", TRIANGLE);
+        write("dino.ply", "ply\n");
+        write("horse.txt.bak", TRIANGLE);
+        let mut models = Models::search(&[folder.path().to_owned()]).unwrap();
+        let found: Vec<_> = models.found().map(|(name, path)| (name, stem(path))).collect();
+        let expected = [("bunny", "stanford-bunny"), ("dinosaur", "dino"), ("face", "face")];
+        assert_eq!(found, expected.map(|(a, b)| (a, b.to_owned())));
+        models.read(&["bunny", "face"]).unwrap();
+        assert_eq!(models.get("bunny").unwrap().label(), "bunny (3 vertices)");
+        assert!(models.get("dinosaur").is_none());
+        let error = models.read(&["dinosaur"]).unwrap_err().to_string();
+        assert!(error.contains("'dinosaur'") && error.contains("dino.ply"), "{error}");
+    }
+
+    #[test]
+    fn a_folder_without_models_says_what_was_looked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = Models::search(&[folder.path().to_owned()]).unwrap_err().to_string();
+        assert!(error.contains("armadillo") && error.contains("kitten"), "{error}");
+        let missing = folder.path().join("nowhere");
+        assert!(Models::search(&[missing]).unwrap_err().to_string().contains("nowhere"));
+    }
+}

@@ -1,0 +1,52 @@
+//! Files of figures, and the page of all.
+
+use super::index::html;
+use super::{Made, Outcome, ReproduceError, Target, shown};
+use std::path::{Path, PathBuf};
+
+/// Makes the folders and finds out whether they can be written to.
+pub(super) fn check(target: &Target) -> Result<(), ReproduceError> {
+    let mut folders = vec![target.folder.clone()];
+    folders.extend(target.markdown.as_deref().and_then(Path::parent).map(Path::to_owned));
+    for folder in folders.iter().filter(|f| !f.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
+        let probe = folder.join(".adwave-probe.tmp");
+        std::fs::write(&probe, b"")
+            .and_then(|()| std::fs::remove_file(&probe))
+            .map_err(|e| failed(folder, e))?;
+    }
+    match target.markdown.as_deref().filter(|path| path.is_dir()) {
+        Some(path) => Err(failed(path, "it is a folder; name a file".to_owned())),
+        None => Ok(()),
+    }
+}
+
+/// Writes the files of one figure, and gives their names.
+pub(super) fn figure(root: &Path, folder: &str, outcome: &Outcome) -> Result<Vec<PathBuf>, ReproduceError> {
+    let folder = root.join(folder);
+    std::fs::create_dir_all(&folder).map_err(|e| failed(&folder, e))?;
+    let mut files = Vec::new();
+    for picture in &outcome.pictures {
+        files.push(folder.join(&picture.name));
+        bytes(&folder.join(&picture.name), &picture.bytes)?;
+    }
+    for table in &outcome.tables {
+        files.push(folder.join(&table.name));
+        bytes(&folder.join(&table.name), table.csv().as_bytes())?;
+    }
+    Ok(files)
+}
+
+/// Replaces a file as a whole.
+pub(super) fn bytes(path: &Path, content: &[u8]) -> Result<(), ReproduceError> {
+    adwave_io::atomic_write(path, |out| Ok(out.write_all(content)?)).map_err(|e| failed(path, e))
+}
+
+pub(super) fn failed(path: &Path, source: impl Into<super::FigureError>) -> ReproduceError {
+    ReproduceError::Write { path: shown(path), source: source.into() }
+}
+
+/// Writes `index.html`.
+pub(super) fn index(root: &Path, made: &[Made]) -> Result<(), ReproduceError> {
+    bytes(&root.join("index.html"), html(made).as_bytes())
+}
