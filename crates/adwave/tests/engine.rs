@@ -113,7 +113,7 @@ fn engines_agree_on_dyadic_levels_voices_and_odd_steps() {
     let schedules = [
         Schedule::dyadic(9).expect("valid"),
         Schedule::dyadic(1).expect("valid"),
-        Schedule::voices(6, 3).expect("valid"),
+        Schedule::voices(6, 3).expect("valid").rounded(),
         Schedule::new(vec![3, 4, 77, 78, 400]).expect("valid"),
     ];
     for noise in [0.0, 0.3] {

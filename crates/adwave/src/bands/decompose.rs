@@ -63,19 +63,29 @@ pub enum BandsError {
     },
     /// Steps that are not whole could not be taken as accurately as asked.
     #[error(
-        "level {level} reaches a relative accuracy of {reached:.1e} and {accuracy:.1e} was asked for: few steps that are not whole are slow on a walk that goes to and fro; ask for whole steps or for less accuracy"
+        "level {level} {} and {accuracy:.1e} was asked for: few steps that are not whole are slow on a walk that goes to and fro; ask for whole steps or for less accuracy",
+        reach(*.reached)
     )]
     Missed {
-        /// The level, from 1; 1 for a sum of levels.
+        /// The level, from 1; of a sum of levels the first that is not whole.
         level: usize,
         /// The accuracy asked for.
         accuracy: f64,
-        /// A bound of the error, relative to the band.
+        /// A bound of the error, relative to the band; infinite where the band all but vanishes beside W_f(1).
         reached: f64,
     },
     /// The call was told to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// What is said of the accuracy of a band.
+fn reach(reached: f64) -> String {
+    if reached < 1.0 {
+        format!("reaches a relative accuracy of {reached:.1e}")
+    } else {
+        "all but vanishes beside the first, of which no relative accuracy can be had,".to_owned()
+    }
 }
 
 /// The bands of a signal: S_f(0..J) and W_f(1..J), each n_vertices × n_channels, row-major, in the order of the shape.

@@ -21,7 +21,7 @@ pub enum ScheduleError {
     #[error("a schedule needs at least one level")]
     NoLevels,
     /// A level stands for no step at all, for hardly any, or for no number.
-    #[error("level {level} has {steps} steps; a level needs a finite number of them, at least {MIN_STEPS}")]
+    #[error("level {level} has {} steps; a level needs a finite number of them, at least {MIN_STEPS}", shown(*.steps))]
     NoSteps {
         /// The level, from 1.
         level: usize,
@@ -52,7 +52,8 @@ pub enum ScheduleError {
     },
     /// A length that no number of steps of this walk spreads to.
     #[error(
-        "length {index} is {length}: lengths must be finite, positive and increasing, and the walk must move (its step is {step_length})"
+        "length {index} is {}: lengths must be finite, positive and increasing, and the walk must move (its step is {step_length})",
+        shown(*.length)
     )]
     BadLength {
         /// Which length, from 0.
@@ -62,6 +63,15 @@ pub enum ScheduleError {
         /// Root mean square length of one step in model units.
         step_length: f64,
     },
+}
+
+/// A number in few digits, however large or small it is.
+fn shown(number: f64) -> String {
+    if number == 0.0 || (1e-6..1e12).contains(&number.abs()) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
 }
 
 /// How many steps of the walk each level stands for: n_1 < n_2 < … < n_J, whole or not.

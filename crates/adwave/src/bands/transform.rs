@@ -120,7 +120,16 @@ impl<'a> Transform<'a> {
                     steps.par_windows(2).map(|pair| self.band(pair, rung, prepared.growth)).collect();
                 Series::combination(&bands, factors, prepared.growth)
             };
-            self.climb(prepared, signal, n_channels, series, &mut [out], progress)?
+            self.climb(prepared, signal, n_channels, series, &mut [out], progress).map_err(|error| {
+                match error {
+                    BandsError::Missed { level, accuracy, reached } => BandsError::Missed {
+                        level: schedule.first_real().unwrap_or(level),
+                        accuracy,
+                        reached,
+                    },
+                    other => other,
+                }
+            })?
         } else {
             let steps = whole(schedule)?;
             out.fill(0.0);
