@@ -7,7 +7,7 @@ use adwave::Decomposer;
 use adwave::bands::{BandsParams, Schedule};
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
 use comfy_table::{CellAlignment, Table, presets};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -59,10 +59,20 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// A number of steps: whole as it is, else four significant digits.
+pub(crate) fn steps_text(steps: f64) -> String {
+    if steps.fract() == 0.0 { steps.to_string() } else { number(steps) }
+}
+
+/// Numbers of steps, the whole ones as whole numbers.
+pub(crate) fn steps_json(steps: &[f64]) -> Vec<Value> {
+    steps.iter().map(|&n| if n.fract() == 0.0 { json!(n as u64) } else { json!(n) }).collect()
+}
+
 /// The schedule that the arguments ask for, and why it has as many levels.
 pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
     if let Some(steps) = &args.steps {
-        let schedule = Schedule::new(steps.clone())?;
+        let schedule = Schedule::real(steps.clone())?;
         let why = format!("{} levels, of the steps asked for", schedule.n_levels());
         return Ok((schedule, why));
     }
