@@ -1,7 +1,6 @@
 //! `index.html`: all figures on one page, with pictures and numbers in folders beside it.
 
-use super::outcome::Table;
-use super::{Made, Verdict};
+use super::{Made, Table, Verdict};
 
 /// Tables with more rows are linked only.
 const MOST_ROWS: usize = 24;
