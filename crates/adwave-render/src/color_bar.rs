@@ -1,96 +1,127 @@
-//! The bar that says which colour stands for which value.
+//! The bar that tells which colour stands for which number.
 
 use crate::color_range::ColorScale;
 use crate::picture::Picture;
 use crate::text;
 
-/// Ink for text and ticks: dark grey on light grounds, light on dark ones.
-pub(crate) fn ink(background: [u8; 3]) -> [u8; 3] {
-    let bright = background.iter().map(|&c| u32::from(c)).sum::<u32>() > 330;
-    if bright { [48, 48, 48] } else { [232, 232, 232] }
+/// The colour of words and lines.
+pub(crate) const INK: [u8; 3] = [38, 42, 48];
+
+/// About how many numbers stand beside a bar.
+const TICKS: f64 = 5.0;
+
+/// The bar's place in the picture, pixels, and what is written beside it.
+#[derive(Debug)]
+pub(crate) struct Bar {
+    /// Where its part of the picture begins.
+    pub(crate) left_edge: f64,
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) thick: f64,
+    pub(crate) tall: f64,
+    pub(crate) gap: f64,
+    /// Height of the letters.
+    pub(crate) size: f32,
+    pub(crate) label: String,
+    /// Numbers as values and as they are written.
+    pub(crate) marks: Vec<(f64, String)>,
 }
 
-/// The size of letters in a picture of that size, pixels.
-pub(crate) fn letter_size(width: u32, height: u32) -> f32 {
-    (0.030 * width.min(height) as f32).clamp(11.0, 44.0)
-}
-
-/// How many pixels at the right of a picture the bar takes.
-pub(crate) fn room(width: u32, height: u32) -> u32 {
-    ((6.4 * letter_size(width, height)) as u32).min(width / 3)
-}
-
-/// Draws the bar with its ticks into the right of a picture, the label above.
-pub(crate) fn draw(picture: &mut Picture, scale: &ColorScale, label: &str, color: [u8; 3]) {
-    let size = letter_size(picture.width, picture.height);
-    let room = room(picture.width, picture.height) as f32;
-    let (width, height) = (picture.width as f32, picture.height as f32);
-    let left = width - room + 0.3 * size;
-    let (top, bottom) = (0.22 * height, 0.82 * height);
-    let thick = 0.95 * size;
-    for y in top as i64..=bottom as i64 {
-        let t = 1.0 - (y as f32 - top) / (bottom - top);
-        for x in 0..thick as i64 {
-            picture.blend(left as i64 + x, y, scale.map.color(f64::from(t)), 1.0);
-        }
-    }
-    let (ticks, step) = ticks(scale.low, scale.high);
-    for value in ticks {
-        let y = bottom - (bottom - top) * scale.place(value) as f32;
-        for x in 0..(0.35 * size) as i64 {
-            picture.blend((left + thick) as i64 + x, y as i64, color, 1.0);
-        }
-        let text = tick_text(value, step, scale.low.abs().max(scale.high.abs()));
-        let text = text::fitted(&text, 0.85 * size, width - left - thick - 0.5 * size);
-        text::write(picture, &text, left + thick + 0.55 * size, y, 0.85 * size, color);
-    }
-    // Values beyond the ends have the colours of the ends; the arrows say so.
-    if scale.above {
-        arrow(picture, left, top, thick, -1.0, scale.map.color(1.0));
-    }
-    if scale.below {
-        arrow(picture, left, bottom, thick, 1.0, scale.map.color(0.0));
-    }
-    let label = text::fitted(label, size, 2.0 * room);
-    let start =
-        (left + thick - 0.5 * text::width(&label, size)).min(width - text::width(&label, size) - 0.3 * size);
-    text::write(picture, &label, start.max(0.0), top - 2.0 * size, size, color);
-}
-
-fn arrow(picture: &mut Picture, left: f32, base: f32, thick: f32, way: f32, color: [u8; 3]) {
-    let n = (0.6 * thick) as i64;
-    for k in 1..=n {
-        let inset = (0.5 * thick * k as f32 / n as f32) as i64;
-        for x in inset..thick as i64 - inset {
-            picture.blend(left as i64 + x, base as i64 + way as i64 * k, color, 1.0);
-        }
-    }
-}
-
-/// Round values between two, about five of them, and the step between them.
-pub(crate) fn ticks(low: f64, high: f64) -> (Vec<f64>, f64) {
-    let rough = (high - low) / 5.0;
+/// Round numbers between `low` and `high`, as values and as they are written: multiples of 1, 2 or 5 of a power of ten.
+pub(crate) fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+    let span = high - low;
+    let rough = span / TICKS;
     let power = 10.0_f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= 0.999 * rough);
-    let step = step.unwrap_or(10.0 * power);
-    if !(step > 0.0 && step.is_finite()) {
-        return (vec![low, high], high - low);
-    }
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= 0.999 * rough);
+    let Some(step) = step.filter(|s| *s > 0.0 && s.is_finite()) else {
+        return vec![(low, written(low, span)), (high, written(high, span))];
+    };
+    // A range far from 0 may be narrower than the numbers there tell apart.
     let first = (low / step - 1e-9).ceil();
-    let values = (0..12).map(|k| (first + f64::from(k)) * step).take_while(|v| *v <= high + 1e-9 * step);
-    (values.collect(), step)
+    let marks: Vec<f64> = (0..=10)
+        .map(|k| (first + f64::from(k)) * step)
+        .take_while(|v| *v <= high + 1e-9 * span)
+        .map(|v| if v.abs() < 1e-9 * span { 0.0 } else { v })
+        .collect();
+    let mut known = Vec::new();
+    for v in marks {
+        let text = written(v, step);
+        if known.iter().all(|(_, other)| *other != text) {
+            known.push((v, text));
+        }
+    }
+    known
 }
 
-fn tick_text(value: f64, step: f64, largest: f64) -> String {
-    if value == 0.0 || value.abs() < 1e-9 * step {
-        return "0".to_owned();
+/// A number as precise as steps of `step` need.
+fn written(value: f64, step: f64) -> String {
+    let size = value.abs().max(step.abs());
+    let text = if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 8.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        let digits = (value.abs().log10().floor() - (step * 1.001).log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{value:.digits$e}")
+    };
+    text.replace('-', "−")
+}
+
+/// Draws the bar: `high` on top; a point at an end says that there are values beyond it.
+pub(crate) fn draw(picture: &mut Picture, bar: &Bar, scale: &ColorScale) {
+    let (left, top) = (bar.left.round() as i64, bar.top.round() as i64);
+    let (thick, tall) = (bar.thick.round().max(1.0) as i64, bar.tall.round().max(2.0) as i64);
+    for y in 0..tall {
+        let color = scale.map.color(1.0 - y as f64 / (tall - 1) as f64);
+        for x in 0..thick {
+            picture.blend(left + x, top + y, color, 1.0);
+        }
     }
-    if !(1e-3..1e5).contains(&largest) {
-        return format!("{value:.1e}");
+    let tip = thick * 3 / 5;
+    for k in 1..=tip {
+        // Narrower with each row, smooth at its edges.
+        let half = thick as f32 / 2.0 * (1.0 - k as f32 / (tip + 1) as f32);
+        for x in 0..thick {
+            let off = (x as f32 + 0.5 - thick as f32 / 2.0).abs();
+            let coverage = (half - off + 0.5).clamp(0.0, 1.0);
+            if scale.above {
+                picture.blend(left + x, top - k, scale.map.color(1.0), coverage);
+            }
+            if scale.below {
+                picture.blend(left + x, top + tall - 1 + k, scale.map.color(0.0), coverage);
+            }
+        }
     }
-    let digits = (-step.log10()).ceil().clamp(0.0, 6.0) as usize;
-    // A step of 0.25 has one more digit than its power of ten tells.
-    let shown = format!("{value:.digits$}");
-    let exact = shown.parse::<f64>().is_ok_and(|v| (v - value).abs() < 1e-3 * step);
-    if exact { shown } else { format!("{value:.*}", digits + 1) }
+    for (value, text) in &bar.marks {
+        let y = bar.top + (1.0 - scale.place(*value)) * (bar.tall - 1.0);
+        for x in 0..(bar.gap * 0.5).round() as i64 {
+            picture.blend(left + thick + x, y.round() as i64, INK, 0.8);
+        }
+        let from = (left + thick) as f32 + bar.gap as f32;
+        text::draw(picture, text, bar.size, from, y as f32 + 0.5, INK);
+    }
+    let above = bar.top - 0.6 * bar.thick - 0.95 * f64::from(bar.size);
+    text::draw(picture, &bar.label, bar.size, left as f32, above as f32, INK);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_round_and_inside() {
+        let texts = |low, high| ticks(low, high).into_iter().map(|t| t.1).collect::<Vec<_>>();
+        assert_eq!(texts(0.0, 1.0), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(texts(-3.0, 3.0), ["−2", "0", "2"]);
+        assert_eq!(texts(0.0, 2.3e-7), ["0", "5e−8", "1.0e−7", "1.5e−7", "2.0e−7"]);
+        assert_eq!(texts(100.0, 104.0), ["100", "101", "102", "103", "104"]);
+        for (low, high) in [(1e16, 1e16 + 4.0), (-1e300, 1e300), (0.0, 1e-300), (5.0, 5.000_001)] {
+            let found = ticks(low, high);
+            assert!(!found.is_empty() && found.len() <= 11, "{found:?}");
+            assert!(
+                found.iter().all(|t| t.0 >= low - (high - low) * 1e-6 && t.0 <= high + (high - low) * 1e-6)
+            );
+        }
+    }
 }

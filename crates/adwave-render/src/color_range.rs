@@ -59,6 +59,11 @@ impl ColorScale {
         Self { map, low, high, below: least < low, above: most > high }
     }
 
+    /// Whether one bar serves both.
+    pub(crate) fn stands_for_the_same(&self, other: &Self) -> bool {
+        (self.map, self.low, self.high) == (other.map, other.low, other.high)
+    }
+
     /// Where a value lies between the ends, 0 to 1 inside.
     pub(crate) fn place(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)

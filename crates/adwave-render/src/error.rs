@@ -91,6 +91,24 @@ pub enum RenderError {
     /// A sheet without panels.
     #[error("a sheet needs at least one panel and one column")]
     NoPanels,
+    /// Pictures of different sizes where they must agree, or a part that is not inside.
+    #[error(
+        "a part of {width}x{height} pixels at ({left}, {top}) is not inside a picture of {of_width}x{of_height}"
+    )]
+    BadPart {
+        /// Pixels from the left.
+        left: u32,
+        /// Pixels from the top.
+        top: u32,
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// Pixels of the whole.
+        of_width: u32,
+        /// Pixels of the whole.
+        of_height: u32,
+    },
     /// The picture could not be encoded.
     #[error("the picture cannot be encoded: {reason}")]
     Encoding {

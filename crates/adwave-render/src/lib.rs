@@ -1,15 +1,18 @@
 //! Pictures of shapes and fields, and charts, without a display or a graphics driver.
 //!
-//! A [`Surface`] is a mesh or a cloud with its colours; [`render`] draws one, [`grid`] a sheet of several. What is drawn is
-//! sorted out by a depth buffer, several samples a pixel, from parallel rays; lit from the upper left of the viewer with
-//! less light in hollows; and the same to the byte on any number of threads.
+//! [`render`] draws one [`Surface`], [`grid`] several on one sheet. A picture is made in the order of the files: the shape's
+//! corners get normals (`normals`; for a cloud, discs: `splats`), the camera frames them (`camera`), a z-buffer finds what
+//! each sample shows (`raster`), lights and colours make it visible (`scene`, `shade`), depth darkens what is enclosed
+//! (`occlusion`), and bar and words are laid over (`color_bar`, `text`).
 
+mod camera;
 mod color_bar;
 mod color_map;
 mod color_range;
 mod diverging;
 mod error;
-mod frame;
+mod grid;
+mod layout;
 mod normals;
 mod occlusion;
 mod params;
@@ -17,6 +20,9 @@ mod picture;
 pub mod plot;
 mod raster;
 mod render;
+mod scene;
+mod shade;
+mod splats;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -27,8 +33,9 @@ mod view;
 pub use color_map::{ColorMap, value_range};
 pub use color_range::ValueRange;
 pub use error::RenderError;
-pub use params::{Background, ColorBar, MAX_PIXELS, MAX_SIDE, RenderParams};
+pub use grid::{Panel, SharedCamera, grid};
+pub use params::{Background, ColorBar, MAX_PIXELS, MAX_SIDE, Projection, RenderParams};
 pub use picture::Picture;
-pub use render::{Panel, SharedCamera, grid, render};
+pub use render::render;
 pub use surface::{Ball, FieldPaint, Paint, Surface};
 pub use view::{Up, UpError, View, ViewError};

@@ -1,92 +1,171 @@
-//! Normals at the corners of triangles, smooth over faces that meet gently and sharp at creases.
+//! Normals of a mesh for smooth shading, with edges kept sharp.
 
-use crate::surface::Surface;
 use crate::vector::{Vec3, add_scaled, cross, dot, sub, unit};
-use adwave::shape::nearest_neighbours;
-use adwave::signal::cloud_normals;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
-/// Neighbours for the normals of a cloud.
-const K: usize = 10;
+/// A normal for each corner of each triangle, by index.
+#[derive(Debug)]
+pub(crate) struct CornerNormals {
+    /// Unit normals in the model's axes, on the side that their triangle's order of corners tells; zero without area.
+    pub(crate) normals: Vec<Vec3>,
+    /// For each triangle the normals of its corners.
+    pub(crate) of: Vec<[u32; 3]>,
+}
 
-/// The unit normal of each corner, three a triangle: the mean over the faces at its vertex that meet this face at less than
-/// `crease_angle` degrees, weighted by area. O(sum over the vertices of their squared numbers of faces).
+/// Normals that are means over the faces at a vertex, weighted by their angles there, over those faces only that meet the
+/// corner's own at less than `crease_angle` (degrees). O(n), and O(Σ valence²) at creases.
 ///
-/// Faces on the other side of a fold count by their nearer orientation, so a mesh whose faces are not oriented alike is
-/// shaded smoothly too.
-pub(crate) fn corner_normals(surface: &Surface, crease_angle: f64) -> Vec<[Vec3; 3]> {
-    let n = surface.points.len();
-    let face_vectors: Vec<Vec3> = surface
-        .triangles
-        .par_iter()
-        .map(|t| {
-            let [a, b, c] = t.map(|v| &surface.points[v as usize]);
-            cross(&sub(b, a), &sub(c, a))
+/// Vertices at equal positions count as one, so that the seams of files that repeat vertices do not show.
+///
+/// Source: Thürmer and Wüthrich, "Computing vertex normals from polygonal facets", 1998.
+pub(crate) fn corner_normals(points: &[Vec3], triangles: &[[u32; 3]], crease_angle: f64) -> CornerNormals {
+    let class = positions(points);
+    let scale = largest_extent(points);
+    let faces: Vec<Vec3> = triangles.par_iter().map(|t| face_normal(points, t, scale)).collect();
+    let (first, corners) = corners_at(&class, triangles);
+    let limit = crease_angle.to_radians().cos();
+    let half = (crease_angle / 2.0).to_radians().cos();
+    // (class, normals of its corners): one normal where the vertex is smooth, one a corner at a crease.
+    let found: Vec<Vec<Vec3>> = (0..first.len() - 1)
+        .into_par_iter()
+        .with_min_len(1024)
+        .map(|v| {
+            let here = &corners[first[v]..first[v + 1]];
+            let weighted: Vec<(Vec3, f64)> = here
+                .iter()
+                .map(|&c| (faces[c as usize / 3], corner_angle(points, &triangles[c as usize / 3], c % 3)))
+                .collect();
+            // Both sides are lit alike, so a face that is listed the other way round counts turned over.
+            let mean = |towards: &Vec3, least: f64| {
+                let kept = weighted.iter().filter(|(n, _)| dot(towards, n).abs() >= least);
+                let add = |sum: Vec3, (n, w): &(Vec3, f64)| add_scaled(&sum, w.copysign(dot(towards, n)), n);
+                unit(&kept.fold([0.0; 3], add))
+            };
+            let first = weighted.iter().map(|(n, _)| *n).find(|n| *n != [0.0; 3]).unwrap_or([0.0; 3]);
+            let all = mean(&first, 0.0).unwrap_or([0.0; 3]);
+            if weighted.iter().all(|(n, _)| dot(n, &all).abs() >= half || *n == [0.0; 3]) {
+                return vec![all];
+            }
+            weighted.iter().map(|(own, _)| mean(own, limit).unwrap_or(*own)).collect()
         })
         .collect();
-    let (starts, faces) = faces_of_vertices(n, surface.triangles);
-    let least = crease_angle.to_radians().cos();
-    surface
-        .triangles
-        .par_iter()
-        .enumerate()
-        .map(|(f, triangle)| {
-            let Some(own) = unit(&face_vectors[f]) else { return [[0.0; 3]; 3] };
-            triangle.map(|v| {
-                let round = &faces[starts[v as usize] as usize..starts[v as usize + 1] as usize];
-                let sum = round.iter().fold([0.0; 3], |sum, &other| {
-                    let vector = &face_vectors[other as usize];
-                    let size = dot(vector, vector).sqrt();
-                    let along = dot(vector, &own);
-                    if size > 0.0 && along.abs() >= least * size {
-                        add_scaled(&sum, along.signum(), vector)
-                    } else {
-                        sum
-                    }
-                });
-                unit(&sum).unwrap_or(own)
-            })
+    let mut of = vec![[0_u32; 3]; triangles.len()];
+    let mut normals = Vec::with_capacity(found.len());
+    for (v, list) in found.iter().enumerate() {
+        let start = normals.len();
+        normals.extend_from_slice(list);
+        for (k, &c) in corners[first[v]..first[v + 1]].iter().enumerate() {
+            let face = c as usize / 3;
+            let mut at = start + if list.len() == 1 { 0 } else { k };
+            if dot(&faces[face], &normals[at]) < 0.0 {
+                normals.push(normals[at].map(|c| -c));
+                at = normals.len() - 1;
+            }
+            of[face][c as usize % 3] = at as u32;
+        }
+    }
+    CornerNormals { normals, of }
+}
+
+fn largest_extent(points: &[Vec3]) -> f64 {
+    let most = points.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
+    if most > 0.0 { most } else { 1.0 }
+}
+
+fn face_normal(points: &[Vec3], triangle: &[u32; 3], scale: f64) -> Vec3 {
+    let [a, b, c] = triangle.map(|v| points[v as usize].map(|c| c / scale));
+    let (ab, ac) = (sub(&b, &a), sub(&c, &a));
+    // Edges of length 1, lest the cross product of tiny ones underflows.
+    match (unit(&ab), unit(&ac)) {
+        (Some(ab), Some(ac)) => unit(&cross(&ab, &ac)).unwrap_or([0.0; 3]),
+        _ => [0.0; 3],
+    }
+}
+
+fn corner_angle(points: &[Vec3], triangle: &[u32; 3], corner: u32) -> f64 {
+    let at = |k: u32| points[triangle[(k % 3) as usize] as usize];
+    let p = at(corner);
+    match (unit(&sub(&at(corner + 1), &p)), unit(&sub(&at(corner + 2), &p))) {
+        (Some(a), Some(b)) => dot(&a, &b).clamp(-1.0, 1.0).acos(),
+        _ => 0.0,
+    }
+}
+
+/// A number for each vertex, equal for those at equal positions.
+fn positions(points: &[Vec3]) -> Vec<u32> {
+    let mut numbers: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
+    points
+        .iter()
+        .map(|p| {
+            let next = numbers.len() as u32;
+            // −0 is where 0 is.
+            *numbers.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(next)
         })
         .collect()
 }
 
-/// For each vertex the triangles at it: where they start in the list, and the list.
-fn faces_of_vertices(n: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0_u32; n + 1];
-    triangles.iter().flatten().for_each(|&v| starts[v as usize + 1] += 1);
-    (0..n).for_each(|v| starts[v + 1] += starts[v]);
-    let mut at = starts.clone();
-    let mut faces = vec![0; 3 * triangles.len()];
-    for (f, triangle) in triangles.iter().enumerate() {
-        for &v in triangle {
-            faces[at[v as usize] as usize] = f as u32;
-            at[v as usize] += 1;
-        }
+/// The corners (3 × triangle + corner) at each class of vertices, as offsets and a list.
+fn corners_at(class: &[u32], triangles: &[[u32; 3]]) -> (Vec<usize>, Vec<u32>) {
+    let n = class.iter().max().map_or(0, |m| *m as usize + 1);
+    let mut first = vec![0; n + 1];
+    for &v in triangles.as_flattened() {
+        first[class[v as usize] as usize + 1] += 1;
     }
-    (starts, faces)
+    for v in 0..n {
+        first[v + 1] += first[v];
+    }
+    let mut next = first.clone();
+    let mut corners = vec![0; triangles.len() * 3];
+    for (c, &v) in triangles.as_flattened().iter().enumerate() {
+        let at = &mut next[class[v as usize] as usize];
+        corners[*at] = c as u32;
+        *at += 1;
+    }
+    (first, corners)
 }
 
-/// For each point of a cloud the unit normal of the plane through its neighbours, and the mean distance to the nearest of
-/// them, model units. O(n log n).
-pub(crate) fn discs(points: &[Vec3]) -> (Vec<Vec3>, Vec<f64>) {
-    let near = nearest_neighbours(points, K);
-    let spacing = (0..points.len())
-        .into_par_iter()
-        .map(|i| {
-            let mut squares: Vec<f64> = near
-                .adjacency
-                .of(i)
-                .iter()
-                .map(|&j| {
-                    let d = sub(&points[j as usize], &points[i]);
-                    dot(&d, &d)
-                })
-                .filter(|&d| d > 0.0)
-                .collect();
-            squares.sort_unstable_by(f64::total_cmp);
-            squares.truncate(4);
-            squares.iter().map(|d| d.sqrt()).sum::<f64>() / squares.len().max(1) as f64
-        })
-        .collect();
-    (cloud_normals(points, &near), spacing)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CUBE_CORNER: [Vec3; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    const THREE_SIDES: [[u32; 3]; 3] = [[0, 1, 2], [0, 2, 3], [0, 3, 1]];
+
+    #[test]
+    fn a_crease_is_kept_and_a_wide_angle_smooths_it() {
+        let sharp = corner_normals(&CUBE_CORNER, &THREE_SIDES, 50.0);
+        for (t, axis) in [(0, 2), (1, 0), (2, 1)] {
+            for corner in sharp.of[t] {
+                assert!((sharp.normals[corner as usize][axis].abs() - 1.0).abs() < 1e-12);
+            }
+        }
+        let smooth = corner_normals(&CUBE_CORNER, &THREE_SIDES, 180.0);
+        // Three right angles at the corner: all axes weigh alike.
+        let n = smooth.normals[smooth.of[0][0] as usize];
+        assert!(n.iter().all(|c| (c - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12), "{n:?}");
+    }
+
+    #[test]
+    fn a_face_listed_the_other_way_round_is_shaded_as_its_neighbours() {
+        let gentle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.2]];
+        let normals = |second| {
+            let found = corner_normals(&gentle, &[[0, 1, 2], second], 50.0);
+            found.of[0].map(|c| found.normals[c as usize])
+        };
+        for (a, b) in normals([1, 3, 2]).iter().zip(&normals([3, 1, 2])) {
+            assert!((dot(a, b) - 1.0).abs() < 1e-12);
+        }
+        let found = corner_normals(&gentle, &[[0, 1, 2], [3, 1, 2]], 50.0);
+        assert!(found.of[1].iter().all(|c| found.normals[*c as usize][2] < 0.0), "on its own side");
+    }
+
+    #[test]
+    fn repeated_vertices_share_their_normal() {
+        let seam =
+            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.3]];
+        let found = corner_normals(&seam, &[[0, 1, 2], [3, 4, 5]], 50.0);
+        assert_eq!(found.of[0][1], found.of[1][1]);
+        assert_eq!(found.of[0][2], found.of[1][0]);
+    }
 }

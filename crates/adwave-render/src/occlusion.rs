@@ -1,95 +1,149 @@
-//! Less light in hollows and where things touch: ambient occlusion from the depths of the pixels around.
+//! What depth does to light: places that see little of the sky are darker, ridges a little brighter.
 
-use crate::raster::Pixel;
-use crate::vector::dot_f32;
+use crate::vector::{Direction, dot_f32};
 use rayon::prelude::*;
 
-/// Pixels that are looked at around each, on a spiral.
-const N_TAPS: usize = 20;
-/// Turns of the spiral, prime to the number of taps.
-const N_TURNS: f32 = 7.0;
-/// How far, in parts of the picture's shorter side: once for fine relief, once for folds and what touches.
-const REACH: [f32; 2] = [0.012, 0.06];
-/// The part of the light that a closed hollow loses.
-const STRENGTH: f32 = 1.15;
-/// Slopes up to this sine do not darken: a smooth surface seen by few pixels has steps of that size.
-const BIAS: f32 = 0.08;
-/// Pixels on a side of the pattern by which the spiral turns, and of the window that takes it out again.
-const PATTERN: usize = 4;
-
-/// Darkens colours by how much of the half space above each pixel is blocked by its surroundings. O(pixels × taps).
-///
-/// Source: McGuire, Osman, Bukowski and Hennessy, "The alchemy screen-space ambient obscurance algorithm", 2011; with an
-/// ordered pattern in place of a random one, so that the same picture has the same bytes.
-pub(crate) fn darken(pixels: &mut [Pixel], width: usize, height: usize) {
-    let short = width.min(height) as f32;
-    let open: Vec<f32> = (0..width * height)
-        .into_par_iter()
-        .with_min_len(width)
-        .map(|at| {
-            if pixels[at].coverage == 0.0 {
-                return 1.0;
-            }
-            let blocked: f32 = REACH
-                .iter()
-                .map(|reach| blocked(pixels, width, height, at, (reach * short).max(2.0)))
-                .sum::<f32>()
-                / REACH.len() as f32;
-            (1.0 - STRENGTH * blocked).clamp(0.0, 1.0)
-        })
-        .collect();
-    let reach = REACH[1] * short;
-    let smooth: Vec<f32> = (0..width * height)
-        .into_par_iter()
-        .with_min_len(width)
-        .map(|at| {
-            if pixels[at].coverage == 0.0 { 1.0 } else { mean_near(pixels, &open, width, height, at, reach) }
-        })
-        .collect();
-    pixels.par_iter_mut().zip(smooth).for_each(|(pixel, open)| pixel.color = pixel.color.map(|c| c * open));
+/// The foremost surface of each pixel.
+pub(crate) struct Front {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// Towards the viewer, in pixels; −∞ where there is nothing.
+    pub(crate) depth: Vec<f32>,
+    pub(crate) normal: Vec<Direction>,
 }
 
-/// How much of the half space above a pixel is blocked within so many pixels, 0 to about 1.
-fn blocked(pixels: &[Pixel], width: usize, height: usize, at: usize, reach: f32) -> f32 {
-    let (x, y) = (at % width, at / width);
-    let own = &pixels[at];
-    let turn = ((x % PATTERN) + PATTERN * (y % PATTERN)) as f32 / (PATTERN * PATTERN) as f32;
-    let mut sum = 0.0;
-    for tap in 0..N_TAPS {
-        let part = (tap as f32 + 0.5) / N_TAPS as f32;
-        let angle = std::f32::consts::TAU * (part * N_TURNS + turn);
-        let (sin, cos) = angle.sin_cos();
-        let (dx, dy) = ((part * reach * cos).round(), (part * reach * sin).round());
-        let (px, py) = (x as f32 + dx, y as f32 + dy);
-        if px < 0.0 || py < 0.0 || px >= width as f32 || py >= height as f32 || (dx == 0.0 && dy == 0.0) {
-            continue;
-        }
-        let other = &pixels[py as usize * width + px as usize];
-        if other.coverage == 0.0 {
-            continue;
-        }
-        let v = [dx, -dy, other.depth - own.depth];
-        let length = dot_f32(&v, &v).sqrt();
-        let rise = dot_f32(&v, &own.normal) / length - BIAS;
-        // What is far in front hangs over the place without touching it, and blocks little.
-        sum += rise.max(0.0) * (1.0 - (length / (2.0 * reach)).powi(2)).max(0.0);
-    }
-    2.0 * sum / N_TAPS as f32
+/// What kind of surface it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Smooth: ridges and creases are brought out.
+    Mesh,
+    /// Of discs, whose edges are no ridges.
+    Cloud,
 }
 
-/// The mean over a window as large as the pattern, over pixels of about the same depth.
-fn mean_near(pixels: &[Pixel], open: &[f32], width: usize, height: usize, at: usize, reach: f32) -> f32 {
-    let (x, y) = (at % width, at / width);
-    let (mut sum, mut weight) = (0.0, 0.0);
-    let half = PATTERN / 2;
-    for py in y.saturating_sub(half)..(y + half).min(height) {
-        for px in x.saturating_sub(half)..(x + half).min(width) {
-            let other = py * width + px;
-            if pixels[other].coverage > 0.0 && (pixels[other].depth - pixels[at].depth).abs() < 0.3 * reach {
-                sum += open[other];
-                weight += 1.0;
-            }
+/// The pattern of the taps repeats after so many pixels, both ways.
+const PERIOD: usize = 4;
+
+/// How many pixels around are looked at.
+const TAPS: usize = 20;
+
+/// Turns of the spiral that they lie on; prime to their number, so that no two lie in line.
+const TURNS: f32 = 7.0;
+
+/// How much of the light a closed cavity takes away.
+const STRENGTH: f32 = 1.7;
+
+/// No place gets darker than this.
+const DARKEST: f32 = 0.2;
+
+/// The weights of the smoothing to either side: together one period of the pattern, so that it cancels.
+const BLUR: [f32; 3] = [1.0, 1.0, 0.5];
+
+/// How much a crease or ridge changes the light.
+const CAVITY: f32 = 0.5;
+
+impl Front {
+    fn at(&self, x: i32, y: i32) -> Option<(usize, f32)> {
+        if x < 0 || y < 0 || x >= self.width as i32 || y >= self.height as i32 {
+            return None;
+        }
+        let k = y as usize * self.width + x as usize;
+        (self.depth[k] > f32::NEG_INFINITY).then(|| (k, self.depth[k]))
+    }
+
+    /// The share of the light that reaches each pixel, from surroundings of `radius` pixels.
+    ///
+    /// Source: McGuire, Mara and Luebke, "Scalable ambient obscurance", 2012, with a fixed pattern of 4 × 4 in place of
+    /// random turns, and the depth-aware smoothing over just that pattern.
+    pub(crate) fn light(&self, radius: f32, kind: Kind) -> Vec<f32> {
+        let taps = taps(radius);
+        let raw: Vec<f32> = self.by_rows(|x, y, k| self.openness(x, y, k, radius, &taps));
+        let near = (0.02 * radius).max(1.5);
+        let smooth = |values: &[f32], step: [i32; 2]| {
+            self.by_rows(|x, y, k| {
+                let (mut sum, mut weight) = (0.0, 0.0);
+                for d in 1 - BLUR.len() as i32..BLUR.len() as i32 {
+                    if let Some((other, depth)) = self.at(x + d * step[0], y + d * step[1]) {
+                        // Relative to the slope, lest slanted surfaces keep the pattern.
+                        let slant = (1.0 - self.normal[k][2]).max(0.0) * 4.0 + 1.0;
+                        let w = BLUR[d.unsigned_abs() as usize]
+                            * (1.0 - (depth - self.depth[k]).abs() / (near * slant)).max(0.0);
+                        sum += w * values[other];
+                        weight += w;
+                    }
+                }
+                if weight > 0.0 { sum / weight } else { values[k] }
+            })
+        };
+        let smoothed = smooth(&smooth(&raw, [1, 0]), [0, 1]);
+        match kind {
+            Kind::Mesh => self.by_rows(|x, y, k| smoothed[k] * self.ridge(x, y, k)),
+            Kind::Cloud => smoothed,
         }
     }
-    if weight > 0.0 { sum / weight } else { open[at] }
+
+    /// A value for each pixel that shows something, 1 elsewhere.
+    fn by_rows(&self, value: impl Fn(i32, i32, usize) -> f32 + Sync) -> Vec<f32> {
+        let mut values = vec![1.0; self.depth.len()];
+        values.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
+            for (x, v) in row.iter_mut().enumerate() {
+                let k = y * self.width + x;
+                if self.depth[k] > f32::NEG_INFINITY {
+                    *v = value(x as i32, y as i32, k);
+                }
+            }
+        });
+        values
+    }
+
+    fn openness(&self, x: i32, y: i32, k: usize, radius: f32, taps: &[[[i32; 2]; TAPS]]) -> f32 {
+        let n = self.normal[k];
+        let square = radius * radius;
+        // Flat surfaces that are slanted must not shade themselves.
+        let bias = 0.002 * radius + 0.6;
+        let mut sum = 0.0;
+        for [dx, dy] in taps[x as usize % PERIOD * PERIOD + y as usize % PERIOD] {
+            if let Some((_, depth)) = self.at(x + dx, y + dy) {
+                let v = [dx as f32, -dy as f32, depth - self.depth[k]];
+                let length = dot_f32(&v, &v);
+                if length < square {
+                    let up = (dot_f32(&v, &n) - bias).max(0.0);
+                    sum += (1.0 - length / square) * up / (length.sqrt() + 0.5);
+                }
+            }
+        }
+        (1.0 - 2.0 * STRENGTH * sum / TAPS as f32).clamp(DARKEST, 1.0)
+    }
+
+    /// Above 1 on ridges, below in creases: how the normals turn from pixel to pixel.
+    fn ridge(&self, x: i32, y: i32, k: usize) -> f32 {
+        let turn = |dx: i32, dy: i32, axis: usize| {
+            let pair = (self.at(x + dx, y + dy), self.at(x - dx, y - dy));
+            match pair {
+                (Some((a, depth_a)), Some((b, depth_b)))
+                    if (depth_a - self.depth[k]).abs() < 8.0 && (depth_b - self.depth[k]).abs() < 8.0 =>
+                {
+                    self.normal[a][axis] - self.normal[b][axis]
+                }
+                _ => 0.0,
+            }
+        };
+        let curvature = turn(1, 0, 0) - turn(0, 1, 1);
+        1.0 + CAVITY * curvature.clamp(-0.8, 0.5)
+    }
+}
+
+/// Where to look from each pixel of the pattern: a spiral, turned a little from pixel to pixel.
+fn taps(radius: f32) -> Vec<[[i32; 2]; TAPS]> {
+    let turned = |pixel: usize| {
+        // Steps of 11 of 16, so that neighbours differ much.
+        let phase = (pixel * 11 % (PERIOD * PERIOD)) as f32 / (PERIOD * PERIOD) as f32;
+        std::array::from_fn(|tap| {
+            let share = (tap as f32 + 0.5) / TAPS as f32;
+            let angle = std::f32::consts::TAU * (share * TURNS + phase);
+            let reach = 1.0 + share * share * radius;
+            [angle.cos(), angle.sin()].map(|c| (c * reach).round() as i32)
+        })
+    };
+    (0..PERIOD * PERIOD).map(turned).collect()
 }

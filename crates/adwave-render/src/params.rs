@@ -18,6 +18,18 @@ pub enum Background {
     Color([u8; 3]),
 }
 
+/// How depth shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Parallel rays: equal lengths are equal wherever they are.
+    Orthographic,
+    /// Rays from the eye; the field of view of the picture's shorter side in degrees, above 0 and at most 90.
+    Perspective {
+        /// Degrees.
+        field_of_view: f64,
+    },
+}
+
 /// Whether a field gets a bar of its colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorBar {
@@ -39,6 +51,8 @@ pub struct RenderParams {
     pub view: View,
     /// Which axis of the model points up.
     pub up: Up,
+    /// How depth shows.
+    pub projection: Projection,
     /// What stands behind the shape.
     pub background: Background,
     /// The bar of a field's colours.
@@ -50,13 +64,14 @@ pub struct RenderParams {
 }
 
 impl Default for RenderParams {
-    /// 1200 × 900, three-quarter view with y up, parallel rays, on white.
+    /// 1200 × 900, three-quarter view with y up in mild perspective, on white.
     fn default() -> Self {
         Self {
             width: 1200,
             height: 900,
             view: View::THREE_QUARTER,
             up: Up::Y,
+            projection: Projection::Perspective { field_of_view: 20.0 },
             background: Background::Color([255; 3]),
             color_bar: ColorBar::Shown,
             crease_angle: 50.0,
@@ -82,6 +97,12 @@ impl RenderParams {
     #[must_use]
     pub fn with_up(self, up: Up) -> Self {
         Self { up, ..self }
+    }
+
+    /// With this projection.
+    #[must_use]
+    pub fn with_projection(self, projection: Projection) -> Self {
+        Self { projection, ..self }
     }
 
     /// With this background.
@@ -117,6 +138,11 @@ impl RenderParams {
         check_size(self.width, self.height)?;
         self.view.check()?;
         let refused = |name, value, range| Err(RenderError::BadParam { name, value, range });
+        if let Projection::Perspective { field_of_view } = self.projection
+            && !(field_of_view > 0.0 && field_of_view <= 90.0)
+        {
+            return refused("the field of view", field_of_view, "above 0 and at most 90 degrees");
+        }
         if !(0.0..=180.0).contains(&self.crease_angle) {
             return refused("the crease angle", self.crease_angle, "from 0 to 180 degrees");
         }

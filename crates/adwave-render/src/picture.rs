@@ -1,77 +1,163 @@
-//! A picture in memory, and its file.
+//! A picture in memory, and as a file.
 
 use crate::error::RenderError;
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use crate::params::check_size;
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, RgbaImage, imageops};
 
-/// Pixels in rows from the top, each red, green, blue and alpha (not multiplied in).
+/// A picture: rows from the top, each pixel red, green, blue and alpha; the colours are not multiplied by alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Pixels.
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// 4 bytes a pixel.
+    /// 4 × width × height bytes.
     pub rgba: Vec<u8>,
 }
 
 impl Picture {
-    /// A picture of one colour.
-    pub(crate) fn filled(width: u32, height: u32, color: [u8; 4]) -> Self {
-        Self { width, height, rgba: color.repeat(width as usize * height as usize) }
-    }
-
-    /// The colour at a pixel.
-    ///
-    /// # Panics
-    ///
-    /// Outside the picture.
-    pub fn pixel(&self, x: u32, y: u32) -> [u8; 4] {
-        assert!(x < self.width && y < self.height, "({x}, {y}) of {}x{}", self.width, self.height);
-        let at = 4 * (y as usize * self.width as usize + x as usize);
-        self.rgba[at..at + 4].try_into().expect("four bytes")
-    }
-
-    /// Lays a colour over a pixel, with a part of 1; nothing outside.
-    pub(crate) fn blend(&mut self, x: i64, y: i64, color: [u8; 3], part: f32) {
-        if x < 0 || y < 0 || x >= i64::from(self.width) || y >= i64::from(self.height) || part <= 0.0 {
-            return;
-        }
-        let at = 4 * (y as usize * self.width as usize + x as usize);
-        let below = f32::from(self.rgba[at + 3]) / 255.0;
-        let alpha = part + below * (1.0 - part);
-        for (old, new) in self.rgba[at..at + 3].iter_mut().zip(color) {
-            let mixed = (f32::from(new) * part + f32::from(*old) * below * (1.0 - part)) / alpha;
-            *old = mixed.round() as u8;
-        }
-        self.rgba[at + 3] = (alpha * 255.0).round() as u8;
-    }
-
-    /// Puts a picture into this one; what sticks out is cut off.
-    pub(crate) fn put(&mut self, other: &Self, left: u32, top: u32) {
-        let n = 4 * other.width.min(self.width.saturating_sub(left)) as usize;
-        for y in 0..other.height.min(self.height.saturating_sub(top)) {
-            let to = 4 * ((top + y) as usize * self.width as usize + left as usize);
-            let from = 4 * (y as usize * other.width as usize);
-            self.rgba[to..to + n].copy_from_slice(&other.rgba[from..from + n]);
-        }
-    }
-
-    /// The bytes of a PNG file; without the channel alpha where every pixel is opaque.
+    /// A picture of one colour, red, green, blue and alpha.
     ///
     /// # Errors
     ///
-    /// When it cannot be encoded.
+    /// No pixels, or more than [`crate::MAX_PIXELS`].
+    pub fn filled(width: u32, height: u32, color: [u8; 4]) -> Result<Self, RenderError> {
+        check_size(width, height)?;
+        Ok(Self { width, height, rgba: color.repeat(width as usize * height as usize) })
+    }
+
+    /// The pixel in column `x` and row `y`, both from 0 and inside.
+    pub fn pixel(&self, x: u32, y: u32) -> [u8; 4] {
+        let at = 4 * (y as usize * self.width as usize + x as usize);
+        [0, 1, 2, 3].map(|c| self.rgba[at + c])
+    }
+
+    /// The bytes of a PNG file, without alpha where all of it is opaque. The same picture gives the same bytes.
+    ///
+    /// # Errors
+    ///
+    /// The encoder's, which a picture of the right size does not cause.
     pub fn png(&self) -> Result<Vec<u8>, RenderError> {
         let mut bytes = Vec::new();
-        let encoder = PngEncoder::new(&mut bytes);
-        let opaque = self.rgba.iter().skip(3).step_by(4).all(|&a| a == 255);
+        let opaque = self.rgba.chunks_exact(4).all(|p| p[3] == 255);
+        let encoder =
+            PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
         let written = if opaque {
-            let rgb: Vec<u8> = self.rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-            encoder.write_image(&rgb, self.width, self.height, ExtendedColorType::Rgb8)
+            encoder.write_image(&self.rgb([255; 3]), self.width, self.height, ExtendedColorType::Rgb8)
         } else {
             encoder.write_image(&self.rgba, self.width, self.height, ExtendedColorType::Rgba8)
         };
         written.map_err(|e| RenderError::Encoding { reason: e.to_string() })?;
         Ok(bytes)
+    }
+
+    /// The bytes of a JPEG file of `quality` 1 to 100; what is transparent becomes white.
+    ///
+    /// # Errors
+    ///
+    /// The encoder's.
+    pub fn jpeg(&self, quality: u8) -> Result<Vec<u8>, RenderError> {
+        let mut bytes = Vec::new();
+        JpegEncoder::new_with_quality(&mut bytes, quality.clamp(1, 100))
+            .write_image(&self.rgb([255; 3]), self.width, self.height, ExtendedColorType::Rgb8)
+            .map_err(|e| RenderError::Encoding { reason: e.to_string() })?;
+        Ok(bytes)
+    }
+
+    /// Red, green and blue over a background.
+    pub fn rgb(&self, background: [u8; 3]) -> Vec<u8> {
+        let over = |p: &[u8]| {
+            let alpha = u32::from(p[3]);
+            [0, 1, 2].map(|c| {
+                ((u32::from(p[c]) * alpha + u32::from(background[c]) * (255 - alpha) + 127) / 255) as u8
+            })
+        };
+        self.rgba.chunks_exact(4).flat_map(over).collect()
+    }
+
+    /// The same at another size, smoothed where it gets smaller.
+    ///
+    /// # Errors
+    ///
+    /// No pixels, or too many.
+    pub fn resized(&self, width: u32, height: u32) -> Result<Self, RenderError> {
+        check_size(width, height)?;
+        let resized = imageops::resize(&self.image(), width, height, imageops::FilterType::CatmullRom);
+        Ok(Self { width, height, rgba: resized.into_raw() })
+    }
+
+    /// A part of it.
+    ///
+    /// # Errors
+    ///
+    /// A part that is empty or not inside.
+    pub fn cropped(&self, left: u32, top: u32, width: u32, height: u32) -> Result<Self, RenderError> {
+        let inside = |from: u32, size: u32, whole: u32| {
+            size > 0 && from.checked_add(size).is_some_and(|to| to <= whole)
+        };
+        if !inside(left, width, self.width) || !inside(top, height, self.height) {
+            let (of_width, of_height) = (self.width, self.height);
+            return Err(RenderError::BadPart { left, top, width, height, of_width, of_height });
+        }
+        let row = |y: u32| {
+            let at = 4 * (y as usize * self.width as usize + left as usize);
+            &self.rgba[at..at + 4 * width as usize]
+        };
+        Ok(Self { width, height, rgba: (top..top + height).flat_map(row).copied().collect() })
+    }
+
+    /// Without the borders that have the colour of the upper left corner, but for `margin` pixels of them.
+    #[must_use]
+    pub fn trimmed(&self, margin: u32) -> Self {
+        let empty = self.pixel(0, 0);
+        let (mut low, mut high) = ([u32::MAX; 2], [0; 2]);
+        for y in 0..self.height {
+            for x in (0..self.width).filter(|&x| self.pixel(x, y) != empty) {
+                low = [low[0].min(x), low[1].min(y)];
+                high = [high[0].max(x), high[1].max(y)];
+            }
+        }
+        if low[0] > high[0] {
+            return self.clone();
+        }
+        let low = low.map(|c| c.saturating_sub(margin));
+        let high = [(high[0] + margin).min(self.width - 1), (high[1] + margin).min(self.height - 1)];
+        self.cropped(low[0], low[1], high[0] - low[0] + 1, high[1] - low[1] + 1)
+            .expect("a part that is inside")
+    }
+
+    /// Puts another picture in, its corner at (`left`, `top`); what lies outside is left out.
+    pub fn place(&mut self, other: &Self, left: u32, top: u32) {
+        if left >= self.width || top >= self.height {
+            return;
+        }
+        let n = 4 * other.width.min(self.width - left) as usize;
+        for y in 0..other.height.min(self.height - top) {
+            let to = 4 * ((top + y) as usize * self.width as usize + left as usize);
+            let from = 4 * y as usize * other.width as usize;
+            self.rgba[to..to + n].copy_from_slice(&other.rgba[from..from + n]);
+        }
+    }
+
+    /// Lays `color` over a pixel with this coverage in [0, 1]; nothing outside.
+    pub(crate) fn blend(&mut self, x: i64, y: i64, color: [u8; 3], coverage: f32) {
+        if x < 0 || y < 0 || x >= i64::from(self.width) || y >= i64::from(self.height) || coverage <= 0.0 {
+            return;
+        }
+        let at = 4 * (y as usize * self.width as usize + x as usize);
+        let pixel = &mut self.rgba[at..at + 4];
+        let (over, under) = (coverage.min(1.0), f32::from(pixel[3]) / 255.0);
+        let alpha = over + under * (1.0 - over);
+        for c in 0..3 {
+            let mixed = f32::from(color[c]) * over + f32::from(pixel[c]) * under * (1.0 - over);
+            pixel[c] = (mixed / alpha).round() as u8;
+        }
+        pixel[3] = (alpha * 255.0).round() as u8;
+    }
+
+    fn image(&self) -> RgbaImage {
+        RgbaImage::from_raw(self.width, self.height, self.rgba.clone()).expect("4 bytes a pixel")
     }
 }

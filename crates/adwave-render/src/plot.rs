@@ -294,7 +294,8 @@ pub fn sparsity_pattern(
     if width > MAX_SIDE || height > MAX_SIDE {
         return Err(PlotError::Size { width, height });
     }
-    let mut picture = Picture::filled(width, height, [244, 244, 244, 255]);
+    let mut picture = Picture::filled(width, height, [244, 244, 244, 255])
+        .map_err(|_| PlotError::Size { width, height })?;
     for &[row, column] in entries {
         for k in 0..square.max(1).pow(2) {
             let (x, y) = (column * square + k % square, row * square + k / square);

@@ -1,316 +1,242 @@
-//! From surfaces to pictures.
+//! From a surface to a picture.
 
-use crate::color_bar::{self, ink, letter_size};
-use crate::color_range::{ColorScale, ValueRange};
+use crate::camera::Camera;
+use crate::color_bar;
+use crate::color_range::ColorScale;
 use crate::error::RenderError;
-use crate::frame::{Extent, Frame};
-use crate::normals::{corner_normals, discs};
-use crate::params::{Background, ColorBar, RenderParams, check_size};
+use crate::layout::Layout;
+use crate::occlusion::Front;
+use crate::params::{Background, RenderParams};
 use crate::picture::Picture;
-use crate::raster::{Color, Pixel, Primitive, draw};
-use crate::surface::{Ball, FieldPaint, Paint, Surface, check_balls};
-use crate::{occlusion, text};
-use adwave::shape::MAX_COORDINATE;
+use crate::raster::{Bins, NOTHING, TILE, TileSamples};
+use crate::scene::Scene;
+use crate::shade::{to_byte, to_linear};
+use crate::splats::Splats;
+use crate::surface::{Ball, Paint, Surface, check_balls};
+use crate::vector::{Direction, Vec3};
 use rayon::prelude::*;
 
-/// A disc of a cloud, by the distance to its nearest neighbours: they overlap, so that no background shows between.
-const DISC: f64 = 1.15;
+/// How far light is kept off, in diagonals of what is seen.
+const OCCLUSION_REACH: f32 = 0.07;
 
-/// One picture of a sheet.
-#[derive(Clone, Debug)]
-pub struct Panel<'a> {
-    /// What is seen.
-    pub surface: Surface<'a>,
-    /// Balls beside it.
-    pub balls: Vec<Ball>,
-    /// The line below.
-    pub caption: String,
-}
-
-/// Whether the panels of a sheet have one scale.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SharedCamera {
-    /// The same size and place in all, so that shapes can be compared.
-    #[default]
-    Same,
-    /// Each panel is filled by its own shape.
-    Own,
-}
-
-/// A picture of a shape. O(vertices + pixels × samples²).
+/// A picture of a surface with balls, framed as large as fits, with a bar of colours if it shows a field.
+///
+/// O(n + width × height × samples²), in parallel; the same bytes on any number of threads.
+///
+/// # Errors
+///
+/// Sizes, views and parameters out of range; no points; coordinates that are not finite; triangles or paint that do not fit
+/// the vertices.
 ///
 /// ```
-/// use adwave_render::{Paint, RenderParams, Surface, render};
+/// use adwave_render::{Background, Paint, RenderParams, Surface, render};
 /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let surface = Surface { points: &points, triangles: &[[0, 1, 2]], paint: Paint::CLAY };
-/// let picture = render(&surface, &[], &RenderParams::default().with_size(40, 30))?;
-/// assert_eq!(picture.pixel(0, 0), [255; 4]);
-/// assert_ne!(picture.pixel(18, 18), [255; 4]);
-/// # Ok::<(), adwave_render::RenderError>(())
+/// let params = RenderParams::default().with_size(64, 48).with_background(Background::Transparent);
+/// let picture = render(&surface, &[], &params).unwrap();
+/// assert_eq!(picture.pixel(0, 0)[3], 0);
 /// ```
-///
-/// # Errors
-///
-/// What [`RenderParams::check`] and [`Surface::check`] refuse, and balls without size.
 pub fn render(surface: &Surface, balls: &[Ball], params: &RenderParams) -> Result<Picture, RenderError> {
-    check(surface, balls, params)?;
-    let fitted = Fitted::new(surface, balls);
-    let axes = Frame::axes(params.view, params.up);
-    let extent = Extent::of(&fitted.surface(surface), &fitted.balls, &axes);
-    let scale = scale_of(surface);
-    Ok(panel(&fitted.surface(surface), &fitted.balls, params, &extent, scale.as_ref()))
-}
-
-/// Several pictures of `params`' size on one sheet, row by row, each with its caption. Fields of the same label whose
-/// range is automatic have one range for all.
-///
-/// # Errors
-///
-/// As [`render`]; no panels, no columns, or a sheet that is too large.
-pub fn grid(
-    panels: &[Panel],
-    columns: usize,
-    camera: SharedCamera,
-    params: &RenderParams,
-) -> Result<Picture, RenderError> {
-    if panels.is_empty() || columns == 0 {
-        return Err(RenderError::NoPanels);
-    }
-    params.check()?;
-    let columns = columns.min(panels.len());
-    let size = letter_size(params.width, params.height);
-    let below = if panels.iter().all(|p| p.caption.is_empty()) { 0 } else { (2.0 * size) as u32 };
-    let n_rows = panels.len().div_ceil(columns) as u32;
-    let whole = |n: u32, each: u32| n.saturating_mul(each);
-    let (width, height) =
-        (whole(columns as u32, params.width), whole(n_rows, params.height.saturating_add(below)));
-    check_size(width, height)?;
-    panels.iter().try_for_each(|p| check(&p.surface, &p.balls, params))?;
-    let axes = Frame::axes(params.view, params.up);
-    // One unit for all, or the scales could not be compared.
-    let unit = Unit::of(
-        panels.iter().flat_map(|p| p.surface.points.iter().chain(p.balls.iter().map(|b| &b.center))),
-    );
-    let fitted: Vec<Fitted> = panels.iter().map(|p| Fitted::by(&unit, &p.surface, &p.balls)).collect();
-    let extents: Vec<Extent> = panels
-        .iter()
-        .zip(&fitted)
-        .map(|(p, f)| Extent::of(&f.surface(&p.surface), &f.balls, &axes))
-        .collect();
-    let all = extents.iter().copied().reduce(Extent::with).expect("at least one panel");
-    let background = background(params);
-    let mut sheet = Picture::filled(width, height, background);
-    for (k, (p, f)) in panels.iter().zip(&fitted).enumerate() {
-        let extent = if camera == SharedCamera::Same { &all } else { &extents[k] };
-        let scale = shared_scale(panels, &p.surface);
-        let picture = panel(&f.surface(&p.surface), &f.balls, params, extent, scale.as_ref());
-        let (left, top) =
-            ((k % columns) as u32 * params.width, (k / columns) as u32 * (params.height + below));
-        sheet.put(&picture, left, top);
-        let caption = text::fitted(&p.caption, size, params.width as f32 - size);
-        let start = left as f32 + 0.5 * (params.width as f32 - text::width(&caption, size));
-        let middle = (top + params.height) as f32 + 0.8 * size;
-        text::write(
-            &mut sheet,
-            &caption,
-            start,
-            middle,
-            size,
-            ink([background[0], background[1], background[2]]),
-        );
-    }
-    Ok(sheet)
-}
-
-fn check(surface: &Surface, balls: &[Ball], params: &RenderParams) -> Result<(), RenderError> {
     params.check()?;
     surface.check()?;
-    check_balls(balls)
+    check_balls(balls)?;
+    let subject = Subject::new(surface, balls);
+    let scale = subject.scale();
+    let layout = Layout::new(params, scale.as_ref().zip(subject.label()), None);
+    let camera = Camera::fit(&subject.framed, params, layout.stage);
+    let mut picture = subject.picture(&camera, scale.as_ref(), params);
+    if let (Some(scale), Some(bar)) = (&scale, &layout.bar) {
+        color_bar::draw(&mut picture, bar, scale);
+    }
+    Ok(picture)
 }
 
-/// Subtract the middle, then multiply: coordinates of about 1, whose squares neither overflow nor vanish.
-struct Unit {
-    middle: [f64; 3],
-    factor: f64,
+/// A surface with what its picture needs before the camera is known.
+pub(crate) struct Subject<'a> {
+    surface: &'a Surface<'a>,
+    balls: &'a [Ball],
+    splats: Option<Splats>,
+    /// What the camera frames: centres and radii.
+    pub(crate) framed: Vec<(Vec3, f64)>,
 }
 
-impl Unit {
-    fn of<'a>(points: impl Iterator<Item = &'a [f64; 3]>) -> Self {
-        let (low, high) = points.fold(([MAX_COORDINATE; 3], [-MAX_COORDINATE; 3]), |(low, high), p| {
-            ([0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k])))
-        });
-        let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
-        let factor = 1.0 / size;
-        Self {
-            middle: [0, 1, 2].map(|k| 0.5 * low[k] + 0.5 * high[k]),
-            factor: if factor.is_finite() { factor } else { 1.0 },
+impl<'a> Subject<'a> {
+    pub(crate) fn new(surface: &'a Surface<'a>, balls: &'a [Ball]) -> Self {
+        let points = surface.points;
+        let seen = |t: &&[u32; 3]| {
+            let [a, b, c] = t.map(|v| points[v as usize]);
+            a != b && b != c && c != a
+        };
+        let mut used = vec![false; points.len()];
+        for &v in surface.triangles.iter().filter(seen).flatten() {
+            used[v as usize] = true;
         }
+        // A mesh whose triangles have all shrunk to nothing is still seen by its vertices.
+        let splats = (!used.contains(&true)).then(|| Splats::new(points));
+        let mut framed: Vec<(Vec3, f64)> = match &splats {
+            Some(splats) => points.iter().copied().zip(splats.radii.iter().copied()).collect(),
+            None => points.iter().zip(&used).filter(|p| *p.1).map(|(p, _)| (*p, 0.0)).collect(),
+        };
+        framed.extend(balls.iter().map(|b| (b.center, b.radius)));
+        Self { surface, balls, splats, framed }
     }
 
-    fn place(&self, p: &[f64; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|k| (p[k] - self.middle[k]) * self.factor)
-    }
-}
-
-/// What is drawn, in coordinates of about 1.
-struct Fitted {
-    points: Vec<[f64; 3]>,
-    balls: Vec<Ball>,
-}
-
-impl Fitted {
-    fn new(surface: &Surface, balls: &[Ball]) -> Self {
-        Self::by(&Unit::of(surface.points.iter()), surface, balls)
-    }
-
-    fn by(unit: &Unit, surface: &Surface, balls: &[Ball]) -> Self {
-        let ball =
-            |b: &Ball| Ball { center: unit.place(&b.center), radius: b.radius * unit.factor, color: b.color };
-        Self {
-            points: surface.points.par_iter().map(|p| unit.place(p)).collect(),
-            balls: balls.iter().map(ball).collect(),
-        }
-    }
-
-    fn surface<'a>(&'a self, of: &Surface<'a>) -> Surface<'a> {
-        Surface { points: &self.points, triangles: of.triangles, paint: of.paint.clone() }
-    }
-}
-
-fn scale_of(surface: &Surface) -> Option<ColorScale> {
-    match &surface.paint {
-        Paint::Field(field) => Some(ColorScale::of(&[field])),
-        _ => None,
-    }
-}
-
-/// The field's own range, or the scale that all fields of its label without one share.
-fn shared_scale(panels: &[Panel], surface: &Surface) -> Option<ColorScale> {
-    let Paint::Field(own) = &surface.paint else { return None };
-    if own.range != ValueRange::Auto {
-        return Some(ColorScale::of(&[own]));
-    }
-    let same: Vec<&FieldPaint> = panels
-        .iter()
-        .filter_map(|p| match &p.surface.paint {
-            Paint::Field(field) if field.label == own.label && field.range == own.range => Some(field),
+    /// The colours of its field.
+    pub(crate) fn scale(&self) -> Option<ColorScale> {
+        match &self.surface.paint {
+            Paint::Field(field) => Some(ColorScale::of(&[field])),
             _ => None,
+        }
+    }
+
+    /// The name of its field.
+    pub(crate) fn label(&self) -> Option<&str> {
+        match &self.surface.paint {
+            Paint::Field(field) => Some(&field.label),
+            _ => None,
+        }
+    }
+
+    /// The picture without bar and words. `params` has been checked.
+    pub(crate) fn picture(
+        &self,
+        camera: &Camera,
+        scale: Option<&ColorScale>,
+        params: &RenderParams,
+    ) -> Picture {
+        let scene = Scene::new(self.surface, self.balls, self.splats.as_ref(), camera, scale, params);
+        let pixels = draw(&scene, camera, params);
+        let reach = OCCLUSION_REACH * camera.pixels_per_unit() as f32;
+        let front = Front {
+            width: params.width as usize,
+            height: params.height as usize,
+            depth: pixels.iter().map(|p| p.depth).collect(),
+            normal: pixels.iter().map(|p| p.normal).collect(),
+        };
+        let light = front.light(reach.clamp(2.0, 400.0), scene.kind());
+        let mut rgba = vec![0; pixels.len() * 4];
+        rgba.par_chunks_exact_mut(4).with_min_len(4096).enumerate().for_each(|(k, out)| {
+            out.copy_from_slice(&resolve(&pixels[k], light[k], params.background));
+        });
+        Picture { width: params.width, height: params.height, rgba }
+    }
+}
+
+/// What is known of a pixel.
+#[derive(Clone, Copy)]
+struct Pixel {
+    /// Linear, the sum over its samples by their number.
+    color: [f32; 3],
+    coverage: f32,
+    depth: f32,
+    normal: Direction,
+}
+
+const EMPTY: Pixel = Pixel { color: [0.0; 3], coverage: 0.0, depth: f32::NEG_INFINITY, normal: [0.0; 3] };
+
+fn draw(scene: &Scene, camera: &Camera, params: &RenderParams) -> Vec<Pixel> {
+    let (width, height) = (params.width as usize, params.height as usize);
+    let n_tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
+    let bins = Bins::new(scene.n_primitives(), n_tiles, |k| scene.pixel_box(k));
+    let samples = params.samples as usize;
+    let tiles: Vec<Vec<Pixel>> = (0..n_tiles[0] * n_tiles[1])
+        .into_par_iter()
+        .map(|t| {
+            if bins.of(t).is_empty() {
+                return Vec::new();
+            }
+            let mut tile = TileSamples::new(t % n_tiles[0], t / n_tiles[0], samples);
+            for &k in bins.of(t) {
+                scene.draw(k, &mut tile);
+            }
+            (0..TILE * TILE).map(|p| pixel(scene, camera, &tile, samples, p % TILE, p / TILE)).collect()
         })
         .collect();
-    Some(ColorScale::of(&same))
-}
-
-fn background(params: &RenderParams) -> [u8; 4] {
-    match params.background {
-        Background::Transparent => [255, 255, 255, 0],
-        Background::Color([r, g, b]) => [r, g, b, 255],
-    }
-}
-
-/// One panel, all checked before.
-fn panel(
-    surface: &Surface,
-    balls: &[Ball],
-    params: &RenderParams,
-    extent: &Extent,
-    scale: Option<&ColorScale>,
-) -> Picture {
-    let bar = scale.filter(|_| params.color_bar == ColorBar::Shown);
-    let (width, height) = (params.width as usize, params.height as usize);
-    let beside = if bar.is_some() { color_bar::room(params.width, params.height) } else { 0 };
-    let samples = params.samples as usize;
-    let axes = Frame::axes(params.view, params.up);
-    let room = f64::from(params.width - beside);
-    let frame = Frame::new(axes, extent, room * samples as f64, f64::from(params.height) * samples as f64);
-    let primitives = primitives(surface, balls, &frame, params.crease_angle, scale);
-    let mut pixels = draw(&primitives, width, height, samples);
-    drop(primitives);
-    occlusion::darken(&mut pixels, width, height);
-    let background = background(params);
-    let mut picture =
-        Picture { width: params.width, height: params.height, rgba: compose(&pixels, background) };
-    if let (Some(scale), Paint::Field(field)) = (bar, &surface.paint) {
-        color_bar::draw(
-            &mut picture,
-            scale,
-            &field.label,
-            ink([background[0], background[1], background[2]]),
-        );
-    }
-    picture
-}
-
-fn compose(pixels: &[Pixel], background: [u8; 4]) -> Vec<u8> {
-    let byte = |v: f32| v.round().clamp(0.0, 255.0) as u8;
-    let mut rgba = vec![0; 4 * pixels.len()];
-    rgba.par_chunks_exact_mut(4).zip(pixels.par_iter()).for_each(|(out, pixel)| {
-        let part = pixel.coverage;
-        if background[3] == 0 {
-            let color = if part > 0.0 { pixel.color.map(byte) } else { [255; 3] };
-            out.copy_from_slice(&[color[0], color[1], color[2], byte(255.0 * part)]);
-        } else {
-            for c in 0..3 {
-                out[c] = byte(pixel.color[c] * part + f32::from(background[c]) * (1.0 - part));
+    let mut pixels = vec![EMPTY; width * height];
+    pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        for (tile_x, part) in row.chunks_mut(TILE).enumerate() {
+            let tile = &tiles[y / TILE * n_tiles[0] + tile_x];
+            if !tile.is_empty() {
+                let from = y % TILE * TILE;
+                part.copy_from_slice(&tile[from..from + part.len()]);
             }
-            out[3] = 255;
         }
     });
-    rgba
+    pixels
 }
 
-fn primitives(
-    surface: &Surface,
-    balls: &[Ball],
-    frame: &Frame,
-    crease_angle: f64,
-    scale: Option<&ColorScale>,
-) -> Vec<Primitive> {
-    let float = |c: [u8; 3]| c.map(f32::from);
-    let color = |v: usize| -> Color {
-        match (&surface.paint, scale) {
-            (Paint::Plain(color), _) => float(*color),
-            (Paint::Colors(colors), _) => float(colors[v]),
-            (Paint::Field(field), Some(scale)) => float(scale.map.color(scale.place(field.values[v]))),
-            (Paint::Field(_), None) => float([128; 3]),
+/// The mean over a pixel's samples; those that show the same primitive are shaded once, in their middle.
+fn pixel(scene: &Scene, camera: &Camera, tile: &TileSamples, samples: usize, x: usize, y: usize) -> Pixel {
+    let mut ids = [NOTHING; 16];
+    let mut middle = [(0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32); 16];
+    let mut n = 0;
+    for sy in y * samples..(y + 1) * samples {
+        for sx in x * samples..(x + 1) * samples {
+            let at = sy * tile.side + sx;
+            let id = tile.id[at];
+            if id == NOTHING {
+                continue;
+            }
+            let k = ids[..n].iter().position(|&known| known == id).unwrap_or_else(|| {
+                ids[n] = id;
+                n += 1;
+                n - 1
+            });
+            let m = &mut middle[k];
+            *m = (m.0 + sx as f32 + 0.5, m.1 + sy as f32 + 0.5, m.2 + 1.0, m.3 + tile.near[at]);
         }
-    };
-    let mut list: Vec<Primitive> = if surface.triangles.is_empty() {
-        let (normals, spacing) = discs(surface.points);
-        let typical = typical(&spacing);
-        (0..surface.points.len())
-            .into_par_iter()
-            .map(|v| {
-                let place = frame.place(&surface.points[v]);
-                // Never less than can be seen, and stray points not as large as their distance from the rest.
-                let radius = (DISC * frame.scale * spacing[v].min(2.5 * typical)).max(1.2);
-                Primitive::Disc { center: place, radius, normal: frame.turn(&normals[v]), color: color(v) }
-            })
-            .collect()
-    } else {
-        let places: Vec<_> = surface.points.par_iter().map(|p| frame.place(p)).collect();
-        let normals = corner_normals(surface, crease_angle);
-        surface
-            .triangles
-            .par_iter()
-            .zip(normals)
-            .map(|(t, normals)| Primitive::Triangle {
-                corners: t.map(|v| places[v as usize]),
-                normals: normals.map(|n| frame.turn(&n)),
-                colors: t.map(|v| color(v as usize)),
-            })
-            .collect()
-    };
-    list.extend(balls.iter().map(|b| Primitive::Ball {
-        center: frame.place(&b.center),
-        radius: (frame.scale * b.radius).max(1.0),
-        color: float(b.color),
-    }));
-    list
+    }
+    if n == 0 {
+        return EMPTY;
+    }
+    let total = (samples * samples) as f32;
+    let depth_of = |m: &(f32, f32, f32, f32)| camera.depth_in_pixels(f64::from(m.3 / m.2)) as f32;
+    let depth = middle[..n].iter().map(depth_of).fold(f32::NEG_INFINITY, f32::max);
+    let mut found = Pixel { depth: 0.0, ..EMPTY };
+    let mut weight = 0.0;
+    for (id, m) in ids[..n].iter().zip(&middle[..n]) {
+        let shaded = scene.shade(*id, tile.left as f32 + m.0 / m.2, tile.top as f32 + m.1 / m.2);
+        for c in 0..3 {
+            found.color[c] += shaded.color[c] * m.2 / total;
+        }
+        found.coverage += m.2 / total;
+        // The foremost surface only: a mean with what lies behind would float between.
+        let own = depth_of(m);
+        if own > depth - 3.0 {
+            weight += m.2;
+            found.depth += m.2 * own;
+            for c in 0..3 {
+                found.normal[c] += m.2 * shaded.normal[c];
+            }
+        }
+    }
+    found.depth /= weight;
+    found.normal = crate::vector::facing_unit(&found.normal);
+    found
 }
 
-/// The median.
-fn typical(spacing: &[f64]) -> f64 {
-    let mut sorted = spacing.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+fn resolve(pixel: &Pixel, light: f32, background: Background) -> [u8; 4] {
+    let covered = pixel.color.map(|c| c * light);
+    match background {
+        Background::Color(color) => {
+            let behind = to_linear(color);
+            if pixel.coverage <= 0.0 {
+                return [color[0], color[1], color[2], 255];
+            }
+            // Each part is made a byte's colour before it is mixed, so that a bright surface does not bleed over its edge.
+            let mix = |c: usize| {
+                let front = to_linear([to_byte(covered[c] / pixel.coverage); 3])[0];
+                let light = pixel.coverage * front + (1.0 - pixel.coverage) * behind[c];
+                crate::shade::to_byte_exact(light)
+            };
+            [mix(0), mix(1), mix(2), 255]
+        }
+        Background::Transparent => {
+            if pixel.coverage <= 0.0 {
+                return [0; 4];
+            }
+            let [r, g, b] = covered.map(|c| to_byte(c / pixel.coverage));
+            [r, g, b, (pixel.coverage * 255.0).round() as u8]
+        }
+    }
 }

@@ -1,51 +1,97 @@
-//! Text in pictures.
+//! Words in pictures.
 
 use crate::picture::Picture;
-use ab_glyph::{Font, FontRef, PxScale, ScaleFont};
+use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use std::sync::LazyLock;
 
-/// A light typeface with Greek letters, under the Ubuntu Font Licence.
-static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
-    FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).expect("the font of the library is one")
+/// A plain sans-serif with Greek letters, and one that has nearly every other sign.
+static FONTS: LazyLock<[FontRef<'static>; 2]> = LazyLock::new(|| {
+    [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR]
+        .map(|bytes| FontRef::try_from_slice(bytes).expect("the font that is built in"))
 });
 
-/// The width of a line in pixels.
-pub(crate) fn width(text: &str, size: f32) -> f32 {
-    let font = FONT.as_scaled(PxScale::from(size));
-    text.chars().map(|c| font.h_advance(font.glyph_id(c))).sum()
+/// The font that has the letter, the plain one if none has.
+fn font_of(letter: char) -> &'static FontRef<'static> {
+    FONTS.iter().find(|f| f.glyph_id(letter).0 != 0).unwrap_or(&FONTS[0])
 }
 
-/// Writes a line; (x, y) is its left end at half the height of its letters.
-pub(crate) fn write(picture: &mut Picture, text: &str, x: f32, y: f32, size: f32, color: [u8; 3]) {
-    let font = FONT.as_scaled(PxScale::from(size));
-    let base = y + 0.35 * font.ascent();
-    let mut pen = x;
-    for c in text.chars() {
-        let id = font.glyph_id(c);
-        let glyph = id.with_scale_and_position(PxScale::from(size), ab_glyph::point(pen, base));
-        if let Some(outline) = font.outline_glyph(glyph) {
-            let bounds = outline.px_bounds();
-            outline.draw(|gx, gy, part| {
-                let (px, py) = (bounds.min.x as i64 + i64::from(gx), bounds.min.y as i64 + i64::from(gy));
-                // Light letters of few pixels are pale; this gives them weight.
-                picture.blend(px, py, color, (1.35 * part).min(1.0));
-            });
+/// Each letter of a line with the place where it starts, and the line's width, pixels.
+fn places(text: &str, size: f32) -> (Vec<(char, f32)>, f32) {
+    let mut x = 0.0;
+    let mut letters = Vec::new();
+    let mut last: Option<(char, &FontRef)> = None;
+    for letter in text.chars().map(|c| if c.is_control() { ' ' } else { c }) {
+        let font = font_of(letter);
+        let scaled = font.as_scaled(PxScale::from(size));
+        if let Some((before, known)) = last
+            && std::ptr::eq(known, font)
+        {
+            x += scaled.kern(font.glyph_id(before), font.glyph_id(letter));
         }
-        pen += font.h_advance(id);
+        letters.push((letter, x));
+        x += scaled.h_advance(font.glyph_id(letter));
+        last = Some((letter, font));
     }
+    (letters, x)
 }
 
-/// The longest beginning that fits, with an ellipsis where something is left out.
-pub(crate) fn fitted(text: &str, size: f32, room: f32) -> String {
-    if width(text, size) <= room {
+/// How wide a line is, pixels.
+pub(crate) fn width(text: &str, size: f32) -> f32 {
+    places(text, size).1
+}
+
+/// The line, shortened at its end where it is wider than `most` pixels.
+pub(crate) fn shortened(text: &str, size: f32, most: f32) -> String {
+    // No line of a picture has more letters than the widest picture has pixels.
+    let mut letters: Vec<char> = text.chars().take(crate::params::MAX_SIDE as usize).collect();
+    if letters.len() == text.chars().count() && width(text, size) <= most {
         return text.to_owned();
     }
-    let mut kept: Vec<char> = text.chars().collect();
-    while kept.pop().is_some() {
-        let short: String = kept.iter().collect::<String>().trim_end().to_owned() + "…";
-        if width(&short, size) <= room {
-            return short;
+    let mut widths: f32 = letters.iter().map(|c| width(&c.to_string(), size)).sum();
+    let dots = width("…", size);
+    while let Some(last) = letters.pop() {
+        widths -= width(&last.to_string(), size);
+        if widths + dots <= most {
+            return letters.into_iter().collect::<String>().trim_end().to_owned() + "…";
         }
     }
     String::new()
+}
+
+/// Draws a line from (`left`, `middle`): the height of its small letters is centred there.
+pub(crate) fn draw(picture: &mut Picture, text: &str, size: f32, left: f32, middle: f32, color: [u8; 3]) {
+    let baseline = (middle + 0.26 * size).round();
+    for (letter, x) in places(text, size).0 {
+        let font = font_of(letter);
+        let glyph =
+            font.glyph_id(letter).with_scale_and_position(PxScale::from(size), point(left + x, baseline));
+        let Some(outline) = font.outline_glyph(glyph) else { continue };
+        let corner = outline.px_bounds().min;
+        outline.draw(|dx, dy, coverage| {
+            // A light face on a light ground reads better a little heavier.
+            let coverage = coverage.powf(0.7);
+            picture.blend(corner.x as i64 + i64::from(dx), corner.y as i64 + i64::from(dy), color, coverage);
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn greek_letters_and_signs_are_there() {
+        for letter in "σφψΛλεθαΦΨ₀₁₂²³·×−±≥≤°µ…%0123456789".chars() {
+            assert!(FONTS.iter().any(|f| f.glyph_id(letter).0 != 0), "{letter}");
+        }
+    }
+
+    #[test]
+    fn long_lines_are_cut_to_the_room() {
+        let long = "mean curvature ".repeat(40);
+        let cut = shortened(&long, 20.0, 200.0);
+        assert!(cut.ends_with('…') && width(&cut, 20.0) <= 200.0 && width(&cut, 20.0) > 150.0, "{cut}");
+        assert_eq!(shortened("σ", 20.0, 200.0), "σ");
+        assert_eq!(shortened("wide", 20.0, 1.0), "");
+    }
 }

@@ -167,8 +167,9 @@ fn bytes(n_channels: usize, values: &FieldValues) -> Option<Vec<[u8; 3]>> {
     }
     let numbers = values.to_f64();
     let scale = match values {
-        FieldValues::U8(_) => 1.0,
-        FieldValues::U16(_) => 255.0 / 65535.0,
+        FieldValues::U16(words) if words.iter().any(|w| *w > 255) => 255.0 / 65535.0,
+        // Many scanners write bytes into the words of LAS.
+        FieldValues::U8(_) | FieldValues::U16(_) => 1.0,
         _ if numbers.iter().any(|v| *v > 1.0) => 1.0,
         _ => 255.0,
     };

@@ -1,0 +1,185 @@
+//! From the model to the picture.
+
+use crate::params::{Projection, RenderParams};
+use crate::vector::{Vec3, dot, sub};
+
+/// A part of the picture, pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rect {
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+}
+
+/// A point as the picture has it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Projected {
+    /// Pixels from the left.
+    pub(crate) x: f64,
+    /// Pixels from the top.
+    pub(crate) y: f64,
+    /// What grows towards the viewer and is linear over a plane in the picture; in (0, 1].
+    pub(crate) near: f64,
+}
+
+/// A camera that frames what it was fitted to.
+#[derive(Clone, Debug)]
+pub(crate) struct Camera {
+    axes: [Vec3; 3],
+    /// Where lengths are measured from, and the model's length that counts as 1.
+    origin: Vec3,
+    unit: f64,
+    /// The eye's place across the picture, and its distance (perspective) or 0.
+    eye: [f64; 2],
+    distance: f64,
+    /// Pixels to a unit: at depth 1 (perspective) or everywhere (orthographic).
+    focal: f64,
+    center: [f64; 2],
+    /// The range of depths towards the viewer.
+    depths: [f64; 2],
+}
+
+/// The eye of a perspective keeps this far from the shape, in diagonals of the shape: nearer, it would look distorted.
+const LEAST_DISTANCE: f64 = 0.5;
+
+impl Camera {
+    /// The camera from `params.view` that shows all the balls (centre and radius) as large as fits into `rect`. O(n).
+    pub(crate) fn fit(balls: &[(Vec3, f64)], params: &RenderParams, rect: Rect) -> Self {
+        let axes = params.view.axes(params.up);
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for (p, r) in balls {
+            for c in 0..3 {
+                low[c] = low[c].min(p[c] - r);
+                high[c] = high[c].max(p[c] + r);
+            }
+        }
+        let origin = [0, 1, 2].map(|c| f64::midpoint(low[c], high[c]));
+        // Scaled before they are squared: coordinates may be as small or large as numbers go.
+        let side = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max);
+        let square: f64 = (0..3).map(|c| ((high[c] - low[c]) / side).powi(2)).sum();
+        let unit = if side > 0.0 { side * square.sqrt() } else { 1.0 };
+        let mut camera = Self {
+            axes,
+            origin,
+            unit,
+            eye: [0.0; 2],
+            distance: 0.0,
+            focal: 1.0,
+            center: [rect.left + rect.width / 2.0, rect.top + rect.height / 2.0],
+            depths: [0.0, 1.0],
+        };
+        let spheres = || balls.iter().map(|(p, r)| (camera.seen(p), r / unit));
+        let most =
+            |f: &dyn Fn(Vec3, f64) -> f64| spheres().map(|(v, r)| f(v, r)).fold(f64::NEG_INFINITY, f64::max);
+        let nearest = most(&|v, r| v[2] + r);
+        let farthest = -most(&|v, r| r - v[2]);
+        let tangents = match params.projection {
+            Projection::Orthographic => [0.0; 2],
+            Projection::Perspective { field_of_view } => {
+                let half = (field_of_view.to_radians() / 2.0).tan();
+                let shorter = rect.width.min(rect.height);
+                [half * rect.width / shorter, half * rect.height / shorter]
+            }
+        };
+        // Each side of the frustum is pushed against the shape; two opposite sides meet at the eye.
+        let bounds = [0, 1].map(|c| {
+            let t = tangents[c];
+            let slope = (1.0 + t * t).sqrt();
+            [most(&|v, r| v[c] + t * v[2] + r * slope), most(&|v, r| -v[c] + t * v[2] + r * slope)]
+        });
+        let eye = bounds.map(|[upper, lower]| (upper - lower) / 2.0);
+        let mut shift = [0.0; 2];
+        let (distance, focal) = match params.projection {
+            Projection::Orthographic => {
+                let extents = bounds.map(|[upper, lower]| upper + lower);
+                let least = 1e-9;
+                (0.0, (rect.width / extents[0].max(least)).min(rect.height / extents[1].max(least)))
+            }
+            Projection::Perspective { .. } => {
+                let needed = [0, 1].map(|c| (bounds[c][0] + bounds[c][1]) / (2.0 * tangents[c]));
+                let needed = needed[0].max(needed[1]);
+                let distance = needed.max(nearest + LEAST_DISTANCE);
+                // What is seen from there, as tangents: the lens is as long and shifted as fills the picture with it.
+                let seen = [0, 1].map(|c| {
+                    let tangent =
+                        |v: Vec3, r: f64, sign: f64| (sign * (v[c] - eye[c]) + r) / (distance - v[2] - r);
+                    [most(&|v, r| tangent(v, r, 1.0)), most(&|v, r| tangent(v, r, -1.0))]
+                });
+                let fill = |c: usize, side: f64| side / (seen[c][0] + seen[c][1]).max(1e-9);
+                let focal = fill(0, rect.width).min(fill(1, rect.height));
+                shift = [0, 1].map(|c| focal * (seen[c][1] - seen[c][0]) / 2.0);
+                (distance, focal)
+            }
+        };
+        camera.center[0] += shift[0];
+        camera.center[1] -= shift[1];
+        camera.eye = eye;
+        camera.distance = distance;
+        camera.focal = focal;
+        camera.depths = [farthest - 1e-3, nearest];
+        camera
+    }
+
+    /// In the viewer's axes, from the origin, in units.
+    fn seen(&self, p: &Vec3) -> Vec3 {
+        let d = sub(p, &self.origin).map(|c| c / self.unit);
+        self.axes.map(|axis| dot(&axis, &d))
+    }
+
+    /// A direction in the viewer's axes: right, up, towards the viewer.
+    pub(crate) fn turn(&self, d: &Vec3) -> Vec3 {
+        self.axes.map(|axis| dot(&axis, d))
+    }
+
+    pub(crate) fn is_perspective(&self) -> bool {
+        self.distance > 0.0
+    }
+
+    pub(crate) fn project(&self, p: &Vec3) -> Projected {
+        let v = self.seen(p);
+        let scale = self.scale(v[2]);
+        Projected {
+            x: self.center[0] + (v[0] - self.eye[0]) * scale,
+            y: self.center[1] - (v[1] - self.eye[1]) * scale,
+            near: self.near(v[2]),
+        }
+    }
+
+    /// A radius at `p` in pixels, and how much nearer its foremost point is.
+    pub(crate) fn radius(&self, p: &Vec3, radius: f64) -> (f64, f64) {
+        let depth = self.seen(p)[2];
+        let r = radius / self.unit;
+        (r * self.scale(depth), self.near(depth + r) - self.near(depth))
+    }
+
+    /// Pixels to a unit at this depth.
+    fn scale(&self, depth: f64) -> f64 {
+        if self.is_perspective() { self.focal / (self.distance - depth).max(1e-6) } else { self.focal }
+    }
+
+    /// Linear over a plane in the picture: depth itself for parallel rays, the inverse distance for rays from an eye.
+    fn near(&self, depth: f64) -> f64 {
+        if self.is_perspective() {
+            ((self.distance - self.depths[1]) / (self.distance - depth)).max(1e-6)
+        } else {
+            (depth - self.depths[0]) / (self.depths[1] - self.depths[0])
+        }
+    }
+
+    /// The depth towards the viewer in pixels, from what [`Projected::near`] is: for shading, where pixels across and pixels
+    /// deep are alike.
+    pub(crate) fn depth_in_pixels(&self, near: f64) -> f64 {
+        let depth = if self.is_perspective() {
+            self.distance - (self.distance - self.depths[1]) / near
+        } else {
+            self.depths[0] + near * (self.depths[1] - self.depths[0])
+        };
+        depth * self.pixels_per_unit()
+    }
+
+    /// Pixels to the diagonal of what is framed, at its middle.
+    pub(crate) fn pixels_per_unit(&self) -> f64 {
+        self.scale(0.0)
+    }
+}

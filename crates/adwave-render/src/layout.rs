@@ -1,0 +1,99 @@
+//! Which part of a picture is for what.
+
+use crate::camera::Rect;
+use crate::color_bar::{Bar, ticks};
+use crate::color_range::ColorScale;
+use crate::params::{ColorBar, RenderParams};
+use crate::text;
+
+/// The height of letters in a picture whose shorter side is [`USUAL_SIDE`], pixels.
+const LETTERS: f64 = 22.0;
+const USUAL_SIDE: f64 = 900.0;
+
+/// Letters shrink less than pictures do, lest those of small panels are hard to read.
+const SHRINKING: f64 = 0.6;
+const SMALLEST_LETTERS: f64 = 11.0;
+
+/// What the shape keeps off the picture's border, in parts of its shorter side.
+pub(crate) const MARGIN: f64 = 0.035;
+
+/// The most of a picture's width that a bar may take.
+const MOST_FOR_BAR: f64 = 0.4;
+
+/// The least height in letters that leaves room for words.
+const LEAST_LETTERS: f64 = 7.0;
+
+/// The parts of one picture.
+#[derive(Debug)]
+pub(crate) struct Layout {
+    /// Where the shape is.
+    pub(crate) stage: Rect,
+    /// Where the bar of colours is.
+    pub(crate) bar: Option<Bar>,
+    /// Where the caption is: its line and its place and size.
+    pub(crate) caption: Option<(String, f32, f32, f32)>,
+}
+
+/// The size of letters for pictures of this size, pixels.
+pub(crate) fn letter_size(width: f64, height: f64) -> f64 {
+    (LETTERS * (width.min(height) / USUAL_SIDE).powf(SHRINKING)).max(SMALLEST_LETTERS)
+}
+
+/// The room for a caption of letters of this size, pixels.
+pub(crate) fn caption_height(size: f64) -> f64 {
+    2.0 * size
+}
+
+impl Layout {
+    pub(crate) fn new(
+        params: &RenderParams,
+        field: Option<(&ColorScale, &str)>,
+        caption: Option<&str>,
+    ) -> Self {
+        let (width, height) = (f64::from(params.width), f64::from(params.height));
+        let size = letter_size(width, height);
+        let roomy = width.min(height) > LEAST_LETTERS * size;
+        let line = if caption.is_some() && roomy { caption_height(size) } else { 0.0 };
+        let bar = field
+            .filter(|_| roomy && params.color_bar == ColorBar::Shown)
+            .and_then(|(scale, label)| bar(scale, label, size, width, height - line));
+        let taken = bar.as_ref().map_or(0.0, |b| width - b.left_edge);
+        let margin = MARGIN * width.min(height);
+        let inside = |whole: f64| (whole - 2.0 * margin).max(0.5);
+        let stage =
+            Rect { left: margin, top: margin, width: inside(width - taken), height: inside(height - line) };
+        let caption = caption.filter(|_| roomy).map(|text| {
+            let text = text::shortened(text, size as f32, (width - size) as f32);
+            let left = (width - f64::from(text::width(&text, size as f32))) / 2.0;
+            (text, size as f32, left as f32, (height - 1.1 * size) as f32)
+        });
+        Self { stage, bar, caption }
+    }
+}
+
+/// The bar at the right border of `width` × `height` pixels, if it leaves room for the shape.
+pub(crate) fn bar(scale: &ColorScale, label: &str, size: f64, width: f64, height: f64) -> Option<Bar> {
+    let marks = ticks(scale.low, scale.high);
+    let letters = size as f32;
+    let numbers = marks.iter().map(|m| f64::from(text::width(&m.1, letters))).fold(0.0, f64::max);
+    let (thick, gap) = (0.9 * size, 0.4 * size);
+    let most = MOST_FOR_BAR * width;
+    let label = text::shortened(label, letters, (most - size) as f32);
+    let beside = thick + 2.0 * gap + numbers;
+    let needed = beside.max(f64::from(text::width(&label, letters))) + size;
+    if needed > most {
+        return None;
+    }
+    let tall = (0.62 * height).min(height - 6.0 * size);
+    (tall > 3.0 * size).then(|| Bar {
+        left_edge: width - needed,
+        left: width - needed,
+        top: (height - tall) / 2.0 + 0.9 * size,
+        thick,
+        tall,
+        gap,
+        size: letters,
+        label,
+        marks,
+    })
+}

@@ -1,0 +1,62 @@
+//! Which tiles a primitive may touch.
+
+use super::TILE;
+use rayon::prelude::*;
+
+/// The pixels that a primitive may touch, both ends included: left, top, right, bottom. Empty where left > right.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelBox(pub(crate) [i32; 4]);
+
+impl PixelBox {
+    pub(crate) const EMPTY: Self = Self([1, 1, 0, 0]);
+
+    fn tiles(self, n_tiles: [usize; 2]) -> Option<[usize; 4]> {
+        let [left, top, right, bottom] = self.0;
+        let tile = |c: i32, n: usize| (c.max(0) as usize / TILE).min(n - 1);
+        (left <= right && top <= bottom && right >= 0 && bottom >= 0).then(|| {
+            [tile(left, n_tiles[0]), tile(top, n_tiles[1]), tile(right, n_tiles[0]), tile(bottom, n_tiles[1])]
+        })
+    }
+}
+
+/// The primitives of each tile, by rising index, so that the order in which they are drawn is always the same.
+pub(crate) struct Bins {
+    first: Vec<usize>,
+    primitives: Vec<u32>,
+}
+
+impl Bins {
+    pub(crate) fn new(n: usize, n_tiles: [usize; 2], pixels: impl Fn(usize) -> PixelBox + Sync) -> Self {
+        let touched: Vec<Option<[usize; 4]>> =
+            (0..n).into_par_iter().with_min_len(4096).map(|k| pixels(k).tiles(n_tiles)).collect();
+        let mut first = vec![0; n_tiles[0] * n_tiles[1] + 1];
+        let each = |tiles: &[usize; 4], f: &mut dyn FnMut(usize)| {
+            for y in tiles[1]..=tiles[3] {
+                for x in tiles[0]..=tiles[2] {
+                    f(y * n_tiles[0] + x);
+                }
+            }
+        };
+        for tiles in touched.iter().flatten() {
+            each(tiles, &mut |t| first[t + 1] += 1);
+        }
+        for t in 1..first.len() {
+            first[t] += first[t - 1];
+        }
+        let mut next = first.clone();
+        let mut primitives = vec![0; *first.last().unwrap_or(&0)];
+        for (k, tiles) in touched.iter().enumerate() {
+            if let Some(tiles) = tiles {
+                each(tiles, &mut |t| {
+                    primitives[next[t]] = k as u32;
+                    next[t] += 1;
+                });
+            }
+        }
+        Self { first, primitives }
+    }
+
+    pub(crate) fn of(&self, tile: usize) -> &[u32] {
+        &self.primitives[self.first[tile]..self.first[tile + 1]]
+    }
+}

@@ -1,0 +1,62 @@
+//! The discs that stand for the points of a cloud.
+
+use crate::vector::{Vec3, add_scaled, dot, unit};
+use adwave::shape::{Neighbourhoods, diagonal, nearest_neighbours};
+use adwave::signal::cloud_normals;
+use rayon::prelude::*;
+
+/// How many neighbours tell the size and the direction of a disc.
+const NEIGHBOURS: usize = 12;
+
+/// A disc's radius in distances to the neighbours' middle one: wide enough that discs of an even sampling leave no gaps.
+const OVERLAP: f64 = 0.95;
+
+/// The largest disc, in medians of all: a lone point must not hide the others.
+const LARGEST: f64 = 3.0;
+
+/// The radius of a disc where there is nothing to compare with, in diagonals of the shape.
+const LONE: f64 = 0.02;
+
+/// A disc for each point.
+#[derive(Debug)]
+pub(crate) struct Splats {
+    /// Model units.
+    pub(crate) radii: Vec<f64>,
+    /// Unit vectors of either sign; zero where the neighbours tell no plane.
+    pub(crate) normals: Vec<Vec3>,
+}
+
+impl Splats {
+    /// Discs as wide as the cloud is sparse, in the planes of the points' neighbours. O(n log n).
+    pub(crate) fn new(points: &[Vec3]) -> Self {
+        let n = points.len();
+        let diagonal = diagonal(points);
+        let lone = if diagonal > 0.0 { LONE * diagonal } else { 1.0 };
+        if n <= 3 {
+            return Self { radii: vec![lone; n], normals: vec![[0.0; 3]; n] };
+        }
+        let near = nearest_neighbours(points, NEIGHBOURS);
+        let own: Vec<f64> = near.radius.par_iter().map(|r| OVERLAP * r).collect();
+        let mut sorted: Vec<f64> = own.iter().copied().filter(|r| *r > 0.0).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(lone).min(lone);
+        // The k-th of k neighbours in a plane is √k spacings wide about; a disc of the spacing itself is enough.
+        let spread = (NEIGHBOURS as f64 / std::f64::consts::PI).sqrt();
+        let radii =
+            own.iter().map(|r| r.clamp(median / LARGEST, median * LARGEST).min(lone * LARGEST) / spread);
+        Self { radii: radii.collect(), normals: smoothed(&cloud_normals(points, &near), &near) }
+    }
+}
+
+/// The means over each point and its neighbours, signs made alike: noise in the planes would show as glitter.
+fn smoothed(normals: &[Vec3], near: &Neighbourhoods) -> Vec<Vec3> {
+    let mean = |x: usize| {
+        let own = &normals[x];
+        let add = |sum: Vec3, &y: &u32| {
+            let other = &normals[y as usize];
+            add_scaled(&sum, if dot(own, other) < 0.0 { -1.0 } else { 1.0 }, other)
+        };
+        unit(&near.adjacency.of(x).iter().fold(*own, add)).unwrap_or(*own)
+    };
+    (0..normals.len()).into_par_iter().with_min_len(1024).map(mean).collect()
+}
