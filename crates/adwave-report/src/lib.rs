@@ -5,4 +5,4 @@ pub mod reproduce;
 pub mod shape_report;
 mod table;
 
-pub use table::{Table, digits};
+pub use table::{NONE, Table, column, digits};

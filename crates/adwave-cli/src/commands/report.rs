@@ -62,7 +62,7 @@ fn report(
         fields: &field_names(&input.file),
         shape: &input.shape,
         walk: &analysis.walk,
-        signal: last_part(field),
+        signal: if input.file.field(field).is_some() { field } else { last_part(field) },
         bands: &analysis.bands,
         levels_reason: &analysis.why,
         command: &command_line(),
@@ -127,6 +127,7 @@ fn describe(
         "bands": report.bands.iter().map(|b| json!({
             "level": b.level, "steps": b.steps, "sigma": b.sigma, "percent": analysis.percent(b.sigma),
             "rms": b.rms, "max": b.max, "energy_share": b.energy_share,
+            "detail_share": b.detail_share,
         })).collect::<Vec<_>>(),
         "saliency": report.saliency.as_ref().map(|s| json!({
             "largest_vertex": s.vertex, "largest": s.largest, "patches": s.n_patches, "top_share": s.top_share,

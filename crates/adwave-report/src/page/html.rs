@@ -1,29 +1,40 @@
 //! From a page to HTML.
 
 use super::image::data_uri;
-use super::{Block, Fact, Figure, ImageKind, Legend, Link, Page, Section, Tone, Verdict};
+use super::{Block, Fact, Figure, ImageKind, Legend, Link, Page, Section, Source, Tone, Verdict};
 use crate::table::Table;
 use std::fmt::Write as _;
 
 /// Tables with more rows are saved, not shown.
 const MOST_ROWS: usize = 24;
+/// Cells up to so many letters are not broken.
+const SHORT_CELL: usize = 28;
 /// With more sections the table of contents is a list in place of a line.
 const MOST_IN_A_LINE: usize = 9;
-/// So many pictures side by side are shown large.
-const FEW: usize = 2;
 
 const STYLE: &str = include_str!("style.css");
 
+/// Code that is longer may be broken between lines.
+const LONG_CODE: usize = 36;
+
 /// What the browser may load: what is in the file, and nothing else.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
+/// The same where pictures are beside the file.
+const POLICY_BESIDE: &str = "default-src 'none'; img-src data: 'self' file:; style-src 'unsafe-inline'";
 
 pub(super) fn page(page: &Page) -> String {
     let title = escaped(&page.title);
+    let mut blocks = page.sections.iter().flat_map(|s| &s.blocks);
+    let beside = blocks.any(|block| match block {
+        Block::Gallery(figures) => figures.iter().any(|f| matches!(f.image.source, Source::Beside(_))),
+        _ => false,
+    });
+    let policy = if beside { POLICY_BESIDE } else { POLICY };
     let mut text = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n"
     );
     for paragraph in &page.introduction {
@@ -76,7 +87,11 @@ fn block(block: &Block) -> String {
         Block::Verdict(verdict) => format!("<p>{} {}</p>\n", badge(verdict), prose(&verdict.sentence)),
         Block::Facts(list) => facts(list),
         Block::Gallery(figures) => gallery(figures),
-        Block::Table(table) => numbers(table),
+        Block::Table(table) => {
+            let uri = data_uri("text/csv", table.csv().as_bytes());
+            numbers(table, &format!(" download=\"{}\" href=\"{uri}\"", escaped(&table.name)))
+        }
+        Block::TableBeside(table, file) => numbers(table, &format!(" href=\"{}\"", path(file))),
         Block::Files(links) => files(links),
     }
 }
@@ -104,27 +119,37 @@ fn facts(facts: &[Fact]) -> String {
 }
 
 fn gallery(figures: &[Figure]) -> String {
-    let class = if figures.len() <= FEW { "gallery few" } else { "gallery" };
+    let class = match figures.len() {
+        0 | 1 => " one",
+        2 => " two",
+        4 => " four",
+        5 => " five",
+        _ => "",
+    };
     let figures: String = figures.iter().map(figure).collect();
-    format!("<div class=\"{class}\">\n{figures}</div>\n")
+    format!("<div class=\"gallery{class}\">\n{figures}</div>\n")
 }
 
 fn figure(figure: &Figure) -> String {
     let image = &figure.image;
-    let mut picture = format!(
-        "<img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\">",
-        image.light_uri(),
-        image.width,
-        image.height,
-        escaped(&figure.alt)
-    );
-    if let Some(dark) = image.dark_uri() {
-        picture = format!(
-            "<picture><source media=\"(prefers-color-scheme:dark)\" srcset=\"{dark}\">{picture}</picture>"
-        );
-    }
+    let sides = match (image.width, image.height) {
+        (0, _) | (_, 0) => String::new(),
+        (width, height) => format!(" width=\"{width}\" height=\"{height}\""),
+    };
+    let tag = |source: &str, more: &str| {
+        format!("<img src=\"{source}\"{sides} alt=\"{}\"{more}>", escaped(&figure.alt))
+    };
+    let mut picture = match &image.source {
+        Source::Beside(file) => tag(&path(file), " loading=\"lazy\""),
+        Source::Inside { light, dark } if dark.is_empty() => tag(&image.uri(light), ""),
+        Source::Inside { light, dark } => format!(
+            "<picture><source media=\"(prefers-color-scheme:dark)\" srcset=\"{}\">{}</picture>",
+            image.uri(dark),
+            tag(&image.uri(light), "")
+        ),
+    };
     if let Some(link) = &figure.link {
-        picture = format!("<a href=\"{}\">{picture}</a>", escaped(&path(link)));
+        picture = format!("<a href=\"{}\">{picture}</a>", path(link));
     }
     let class = if image.kind == ImageKind::Svg { " class=\"svg\"" } else { "" };
     let legend = figure.legend.as_ref().map_or(String::new(), legend);
@@ -144,33 +169,41 @@ fn legend(legend: &Legend) -> String {
                  {}<b>{}</b></span></div>\n",
                 colors.join(","),
                 escaped(low),
-                escaped(label),
+                prose(label),
                 escaped(high)
             )
         }
         Legend::Keys(keys) => {
             let item = |(color, text): &([u8; 3], String)| {
-                format!("<li><i style=\"background:{}\"></i>{}</li>", hex(*color), escaped(text))
+                format!("<li><i style=\"background:{}\"></i>{}</li>", hex(*color), prose(text))
             };
             format!("<ul class=\"keys\">{}</ul>\n", keys.iter().map(item).collect::<String>())
         }
     }
 }
 
-fn numbers(table: &Table) -> String {
-    let uri = data_uri("text/csv", table.csv().as_bytes());
-    let name = escaped(&table.name);
+/// A table, and what its link is made of.
+fn numbers(table: &Table, link: &str) -> String {
     let mut text = format!(
-        "<div class=\"table\">\n<p>{} <a download=\"{name}\" href=\"{uri}\">{name}</a></p>\n",
-        prose(&table.caption)
+        "<div class=\"table\">\n<p>{} <a{link}>{}</a></p>\n",
+        prose(&table.caption),
+        escaped(&table.name)
     );
     if table.rows.len() <= MOST_ROWS {
-        let numeric: Vec<bool> = (0..table.head.len())
-            .map(|k| table.rows.iter().filter_map(|row| row.get(k)).all(|cell| is_number(cell)))
-            .collect();
+        let cells = |k: usize| table.rows.iter().filter_map(move |row| row.get(k));
+        let class = |k: usize| {
+            if cells(k).all(|cell| is_number(cell)) {
+                " class=\"n\""
+            } else if cells(k).all(|cell| cell.chars().count() <= SHORT_CELL) {
+                " class=\"s\""
+            } else {
+                ""
+            }
+        };
+        let classes: Vec<&str> = (0..table.head.len()).map(class).collect();
         let line = |tag: &str, cells: &[String]| {
             let cell = |(k, cell): (usize, &String)| {
-                let class = if numeric.get(k).copied().unwrap_or_default() { " class=\"n\"" } else { "" };
+                let class = classes.get(k).copied().unwrap_or_default();
                 format!("<{tag}{class}>{}</{tag}>", prose(cell))
             };
             format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
@@ -198,9 +231,8 @@ fn is_number(cell: &str) -> bool {
 }
 
 fn files(links: &[Link]) -> String {
-    let item = |link: &Link| {
-        format!("<li><a href=\"{}\">{}</a></li>\n", escaped(&path(&link.path)), escaped(&link.text))
-    };
+    let item =
+        |link: &Link| format!("<li><a href=\"{}\">{}</a></li>\n", path(&link.path), escaped(&link.text));
     format!("<ul>\n{}</ul>\n", links.iter().map(item).collect::<String>())
 }
 
@@ -217,15 +249,50 @@ fn path(path: &str) -> String {
     text
 }
 
-/// Text with code between backticks.
+/// Text with code between backticks, and subscripts.
 fn prose(text: &str) -> String {
     if text.matches('`').count() % 2 == 1 {
-        return escaped(text);
+        return subscripts(text);
     }
-    let part = |(k, part): (usize, &str)| {
-        if k % 2 == 1 { format!("<code>{}</code>", escaped(part)) } else { escaped(part) }
+    let part = |(k, part): (usize, &str)| match k % 2 {
+        0 => subscripts(part),
+        _ if part.chars().count() <= LONG_CODE => format!("<code class=\"k\">{}</code>", escaped(part)),
+        _ => format!("<code>{}</code>", escaped(part)),
     };
     text.split('`').enumerate().map(part).collect()
+}
+
+/// Escaped text in which the j of `W_j`, `S_j`, `n_j` and `σ_j`, a level's number, or `(j−1)` stands below the line; a name
+/// such as `scan_1.obj` or `S_1.obj` stays as it is.
+fn subscripts(text: &str) -> String {
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    let (mut out, mut rest) = (String::with_capacity(text.len()), text);
+    while let Some(at) = rest.find('_') {
+        let (before, after) = (&rest[..at], &rest[at + 1..]);
+        let mut letters = before.chars().rev();
+        let symbol = letters.next().is_some_and(|c| "WSnσ".contains(c))
+            && letters.next().or(out.chars().last()).is_none_or(|c| !word(c) && c != '.' && c != '/');
+        let end = match after.chars().next() {
+            Some('j' | 'J') => 1,
+            Some('(') => after.find(')').map_or(0, |end| end + 1),
+            _ => after.bytes().take_while(u8::is_ascii_digit).count(),
+        };
+        let mut next = after[end..].chars();
+        let ends = match next.next() {
+            Some('.') => next.next().is_none_or(char::is_whitespace),
+            Some(c) => !word(c),
+            None => true,
+        };
+        let index = after[..end].trim_matches(['(', ')']);
+        if symbol && !index.is_empty() && ends {
+            out += &format!("{}<sub>{}</sub>", escaped(before), escaped(index));
+            rest = &after[end..];
+        } else {
+            out += &escaped(&rest[..=at]);
+            rest = after;
+        }
+    }
+    out + &escaped(rest)
 }
 
 fn escaped(text: &str) -> String {
@@ -243,4 +310,35 @@ fn escaped(text: &str) -> String {
         }
     }
     safe
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn subscripts_are_those_of_the_symbols_only() {
+        for (text, html) in [
+            ("|W_j| and σ_12.", "|W<sub>j</sub>| and σ<sub>12</sub>."),
+            ("W_j = S_(j−1) − S_j", "W<sub>j</sub> = S<sub>j−1</sub> − S<sub>j</sub>"),
+            ("S_J, n_j", "S<sub>J</sub>, n<sub>j</sub>"),
+            ("scan_1.obj S_1.obj a_W_1 W_jet W_ _ S_()<", "scan_1.obj S_1.obj a_W_1 W_jet W_ _ S_()&lt;"),
+            ("a/S_1 b.W_2", "a/S_1 b.W_2"),
+        ] {
+            assert_eq!(prose(text), html);
+        }
+        assert_eq!(prose("`W_1` <"), "<code class=\"k\">W_1</code> &lt;");
+        assert_eq!(prose("one ` only"), "one ` only");
+    }
+
+    #[test]
+    fn paths_cannot_end_the_attribute_or_name_another_scheme() {
+        assert_eq!(path("fig02/a b.png"), "fig02/a%20b.png");
+        assert_eq!(path("javascript:alert(\"1\")"), "javascript%3Aalert%28%221%22%29");
+    }
+
+    #[test]
+    fn control_characters_do_not_reach_the_page() {
+        assert_eq!(escaped("a\0\u{1b}[31m<&>\"'"), "a\u{fffd}\u{fffd}[31m&lt;&amp;&gt;&quot;&#39;");
+    }
 }

@@ -1,10 +1,10 @@
-//! A page of sections with pictures and tables, as one HTML file that opens from a disk, without a network and without
-//! scripts, on a phone and on a wide screen, light and dark.
+//! A page of sections with pictures and tables, as an HTML file that opens from a disk, without a network and without
+//! scripts, on a phone and on a wide screen, light and dark. Pictures are inside the file, or files beside it.
 
 mod html;
 mod image;
 
-pub use image::{DARK_GROUND, Image, ImageError, ImageKind, LIGHT_GROUND};
+pub use image::{DARK_GROUND, Image, ImageError, ImageKind, LIGHT_GROUND, Source};
 
 use crate::table::Table;
 
@@ -38,7 +38,7 @@ impl Section {
         Self { id: id.to_owned(), title: title.into(), blocks: Vec::new() }
     }
 
-    /// Adds a paragraph; what stands between backticks is set as code.
+    /// Adds a paragraph; see [`Block::Paragraph`].
     pub fn say(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Paragraph(text.into()));
     }
@@ -57,7 +57,7 @@ impl Section {
 /// A piece of a section.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Block {
-    /// Text; what stands between backticks is set as code.
+    /// Text. What stands between backticks is set as code, and the j of `W_j`, `S_j`, `n_j` and `σ_j` as a subscript.
     Paragraph(String),
     /// A remark.
     Note(String),
@@ -69,6 +69,8 @@ pub enum Block {
     Gallery(Vec<Figure>),
     /// Numbers, with a link that saves them as CSV; a long table is the link only.
     Table(Table),
+    /// The same with a link to the CSV file beside the page.
+    TableBeside(Table, String),
     /// Files beside the page.
     Files(Vec<Link>),
 }
@@ -149,7 +151,7 @@ pub struct Link {
 }
 
 impl Page {
-    /// The page as an HTML file with all pictures and tables inside. O(bytes).
+    /// The page as an HTML file. O(bytes).
     ///
     /// ```
     /// use adwave_report::page::{Page, Section};
@@ -157,7 +159,7 @@ impl Page {
     /// section.say("Written with `<b>`.");
     /// let page = Page { title: "T".to_owned(), sections: vec![section], ..Page::default() };
     /// assert!(page.html().contains("<h2>A &lt; B</h2>"));
-    /// assert!(page.html().contains("<code>&lt;b&gt;</code>"));
+    /// assert!(page.html().contains("&lt;b&gt;</code>"));
     /// ```
     pub fn html(&self) -> String {
         html::page(self)

@@ -3,13 +3,13 @@
 use super::Subject;
 use super::drawing::{FieldLook, Frame, Scale, Studio};
 use crate::page::{Block, Figure, Image, Section};
-use crate::table::{Table, digits};
-use adwave_render::plot::{Axis, AxisScale, Chart, Mark, Series};
+use crate::table::{NONE, Table, column, digits};
+use adwave_render::plot::{Axis, Chart, Mark, Series};
 
 /// At how many levels the shape is shown.
 const MOST_SHOWN: usize = 4;
-/// Sides of a chart, pixels: its letters can be read on a phone.
-pub(super) const CHART: (u32, u32) = (620, 420);
+/// Sides of a chart, pixels: its letters can still be read where a phone shows it at three quarters of that.
+const CHART: (u32, u32) = (480, 330);
 
 /// One level in numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,8 @@ pub struct BandSummary {
     pub max: f64,
     /// The mean square of W_j by that of the signal about its mean; NaN for a constant signal.
     pub energy_share: f64,
+    /// The mean square of W_j by the sum of those of all bands; NaN for a constant signal.
+    pub detail_share: f64,
 }
 
 pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<BandSummary>) {
@@ -39,9 +41,8 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
             "The signal is the same everywhere: every band is 0, and there are no shares of its energy.",
         );
     }
-    match chart(subject, &bands) {
-        Ok(Some(figure)) => section.push(Block::Gallery(vec![figure])),
-        Ok(None) => {}
+    match chart(subject, &bands).and_then(|shares| Ok([shares, decay(subject)?])) {
+        Ok(charts) => section.gallery(Ok(charts.into_iter().flatten().collect())),
         Err(why) => section.note(format!("No chart: {why}.")),
     }
     if studio.can_draw() {
@@ -58,10 +59,10 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     (section, bands)
 }
 
-/// The levels that are shown, spread evenly, the last one among them.
+/// The levels that are shown, spread evenly from the first to the last.
 fn shown(n_levels: usize) -> Vec<usize> {
     let n = n_levels.min(MOST_SHOWN);
-    (1..=n).map(|k| (k * n_levels).div_ceil(n)).collect()
+    (0..n).map(|k| 1 + (2 * k * (n_levels - 1) + n - 1) / (2 * (n - 1)).max(1)).collect()
 }
 
 /// Mean squares under the areas of the vertices, which are 0 where the signal has no value.
@@ -105,6 +106,8 @@ fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
     // Rounding alone leaves a constant signal a spread of about 1e-32 of its square.
     let size = bands.scaling[0].iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
     let constant = spread.total <= (1e-13 * size).powi(2);
+    let all: f64 = spread.bands.iter().sum();
+    let share = |energy: f64, of: f64| if constant { f64::NAN } else { energy / of };
     (1..=bands.n_levels())
         .map(|level| {
             let max = bands.wavelet[level - 1]
@@ -119,7 +122,8 @@ fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
                 sigma: bands.sigma[level],
                 rms: energy.sqrt(),
                 max: max.sqrt(),
-                energy_share: if constant { f64::NAN } else { energy / spread.total },
+                energy_share: share(energy, spread.total),
+                detail_share: share(energy, all),
             }
         })
         .collect()
@@ -129,8 +133,8 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], spread: &Spread) -> Table
     let (width, unit) = (subject.width_unit(), subject.unit());
     let mut table = Table::new(
         "bands.csv",
-        "The bands, fine to coarse. The share is the mean square of W_j by that of the signal about its mean; neighbouring \
-         bands overlap, so the shares do not add up to 100 %, and most of a signal's energy is in the rest.",
+        "The bands, fine to coarse. The signal's energy is its mean square about its mean; that of a band is the mean square \
+         of W_j. Neighbouring bands overlap, so the shares of the signal's energy do not add up to 100 %.",
         &[
             "level j",
             "steps n_j",
@@ -138,66 +142,112 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], spread: &Spread) -> Table
             "σ_j, % of the diagonal",
             &format!("rms of W_j, {unit}"),
             &format!("largest |W_j|, {unit}"),
-            "share of the energy, %",
+            "% of the signal's energy",
+            "% of all bands' energy",
         ],
     );
-    let percent = |share: f64| if share.is_finite() { digits(100.0 * share) } else { "–".to_owned() };
-    for b in bands {
+    let numbers = |value: &dyn Fn(&BandSummary) -> f64| column(&bands.iter().map(value).collect::<Vec<_>>());
+    let columns = [
+        numbers(&|b| b.sigma),
+        numbers(&|b| subject.percent(b.sigma)),
+        numbers(&|b| b.rms),
+        numbers(&|b| b.max),
+        numbers(&|b| 100.0 * b.energy_share),
+        numbers(&|b| 100.0 * b.detail_share),
+    ];
+    for (k, band) in bands.iter().enumerate() {
+        let [sigma, percent, rms, max, energy, detail] = columns.each_ref().map(|cells| cells[k].clone());
         table.push([
-            b.level.to_string(),
-            b.steps.to_string(),
-            digits(b.sigma),
-            percent(subject.percent(b.sigma) / 100.0),
-            digits(b.rms),
-            digits(b.max),
-            percent(b.energy_share),
+            band.level.to_string(),
+            band.steps.to_string(),
+            sigma,
+            percent,
+            rms,
+            max,
+            energy,
+            detail,
         ]);
     }
     let constant = bands.iter().all(|b| b.energy_share.is_nan());
-    let rest = if constant { f64::NAN } else { spread.rest / spread.total };
-    let none = || "–".to_owned();
-    table.push([
-        format!("rest S_{}", bands.len()),
-        none(),
-        none(),
-        none(),
-        digits(spread.rest.sqrt()),
-        none(),
-        percent(rest),
-    ]);
-    table
+    let rest = if constant { NONE.to_owned() } else { digits(100.0 * spread.rest / spread.total) };
+    let none = || NONE.to_owned();
+    let name = format!("rest S_{}", bands.len());
+    table.push([name, none(), none(), none(), digits(spread.rest.sqrt()), none(), rest, none()]);
+    table.without_empty_columns()
 }
 
-/// Energy by width, on logarithmic axes; nothing without two points to see.
+/// Energy by level; nothing without two levels that have some.
 fn chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<Figure>, String> {
-    let points: Vec<[f64; 2]> = bands
-        .iter()
-        .map(|b| [b.sigma, 100.0 * b.energy_share])
-        .filter(|p| p.iter().all(|v| v.is_finite() && *v > 1e-290))
-        .collect();
-    if points.len() < 2 {
+    let strong = bands.iter().filter(|b| b.detail_share > 0.0);
+    let Some(most) = strong.clone().max_by(|a, b| a.detail_share.total_cmp(&b.detail_share)) else {
+        return Ok(None);
+    };
+    if strong.count() < 2 {
         return Ok(None);
     }
-    let most = points.iter().max_by(|a, b| a[1].total_cmp(&b[1])).expect("at least two");
     let caption = format!(
-        "The share of the signal's energy in each band against its width σ_j, both logarithmic: where the details are. The \
-         strongest band is the one of width {} {}, with {} %.",
-        digits(most[0]),
-        subject.width_unit(),
-        digits(most[1]),
+        "Where the details are: the share of each band in the energy of all bands. The strongest is band {}, of {}, with \
+         {:.0} %.",
+        most.level,
+        width(subject, most.sigma),
+        100.0 * most.detail_share,
     );
-    let axis = |label: String| Axis { label, scale: AxisScale::Log10 };
+    let alt = bands
+        .iter()
+        .map(|b| format!("level {}: {:.1} %", b.level, 100.0 * b.detail_share))
+        .collect::<Vec<_>>()
+        .join(", ");
+    let points = bands.iter().enumerate().map(|(k, b)| [k as f64, 100.0 * b.detail_share]);
     let chart = Chart {
         title: "Energy of the bands".to_owned(),
-        x: axis(format!("σ, {}", subject.width_unit())),
-        y: axis("share of the energy, %".to_owned()),
-        series: vec![Series { label: String::new(), mark: Mark::Points, points }],
+        x: Axis {
+            label: "level, fine to coarse".to_owned(),
+            names: bands.iter().map(|b| b.level.to_string()).collect(),
+            ..Axis::default()
+        },
+        y: Axis { label: "share, %".to_owned(), ..Axis::default() },
+        series: vec![Series { label: String::new(), mark: Mark::Bars, points: points.collect() }],
     };
-    plotted(&chart, "The energy of each band against its width", caption).map(Some)
+    plotted(&chart, &format!("A bar for the energy of each band: {alt}."), caption).map(Some)
+}
+
+/// How much is left of a signal after each level; for the shape itself it is nearly all.
+fn decay(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
+    let (bands, areas) = (subject.bands, subject.walk.areas());
+    let rms = |signal: &Vec<f64>| about_mean(signal, bands.n_channels, &areas).sqrt();
+    let left: Vec<f64> = bands.scaling.iter().map(rms).collect();
+    let (first, last) = (left[0], left[bands.n_levels()]);
+    if subject.is_geometry() || !(first > 0.0 && left.iter().all(|v| v.is_finite())) {
+        return Ok(None);
+    }
+    let caption = format!(
+        "How {} evens out: the standard deviation of S_j, from S_0, the signal itself, to S_{}. Of {} at first, {} is left.",
+        subject.signal,
+        bands.n_levels(),
+        digits(first),
+        digits(last),
+    );
+    let chart = Chart {
+        title: "What is left of the signal".to_owned(),
+        x: Axis {
+            label: "level, fine to coarse".to_owned(),
+            names: (0..left.len()).map(|j| j.to_string()).collect(),
+            ..Axis::default()
+        },
+        y: Axis { label: "standard deviation".to_owned(), ..Axis::default() },
+        series: vec![Series {
+            label: String::new(),
+            mark: Mark::Stems,
+            points: left.iter().enumerate().map(|(j, v)| [j as f64, *v]).collect(),
+        }],
+    };
+    let alt =
+        format!("The standard deviation of the smoothed signal by level: {}.", column(&left).join(", "));
+    plotted(&chart, &alt, caption).map(Some)
 }
 
 /// A chart as a figure of the page.
-pub(super) fn plotted(chart: &Chart, alt: &str, caption: String) -> Result<Figure, String> {
+fn plotted(chart: &Chart, alt: &str, caption: String) -> Result<Figure, String> {
     let svg = chart.svg(CHART.0, CHART.1).map_err(|e| e.to_string())?;
     Ok(Figure {
         image: Image::svg(svg, CHART.0, CHART.1),
@@ -253,7 +303,7 @@ fn steps(n: u64) -> String {
 }
 
 /// `width σ = 0.05 model units, 2 % of the diagonal`.
-pub(super) fn width(subject: &Subject<'_>, sigma: f64) -> String {
+fn width(subject: &Subject<'_>, sigma: f64) -> String {
     let percent = subject.percent(sigma);
     let of_diagonal =
         if percent.is_finite() { format!(", {percent:.2} % of the diagonal") } else { String::new() };
@@ -265,11 +315,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_that_are_shown_are_spread_and_end_with_the_last() {
+    fn levels_that_are_shown_are_spread_from_the_first_to_the_last() {
         assert_eq!(shown(1), [1]);
         assert_eq!(shown(3), [1, 2, 3]);
-        assert_eq!(shown(8), [2, 4, 6, 8]);
-        assert_eq!(shown(7), [2, 4, 6, 7]);
+        assert_eq!(shown(8), [1, 3, 6, 8]);
+        assert_eq!(shown(6), [1, 3, 4, 6]);
     }
 
     #[test]

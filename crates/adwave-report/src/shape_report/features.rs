@@ -4,7 +4,7 @@ use super::Subject;
 use super::drawing::{Frame, Studio};
 use super::place::Places;
 use crate::page::{Block, Figure, Legend, Section};
-use crate::table::{Table, digits};
+use crate::table::{NONE, Table, digits};
 use adwave::features::{Feature, FeatureParams, features};
 use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
@@ -36,13 +36,14 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let n_levels = subject.bands.n_levels();
     section.say(format!(
-        "A feature is a vertex where |W_j| is larger than at its neighbours, there and on the levels below and above, and at \
+        "A feature is a {} where |W_j| is larger than at its neighbours, there and on the levels below and above, and at \
          least {} times the mean of its level. Levels 2 to {} can have some. Its radius is σ_j.",
+        subject.vertex(),
         params.theta,
         n_levels - 1
     ));
     if found.is_empty() {
-        section.note("No vertex stands out like that.");
+        section.note(format!("No {} stands out like that.", subject.vertex()));
         return (section, Some(FeatureSummary { features: found, seconds }));
     }
     section.say(match found.len() {
@@ -87,21 +88,29 @@ fn strongest(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> T
     let mut table = Table::new(
         "features.csv",
         &caption,
-        &["vertex", "where", "x, y, z", "level j", &format!("radius σ_j, {unit}"), "strength", "sign"],
+        &[
+            subject.vertex(),
+            "where",
+            "x, y, z",
+            "level j",
+            &format!("radius σ_j, {unit}"),
+            "strength",
+            "sign",
+        ],
     );
     for f in found.iter().take(MOST_LISTED) {
-        let none = || "–".to_owned();
+        let none = || NONE.to_owned();
         table.push([
             f.vertex.to_string(),
             f.position.zip(places.as_ref()).map_or_else(none, |(p, places)| places.words(&p)),
-            f.position.map_or_else(none, |p| p.map(digits).join(", ")),
+            f.position.map_or_else(none, |p| subject.position(p)),
             f.level.to_string(),
             digits(f.sigma),
             digits(f.strength),
             if signed { if f.sign() > 0 { "+" } else { "−" }.to_owned() } else { none() },
         ]);
     }
-    table
+    table.without_empty_columns()
 }
 
 fn pictures(

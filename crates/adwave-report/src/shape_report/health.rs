@@ -2,13 +2,17 @@
 
 use super::Subject;
 use crate::page::{Block, Fact, Section, Tone, Verdict};
-use crate::table::digits;
+use crate::table::{digits, grouped};
 use adwave::shape::{Health, Shape, bounding_box};
 
 pub(super) fn section(subject: &Subject<'_>) -> (Section, Health) {
     let health = subject.walk.health(subject.shape);
     let mut section = Section::new("health", "Health");
-    section.push(Block::Verdict(verdict(subject, &health)));
+    let odd = oddities(subject, &health);
+    section.push(Block::Verdict(verdict(subject, &health, &odd)));
+    if !odd.is_empty() {
+        section.push(Block::Facts(odd));
+    }
     section.push(Block::Facts(facts(subject, &health)));
     (section, health)
 }
@@ -58,12 +62,14 @@ fn oddities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     counts
         .into_iter()
         .filter(|&(_, count, _)| count > 0)
-        .map(|(name, count, meaning)| fact(name, count.to_string(), meaning))
+        .map(|(name, count, meaning)| match subject.shape {
+            Shape::Graph(_) => fact(&name.replace("Vertices", "Nodes"), grouped(count), meaning),
+            _ => fact(name, grouped(count), meaning),
+        })
         .collect()
 }
 
-fn verdict(subject: &Subject<'_>, health: &Health) -> Verdict {
-    let odd = oddities(subject, health);
+fn verdict(subject: &Subject<'_>, health: &Health, odd: &[Fact]) -> Verdict {
     let n_parts = health.n_components - health.n_isolated;
     let kind = match subject.shape {
         Shape::Mesh(_) if health.is_closed() => "A closed surface",
@@ -120,7 +126,6 @@ fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
             "Each can be reported with `--field`.",
         ));
     }
-    list.extend(oddities(subject, health));
     list
 }
 
@@ -132,24 +137,24 @@ fn counts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     };
     let mut list = vec![
         fact("Kind", format!("{kind}, {}", subject.format), ""),
-        fact(one, health.n_vertices.to_string(), ""),
+        fact(one, grouped(health.n_vertices), ""),
     ];
     if let Shape::Mesh(_) = subject.shape {
         let polygons = match health.n_polygons {
             0 => String::new(),
-            n => format!("{n} of them have more than three corners and are cut into triangles."),
+            n => format!("{} of them have more than three corners and are cut into triangles.", grouped(n)),
         };
-        list.push(fact("Faces", health.n_faces.to_string(), &polygons));
+        list.push(fact("Faces", grouped(health.n_faces), &polygons));
     }
     let edges = match subject.shape {
         Shape::Mesh(_) => "Distinct, after welding.",
         Shape::Cloud(_) => "Pairs of neighbours that the walk steps between.",
         Shape::Graph(_) => "",
     };
-    list.push(fact("Edges", health.n_edges.to_string(), edges));
+    list.push(fact("Edges", grouped(health.n_edges), edges));
     list.push(fact(
         "Parts",
-        (health.n_components - health.n_isolated).to_string(),
+        grouped(health.n_components - health.n_isolated),
         "Connected over edges. Nothing is averaged across a gap.",
     ));
     if let Shape::Mesh(_) = subject.shape {

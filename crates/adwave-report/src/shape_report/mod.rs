@@ -18,6 +18,7 @@ pub use presets::PresetSummary;
 pub use saliency::SaliencySummary;
 
 use crate::page::Page;
+use crate::table::digits;
 use adwave::bands::Bands;
 use adwave::shape::{Health, Shape};
 use adwave::{Cancelled, Decomposer, Progress};
@@ -69,6 +70,28 @@ impl Subject<'_> {
     /// The unit of the widths σ, in words.
     fn width_unit(&self) -> &'static str {
         if self.shape.points().is_some() { "model units" } else { "hops" }
+    }
+
+    /// The word for a vertex.
+    fn vertex(&self) -> &'static str {
+        if let Shape::Graph(_) = self.shape { "node" } else { "vertex" }
+    }
+
+    /// The word for several.
+    fn vertices(&self) -> &'static str {
+        if let Shape::Graph(_) = self.shape { "nodes" } else { "vertices" }
+    }
+
+    /// A point with decimals of a ten-thousandth of the shape.
+    fn position(&self, point: [f64; 3]) -> String {
+        let decimals = 4 - self.walk.diagonal().log10().floor() as i32;
+        let far = point.iter().any(|c| c.abs() >= 1e9);
+        let cell = |c: f64| match decimals {
+            0..=9 if !far => format!("{c:.*}", decimals as usize).replace('-', "−"),
+            decimals if decimals < 0 && !far => format!("{c:.0}").replace('-', "−"),
+            _ => digits(c),
+        };
+        point.map(cell).join(", ")
     }
 
     /// A width in % of the diagonal.
@@ -148,7 +171,7 @@ pub fn shape_report(
     seconds.extend(features.iter().map(|f| ("features".to_owned(), f.seconds)));
     progress.step(4, N_SECTIONS)?;
     let (presets_section, presets) = presets::section(subject, &mut studio);
-    seconds.extend(presets.iter().map(|p| (format!("preset {}", p.name), p.seconds)));
+    seconds.push(("presets".to_owned(), presets.iter().map(|p| p.seconds).sum()));
     progress.step(5, N_SECTIONS)?;
     if studio.n_pictures() > 0 {
         seconds.push(("pictures".to_owned(), studio.seconds()));
@@ -193,7 +216,7 @@ fn introduction(subject: &Subject<'_>) -> Vec<String> {
     let signal = if subject.is_geometry() {
         "the positions of its vertices".to_owned()
     } else {
-        format!("the field {}, in its own unit", subject.signal)
+        format!("{}, in its own unit", subject.signal)
     };
     vec![
         format!(

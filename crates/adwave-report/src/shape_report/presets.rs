@@ -1,13 +1,11 @@
 //! The four ready-made filters, and what each changes.
 
 use super::Subject;
-use super::bands::plotted;
 use super::drawing::{FieldLook, Frame, Scale, Studio};
 use crate::page::{Block, Figure, Section};
-use crate::table::{Table, digits};
+use crate::table::{NONE, Table, column, digits};
 use adwave::filter::Preset;
 use adwave::shape::{Shape, enclosed_volume};
-use adwave_render::plot::{Axis, Chart, Mark, Series};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -39,18 +37,14 @@ struct Edited {
 pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<PresetSummary>) {
     let mut section = Section::new("presets", "Presets");
     section.say(
-        "Each band is multiplied by a gain and all are put together again: `adwave filter` with `--preset`. \
-         A gain of 1 keeps a band, 0 drops it, more than 1 strengthens it; the rest S_J stays.",
+        "Four ready-made filters, as `adwave filter --preset NAME` applies them: each band is multiplied by a gain, and all \
+         are put together again. A gain of 1 keeps a band, 0 drops it, more than 1 strengthens it; the rest S_J stays.",
     );
     let edited: Vec<Edited> =
         Preset::ALL.into_iter().map(|(name, preset)| edit(subject, name, preset)).collect();
     section.gallery(pictures(subject, studio, &edited));
     let summaries: Vec<PresetSummary> = edited.into_iter().map(|e| e.summary).collect();
     section.push(Block::Table(table(subject, &summaries)));
-    match chart(&summaries) {
-        Ok(figure) => section.push(Block::Gallery(vec![figure])),
-        Err(why) => section.note(format!("No chart: {why}.")),
-    }
     (section, summaries)
 }
 
@@ -137,26 +131,13 @@ fn pictures(
 
 /// How much a preset changes, in a sentence.
 fn changed(subject: &Subject<'_>, summary: &PresetSummary) -> String {
-    let (rms, max) = (summary.rms, summary.max);
-    if subject.is_geometry() {
-        let percent = |length: f64| match subject.percent(length) {
-            p if p.is_finite() => format!(" ({} % of the diagonal)", digits(p)),
-            _ => String::new(),
-        };
-        format!(
-            "Vertices move by {} model units{} in root mean square, by {}{} at most",
-            digits(rms),
-            percent(rms),
-            digits(max),
-            percent(max)
-        )
+    let percent = subject.percent(summary.rms);
+    if !subject.is_geometry() {
+        format!("It changes by {} (rms)", digits(summary.rms))
+    } else if percent.is_finite() {
+        format!("Vertices move by {percent:.2} % of the diagonal (rms)")
     } else {
-        format!(
-            "{} changes by {} in root mean square, by {} at most",
-            subject.signal,
-            digits(rms),
-            digits(max)
-        )
+        format!("Vertices move by {} model units (rms)", digits(summary.rms))
     }
 }
 
@@ -166,7 +147,8 @@ fn table(subject: &Subject<'_>, summaries: &[PresetSummary]) -> Table {
     let mut table = Table::new(
         "presets.csv",
         &format!(
-            "What each preset changes, all vertices counting alike{}.",
+            "What each preset changes, all {} counting alike{}.",
+            subject.vertices(),
             if summaries.iter().any(|s| s.volume_ratio.is_some()) {
                 ", and what is left of the volume"
             } else {
@@ -178,40 +160,23 @@ fn table(subject: &Subject<'_>, summaries: &[PresetSummary]) -> Table {
             "gains, fine to coarse",
             &format!("{what} (rms), {unit}"),
             &format!("{what} at most, {unit}"),
-            "at vertex",
+            &format!("at {}", subject.vertex()),
             "volume, % of before",
         ],
     );
-    for s in summaries {
+    let numbers =
+        |value: &dyn Fn(&PresetSummary) -> f64| column(&summaries.iter().map(value).collect::<Vec<_>>());
+    let (rms, max) = (numbers(&|s| s.rms), numbers(&|s| s.max));
+    for ((s, rms), max) in summaries.iter().zip(rms).zip(max) {
         let gains: Vec<String> = s.gains.iter().map(|g| format!("{}", (100.0 * g).round() / 100.0)).collect();
         table.push([
             s.name.to_owned(),
             gains.join(" "),
-            digits(s.rms),
-            digits(s.max),
-            s.vertex.map_or_else(|| "–".to_owned(), |v| v.to_string()),
-            s.volume_ratio.map_or_else(|| "–".to_owned(), |r| format!("{:.2}", 100.0 * r)),
+            rms,
+            max,
+            s.vertex.map_or_else(|| NONE.to_owned(), |v| v.to_string()),
+            s.volume_ratio.map_or_else(|| NONE.to_owned(), |r| format!("{:.2}", 100.0 * r)),
         ]);
     }
-    table
-}
-
-fn chart(summaries: &[PresetSummary]) -> Result<Figure, String> {
-    let axis = |label: &str| Axis { label: label.to_owned(), ..Axis::default() };
-    let row = |s: &PresetSummary| Series {
-        label: s.name.to_owned(),
-        mark: Mark::Points,
-        points: s.gains.iter().enumerate().map(|(k, &g)| [(k + 1) as f64, g]).collect(),
-    };
-    let chart = Chart {
-        title: "Gains of the presets".to_owned(),
-        x: axis("level, fine to coarse"),
-        y: axis("gain"),
-        series: summaries.iter().map(row).collect(),
-    };
-    plotted(
-        &chart,
-        "The gain of each preset on each level",
-        "What each preset multiplies each band by.".to_owned(),
-    )
+    table.without_empty_columns()
 }

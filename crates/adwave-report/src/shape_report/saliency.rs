@@ -4,7 +4,7 @@ use super::Subject;
 use super::drawing::{FieldLook, Frame, Scale, Studio};
 use super::place::{Places, patches, vertex_of};
 use crate::page::{Block, Section};
-use crate::table::{Table, digits};
+use crate::table::{NONE, Table};
 use adwave::saliency::{SaliencyParams, saliency};
 use adwave_render::value_range;
 use std::time::Instant;
@@ -67,36 +67,47 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let position = |class: usize| subject.walk.domain().points.get(class).copied();
     let at = match (&places, position(peak)) {
         (Some(places), Some(p)) => {
-            format!(", at ({}), {} of the shape", p.map(digits).join(", "), places.words(&p))
+            format!(", at ({}), {} of the shape", subject.position(p), places.words(&p))
         }
         _ => String::new(),
     };
     section.say(format!(
-        "It is largest at vertex {vertex}{at}. The most salient {:.0} % of the vertices hold {:.0} % of the map's sum; they \
-         form {}.",
+        "It is largest at {} {vertex}{at}. The most salient {:.0} % of the {} hold {:.0} % of the map's sum; they form {}.",
+        subject.vertex(),
         100.0 * TOP,
+        subject.vertices(),
         100.0 * top / sum,
         if found.len() == 1 { "one patch".to_owned() } else { format!("{} patches", found.len()) }
     ));
     section.gallery(pictures(subject, studio, &map));
     let mut table = Table::new(
         "saliency.csv",
-        "The strongest patches of the most salient vertices: the vertex where each is largest and where that is in the bounding box, \
-         as seen from the front.",
-        &["peak, vertex", "where", "x, y, z", "vertices", "% of the map's sum"],
+        &format!(
+            "The strongest patches of the most salient {}, and the {} where each is largest{}.",
+            subject.vertices(),
+            subject.vertex(),
+            if places.is_some() { ", with its place in the bounding box as seen from the front" } else { "" }
+        ),
+        &[
+            &format!("largest at {}", subject.vertex()),
+            "where",
+            "x, y, z",
+            subject.vertices(),
+            "% of the map's sum",
+        ],
     );
     for patch in found.iter().take(MOST_PATCHES) {
         let p = position(patch.peak);
-        let none = || "–".to_owned();
+        let none = || NONE.to_owned();
         table.push([
             vertex_of(subject, patch.peak).to_string(),
             p.zip(places.as_ref()).map_or_else(none, |(p, places)| places.words(&p)),
-            p.map_or_else(none, |p| p.map(digits).join(", ")),
+            p.map_or_else(none, |p| subject.position(p)),
             patch.n_vertices.to_string(),
-            digits(100.0 * patch.sum / sum),
+            format!("{:.2}", 100.0 * patch.sum / sum),
         ]);
     }
-    section.push(Block::Table(table));
+    section.push(Block::Table(table.without_empty_columns()));
     let summary = SaliencySummary {
         vertex: Some(vertex),
         largest: by_class[peak],

@@ -3,6 +3,7 @@
 use super::Subject;
 use super::drawing::{FieldLook, Frame, Scale, Studio};
 use crate::page::{Block, Section};
+use crate::table::grouped;
 use adwave::shape::Shape;
 
 pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section {
@@ -50,9 +51,10 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
     section.gallery(drawn);
     if let Some(n_drawn) = studio.n_drawn() {
         section.say(format!(
-            "For pictures, {n_drawn} of the {} vertices are drawn, one for each cell of about a pixel. All numbers are those of \
+            "For pictures, {} of the {} vertices are drawn, one for each cell of about a pixel. All numbers are those of \
              the whole shape.",
-            subject.shape.n_vertices()
+            grouped(n_drawn),
+            grouped(subject.shape.n_vertices())
         ));
     }
     section
