@@ -98,7 +98,7 @@ pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Sch
 /// Refuses levels that no shape can have, before any shape is read.
 pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
     if let Some(steps) = &args.steps {
-        Schedule::new(steps.clone())?;
+        Schedule::real(steps.clone())?;
     }
     if let Some(lengths) = &args.lengths {
         let rises =

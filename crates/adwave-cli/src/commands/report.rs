@@ -5,7 +5,7 @@ use crate::analysis_args::FieldArgs;
 use crate::args::GlobalArgs;
 use crate::commands::info::{health_json, kind};
 use crate::error::CliError;
-use crate::output::{bands_params, check_levels, check_writable, print, write_error};
+use crate::output::{bands_params, check_levels, check_writable, print, steps_json, write_error};
 use crate::progress::{with_progress, with_spinner};
 use crate::report_args::ReportArgs;
 use crate::shape_input::load;
@@ -125,7 +125,7 @@ fn describe(
         "levels_reason": analysis.why,
         "health": health_json(&report.health),
         "bands": report.bands.iter().map(|b| json!({
-            "level": b.level, "steps": b.steps, "sigma": b.sigma, "percent": analysis.percent(b.sigma),
+            "level": b.level, "steps": steps_json(&[b.steps])[0], "sigma": b.sigma, "percent": analysis.percent(b.sigma),
             "rms": b.rms, "max": b.max, "energy_share": b.energy_share,
             "detail_share": b.detail_share,
         })).collect::<Vec<_>>(),
