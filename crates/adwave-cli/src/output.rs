@@ -7,7 +7,7 @@ use adwave::Decomposer;
 use adwave::bands::{BandsParams, DEFAULT_REACH, Schedule};
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
 use comfy_table::{CellAlignment, Table, presets};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -59,6 +59,16 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// A number of steps: whole as it is, else four significant digits.
+pub(crate) fn steps_text(steps: f64) -> String {
+    if steps.fract() == 0.0 { steps.to_string() } else { number(steps) }
+}
+
+/// Numbers of steps, the whole ones as whole numbers.
+pub(crate) fn steps_json(steps: &[f64]) -> Vec<Value> {
+    steps.iter().map(|&n| if n.fract() == 0.0 { json!(n as u64) } else { json!(n) }).collect()
+}
+
 /// The schedule that the arguments ask for, and why it has as many levels.
 pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
     schedule_reaching(DEFAULT_REACH, args, decomposer)
@@ -71,7 +81,7 @@ pub(crate) fn schedule_reaching(
     decomposer: &Decomposer,
 ) -> Result<(Schedule, String), CliError> {
     if let Some(steps) = &args.steps {
-        let schedule = Schedule::new(steps.clone())?;
+        let schedule = Schedule::real(steps.clone())?;
         let why = format!("{} levels, of the steps asked for", schedule.n_levels());
         return Ok((schedule, why));
     }
@@ -92,6 +102,31 @@ pub(crate) fn schedule_reaching(
         }
         None => Ok((Schedule::dyadic(levels)?, why)),
     }
+}
+
+/// Refuses levels that no shape can have, before any shape is read.
+pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
+    if let Some(steps) = &args.steps {
+        Schedule::real(steps.clone())?;
+    }
+    if let Some(lengths) = &args.lengths {
+        let rises =
+            |k: usize| lengths[k].is_finite() && lengths[k] > if k == 0 { 0.0 } else { lengths[k - 1] };
+        if let Some(bad) = (0..lengths.len()).find(|&k| !rises(k)) {
+            return Err(CliError::Input(format!(
+                "--lengths: {} is number {} of the widths; they are above 0 and increase",
+                lengths[bad],
+                bad + 1
+            )));
+        }
+    }
+    if let Some(levels) = args.levels {
+        Schedule::dyadic(levels)?;
+    }
+    if let Some(voices) = args.voices {
+        Schedule::voices(1, voices)?;
+    }
+    Ok(())
 }
 
 /// The format that a path asks for by its extension.
@@ -119,7 +154,15 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
     if path.is_dir() {
         return Err(CliError::Input(format!("{} is a folder; name a file in it", path.display())));
     }
-    Ok(())
+    // A link is written through, and what is no regular file (a pipe, /dev/null) needs no new name in its folder.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if target.exists() && !target.is_file() {
+        return Ok(());
+    }
+    let probe = target.with_file_name(format!(".adwave-probe-{}.tmp", std::process::id()));
+    std::fs::File::create(&probe)
+        .and_then(|_| std::fs::remove_file(&probe))
+        .map_err(|e| CliError::Environment(format!("cannot write {}: {e}", path.display())))
 }
 
 /// Writes a shape and says what its format could not hold.

@@ -5,7 +5,7 @@ use crate::bands::{
     Bands, BandsError, BandsParams, DEFAULT_REACH, Schedule, check_signal, decompose, levels_reaching,
     weighted_bands,
 };
-use crate::basis::{BasisError, SparseRow, one_vertex};
+use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::filter::{Edit, FilterError};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
@@ -37,7 +37,7 @@ pub struct VertexFunctions {
 /// let shape = Shape::Cloud(PointCloud::new(points.clone())?);
 /// let decomposer = Decomposer::new(&shape, &OperatorParams::default());
 /// let bands = decomposer.decompose(points.as_flattened(), 3, &Schedule::dyadic(4)?, &BandsParams::default(), Progress::none())?;
-/// assert_eq!(bands.steps, [0, 1, 2, 4, 8]);
+/// assert_eq!(bands.steps, [0.0, 1.0, 2.0, 4.0, 8.0]);
 /// let rebuilt = bands.reconstruct();
 /// assert!(rebuilt.iter().zip(points.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -260,8 +260,11 @@ impl Decomposer {
             return Err(BasisError::NoVertex { vertex, n_vertices });
         }
         let class = self.domain.weld.class_of(vertex);
-        let steps = schedule.steps_from_zero();
-        let [.., before, last] = steps[..] else { unreachable!("a schedule has a level") };
+        check_whole(schedule)?;
+        let [.., before, last] = schedule.steps_from_zero()[..] else {
+            unreachable!("a schedule has a level")
+        };
+        let (before, last) = (before as u64, last as u64);
         let functions = one_vertex(&self.diffusion, class, before, last, 0.0, progress)?;
         let dense = |row: &SparseRow| self.domain.weld.scatter(&row.to_dense(self.domain.n_vertices()), 1);
         Ok(VertexFunctions {

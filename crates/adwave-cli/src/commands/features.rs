@@ -4,7 +4,7 @@ use crate::analysis::Analysis;
 use crate::analysis_args::FeaturesArgs;
 use crate::args::{GlobalArgs, ShapeArgs};
 use crate::error::CliError;
-use crate::output::{check_writable, number, print, table, write_error, write_shape};
+use crate::output::{check_writable, number, print, steps_json, table, write_error, write_shape};
 use adwave::features::{
     Descriptor, FEATURE_REACH, Feature, Match, describe, features, match_features, spheres,
 };
@@ -152,7 +152,7 @@ fn report(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>
             "shape": found.analysis.input.name,
             "vertices": found.analysis.bands.n_vertices,
             "levels_reason": found.analysis.why,
-            "steps": found.analysis.bands.steps,
+            "steps": steps_json(&found.analysis.bands.steps),
             "sigma": found.analysis.bands.sigma,
             "features": found.features.iter().enumerate().map(|(k, f)| {
                 let mut json = feature_json(f);
