@@ -1,9 +1,9 @@
-//! What `saliency`, `features` and `evaluate` begin with: a shape, a signal on it, a walk, and the bands.
+//! What `saliency`, `features`, `evaluate` and `report` begin with: a shape, a signal on it, a walk, and the bands.
 
 use crate::analysis_args::FieldArgs;
 use crate::args::{GlobalArgs, LevelArgs, ShapeArgs};
 use crate::error::CliError;
-use crate::output::{bands_params, schedule};
+use crate::output::{bands_params, check_levels, schedule};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, Signal};
@@ -36,13 +36,28 @@ impl Analysis {
         levels: &LevelArgs,
         global: &GlobalArgs,
     ) -> Result<Self, CliError> {
-        let params = bands_params(levels)?;
+        bands_params(levels)?;
+        check_levels(levels)?;
         let mut watch = Stopwatch::start();
         let input = with_spinner(global, "reading", || load(shape))?;
-        let read = watch.lap();
+        Self::of(input, watch.lap(), shape, field, levels, global)
+    }
+
+    /// The same of a shape that was read in that many seconds.
+    pub(crate) fn of(
+        input: Input,
+        read: f64,
+        shape: &ShapeArgs,
+        field: &FieldArgs,
+        levels: &LevelArgs,
+        global: &GlobalArgs,
+    ) -> Result<Self, CliError> {
+        let params = bands_params(levels)?;
+        let mut watch = Stopwatch::start();
         let (walk, signal) = with_spinner(global, "building the walk", || {
-            let walk = Decomposer::new(&input.shape, &shape.operator());
+            // First the signal: a name that does not exist shows before the walk is built.
             let signal = signal::load_with_texture(&input, &field.field, field.texture.as_deref())?;
+            let walk = Decomposer::new(&input.shape, &shape.operator());
             let walk = signal::mask(walk, &signal, &field.field, global)?;
             Ok::<(Decomposer, Signal), CliError>((walk, signal))
         })?;

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// The signal that is analysed.
 #[derive(Debug, Args)]
 pub(crate) struct FieldArgs {
-    /// The signal: coords, normals, mean-curvature, gaussian-curvature, shape-index, density, luminance, lightness,
+    /// The signal: coords, normals, mean-curvature, gaussian-curvature, shape-index, density, degree (of a graph), luminance, lightness,
     /// texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN, FILE.gii or FILE.gii:NAME
     #[arg(long, value_name = "NAME", default_value = "coords", help_heading = "Signal")]
     pub(crate) field: String,

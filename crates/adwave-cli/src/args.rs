@@ -2,6 +2,7 @@
 
 use crate::analysis_args::{EvaluateArgs, FeaturesArgs, FieldArgs, SaliencyArgs};
 use crate::render_args::RenderArgs;
+use crate::report_args::ReportArgs;
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, OperatorParams};
 use adwave::region::{Region, RegionSyntaxError, parse_region};
@@ -68,6 +69,8 @@ pub(crate) enum Command {
     Basis(BasisArgs),
     /// Draw a picture of a shape, a field on it, its features; or a sheet of several
     Render(RenderArgs),
+    /// Write one page about a shape: health, bands, saliency, features, presets, as pictures and tables
+    Report(ReportArgs),
     /// Write a built-in shape
     Sample(SampleArgs),
     /// Decompose, filter and edit a built-in creature, and show what happened

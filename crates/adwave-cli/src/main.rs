@@ -11,6 +11,7 @@ mod interrupt;
 mod output;
 mod progress;
 mod render_args;
+mod report_args;
 mod shape_input;
 mod signal;
 mod stopwatch;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => commands::compare::run(args, &cli.global),
         Command::Basis(args) => commands::basis::run(args, &cli.global),
         Command::Render(args) => commands::render::run(args, &cli.global),
+        Command::Report(args) => commands::report::run(args, &cli.global),
         Command::Sample(args) => commands::sample::run(args, &cli.global),
         Command::Demo(args) => commands::demo::run(args, &cli.global),
         Command::Reproduce(args) => commands::reproduce::run(args, &cli.global),

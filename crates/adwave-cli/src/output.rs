@@ -95,6 +95,31 @@ pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Sch
     }
 }
 
+/// Refuses levels that no shape can have, before any shape is read.
+pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
+    if let Some(steps) = &args.steps {
+        Schedule::new(steps.clone())?;
+    }
+    if let Some(lengths) = &args.lengths {
+        let rises =
+            |k: usize| lengths[k].is_finite() && lengths[k] > if k == 0 { 0.0 } else { lengths[k - 1] };
+        if let Some(bad) = (0..lengths.len()).find(|&k| !rises(k)) {
+            return Err(CliError::Input(format!(
+                "--lengths: {} is number {} of the widths; they are above 0 and increase",
+                lengths[bad],
+                bad + 1
+            )));
+        }
+    }
+    if let Some(levels) = args.levels {
+        Schedule::dyadic(levels)?;
+    }
+    if let Some(voices) = args.voices {
+        Schedule::voices(1, voices)?;
+    }
+    Ok(())
+}
+
 /// The format that a path asks for by its extension.
 pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
     match Format::from_path(path) {
@@ -120,7 +145,15 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
     if path.is_dir() {
         return Err(CliError::Input(format!("{} is a folder; name a file in it", path.display())));
     }
-    Ok(())
+    // A link is written through, and what is no regular file (a pipe, /dev/null) needs no new name in its folder.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if target.exists() && !target.is_file() {
+        return Ok(());
+    }
+    let probe = target.with_file_name(format!(".adwave-probe-{}.tmp", std::process::id()));
+    std::fs::File::create(&probe)
+        .and_then(|_| std::fs::remove_file(&probe))
+        .map_err(|e| CliError::Environment(format!("cannot write {}: {e}", path.display())))
 }
 
 /// Writes a shape and says what its format could not hold.

@@ -6,13 +6,20 @@ use crate::output::note;
 use crate::shape_input::Input;
 use adwave::Decomposer;
 use adwave::mask::missing;
-use adwave::shape::{Domain, WeldMode};
-use adwave::signal::{SurfaceSignal, lightness, luminance, surface_signal};
+use adwave::shape::{Domain, Shape, WeldMode};
+use adwave::signal::{SurfaceSignal, degree, lightness, luminance, surface_signal};
 use adwave_io::{Field, FieldValues, ReadLimits, ShapeFile};
 use std::path::Path;
 
 /// The name of the coordinates as a signal.
 pub(crate) const COORDS: &str = "coords";
+/// The name of the sum of the weights at each node of a graph.
+pub(crate) const DEGREE: &str = "degree";
+
+/// What a shape is split by where nothing is said: its coordinates, or the degree of a graph's nodes.
+pub(crate) fn default_name(input: &Input) -> &'static str {
+    if input.file.points().is_empty() { DEGREE } else { COORDS }
+}
 
 /// A signal on the vertices: n_vertices × n_channels, row-major.
 pub(crate) struct Signal {
@@ -49,13 +56,18 @@ pub(crate) fn load_with_texture(
                 Ok(Signal { n_channels: 3, values: points.as_flattened().to_vec() })
             }
             _ => Err(CliError::Input(format!(
-                "{}: a graph has no coordinates; name a signal with --field FILE.npy",
+                "{}: a graph has no coordinates; name a signal with --field degree or --field FILE.npy",
                 input.name
             ))),
         };
     }
     if let Some((n_channels, values)) = field(&input.file, name) {
         return Ok(Signal { n_channels, values });
+    }
+    if name == DEGREE
+        && let Shape::Graph(graph) = &input.shape
+    {
+        return Ok(Signal { n_channels: 1, values: degree(graph) });
     }
     if let Some(kind) = SurfaceSignal::from_name(name) {
         let domain = Domain::new(&input.shape, WeldMode::EqualPositions);
@@ -89,7 +101,8 @@ pub(crate) fn load_with_texture(
     }
     let fields = field_names(&input.file);
     let known = if fields.is_empty() { String::new() } else { format!(", {}", fields.join(", ")) };
-    Err(CliError::Input(format!("{} has no field '{name}'; there is coords{known}", input.name)))
+    let always = default_name(input);
+    Err(CliError::Input(format!("{} has no field '{name}'; there is {always}{known}", input.name)))
 }
 
 /// The walk without the vertices where the signal is NaN.

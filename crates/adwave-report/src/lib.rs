@@ -1,3 +1,8 @@
 //! Pages of pictures and numbers: the report of one shape, and every figure and table of the paper made again.
 
+pub mod page;
 pub mod reproduce;
+pub mod shape_report;
+mod table;
+
+pub use table::{NONE, Table, column, digits};

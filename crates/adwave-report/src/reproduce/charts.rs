@@ -2,13 +2,18 @@
 
 use super::{FigureError, Outcome};
 use adwave::shape::{Graph, Shape};
-use adwave_render::plot::{Axis, AxisScale, Chart, Mark, Series};
+use adwave_render::Picture;
+use adwave_render::plot::{Axis, AxisScale, Chart, Mark, Series, Sheet, SparsityPattern};
 
 /// Points on the line of Figs. 2, 4 and 7.
 pub(super) const N_POINTS: usize = 100;
 
 /// Pixels of a chart.
 const SIZE: (u32, u32) = (900, 520);
+/// Pixels of a chart among others.
+const SMALL: (u32, u32) = (520, 400);
+/// Pixels of a sparsity pattern.
+const PATTERN: (u32, u32) = (460, 500);
 
 /// Equal weights between neighbours on a line of points.
 pub(super) fn line() -> Result<Shape, FigureError> {
@@ -24,19 +29,51 @@ pub(super) fn row(label: impl Into<String>, values: &[f64]) -> Series {
 
 /// A linear axis.
 pub(super) fn linear(label: &str) -> Axis {
-    Axis { label: label.to_owned(), scale: AxisScale::Linear }
+    Axis { label: label.to_owned(), ..Axis::default() }
 }
 
 /// A logarithmic axis.
 pub(super) fn logarithmic(label: &str) -> Axis {
-    Axis { label: label.to_owned(), scale: AxisScale::Log10 }
+    Axis { label: label.to_owned(), scale: AxisScale::Log10, ..Axis::default() }
+}
+
+/// An axis of names.
+pub(super) fn named(label: &str, names: impl IntoIterator<Item = String>) -> Axis {
+    Axis { names: names.into_iter().collect(), ..linear(label) }
 }
 
 impl Outcome {
     /// Adds a chart, as SVG and as PNG.
     pub(super) fn chart(self, stem: &str, caption: &str, chart: &Chart) -> Result<Self, FigureError> {
-        let svg = chart.svg(SIZE.0, SIZE.1)?.into_bytes();
-        let png = chart.picture(SIZE.0, SIZE.1)?.png()?;
-        Ok(self.picture(&format!("{stem}.svg"), caption, svg).picture(&format!("{stem}.png"), caption, png))
+        let (width, height) = SIZE;
+        self.drawn(stem, caption, chart.svg(width, height)?, &chart.picture(width, height)?)
+    }
+
+    /// Adds charts side by side, as SVG and as PNG.
+    pub(super) fn charts(self, stem: &str, caption: &str, sheet: &Sheet) -> Result<Self, FigureError> {
+        let columns = sheet.columns.clamp(1, sheet.charts.len().max(1));
+        let rows = sheet.charts.len().div_ceil(columns);
+        let (width, height) = (SMALL.0 * columns as u32, SMALL.1 * rows as u32);
+        self.drawn(stem, caption, sheet.svg(width, height)?, &sheet.picture(width, height)?)
+    }
+
+    /// Adds the pattern of a matrix, as SVG and as PNG.
+    pub(super) fn pattern(
+        self,
+        stem: &str,
+        caption: &str,
+        pattern: &SparsityPattern,
+    ) -> Result<Self, FigureError> {
+        let (width, height) = PATTERN;
+        self.drawn(stem, caption, pattern.svg(width, height)?, &pattern.picture(width, height)?)
+    }
+
+    fn drawn(self, stem: &str, caption: &str, svg: String, picture: &Picture) -> Result<Self, FigureError> {
+        let png = picture.png()?;
+        Ok(self.picture(&format!("{stem}.svg"), caption, svg.into_bytes()).picture(
+            &format!("{stem}.png"),
+            caption,
+            png,
+        ))
     }
 }

@@ -3,7 +3,7 @@
 use super::charts::{N_POINTS, line, linear, row};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave_baselines::line::line_case;
-use adwave_render::plot::Chart;
+use adwave_render::plot::{Chart, Sheet};
 
 /// The levels of the paper's figure.
 const LEVELS: [usize; 2] = [9, 10];
@@ -54,20 +54,24 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             digits(adw.wavelet.mean),
         ),
     );
-    let mut outcome = Outcome::new(verdict).on(format!("a line of {N_POINTS} points"));
+    let mut sheet = Sheet { columns: 3, ..Sheet::default() };
     for name in ["DW", "BDW", "ADW"] {
-        let mut series = Vec::new();
-        for case in cases.iter().filter(|c| c.name == name) {
-            series.push(row(format!("φ of level {}", case.level), &case.middle_scaling));
-            if case.level == LEVELS[1] {
-                series.push(row(format!("ψ of level {}", case.level), &case.middle_wavelet));
-            }
+        let of_kind = || cases.iter().filter(|c| c.name == name);
+        let scaling = of_kind().map(|c| row(format!("φ of level {}", c.level), &c.middle_scaling));
+        let wavelet = of_kind().map(|c| row(format!("ψ of level {}", c.level), &c.middle_wavelet));
+        for (kind, series) in [("scaling functions", scaling.collect()), ("wavelets", wavelet.collect())] {
+            let title = format!("{name}: {kind}");
+            sheet.charts.push(Chart { title, x: linear("point"), y: linear("value"), series });
         }
-        let chart = Chart { title: name.to_owned(), x: linear("point"), y: linear("value"), series };
-        let caption =
-            format!("{name}: the scaling functions and the wavelet that peak nearest to the middle.");
-        outcome = outcome.chart(&format!("fig02-{}", name.to_lowercase()), &caption, &chart)?;
     }
+    // Scaling functions above, wavelets below.
+    sheet.charts = [0, 2, 4, 1, 3, 5].map(|k| sheet.charts[k].clone()).to_vec();
+    let outcome = Outcome::new(verdict).on(format!("a line of {N_POINTS} points")).charts(
+        "fig02",
+        "The functions that peak nearest to the middle. From left to right: DW, BDW, ADW; above scaling functions, below \
+         wavelets.",
+        &sheet,
+    )?;
     Ok(outcome
         .say(
             "The claims are that diffusion wavelets (DW) are orthogonal but not locally supported, that the biorthogonal ones \

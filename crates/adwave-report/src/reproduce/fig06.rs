@@ -1,6 +1,6 @@
 //! Fig. 6: what a level costs from the fine end up, and what eigenfunctions cost from the coarse end down.
 
-use super::charts::{linear, logarithmic};
+use super::charts::logarithmic;
 use super::numbers::walk;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::bands::{BandsParams, Schedule};
@@ -86,7 +86,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     let chart = Chart {
         title: "Seconds to reach a length".to_owned(),
-        x: linear("length reached (model units)"),
+        x: logarithmic("length reached (model units)"),
         y: logarithmic("seconds"),
         series: all,
     };

@@ -6,7 +6,7 @@ use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, basis_by_squaring};
 use adwave::operator::OperatorParams;
-use adwave_render::plot::sparsity_pattern;
+use adwave_render::plot::SparsityPattern;
 
 const N_LEVELS: usize = 8;
 /// A matrix with less than this part of its entries is sparse.
@@ -39,12 +39,14 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let rows = 0..N_POINTS as u32;
         let entries: Vec<[u32; 2]> =
             rows.flat_map(|x| basis.scaling[j - 1].row(x as usize).0.iter().map(move |&y| [x, y])).collect();
-        let picture = sparsity_pattern(N_POINTS, N_POINTS, &entries, 4)?.png()?;
-        outcome = outcome.picture(
-            &format!("fig07-phi{j}.png"),
-            format!("Φ of level {j}: a square for each entry above 1e-6."),
-            picture,
-        );
+        let pattern = SparsityPattern {
+            title: format!("Φ of level {j}"),
+            n_rows: N_POINTS,
+            n_columns: N_POINTS,
+            entries,
+        };
+        let caption = format!("Φ of level {j}: a square for each entry above 1e-6.");
+        outcome = outcome.pattern(&format!("fig07-phi{j}"), &caption, &pattern)?;
     }
     Ok(outcome.say("The claim is that the matrices of the first levels are sparse.").table(table))
 }

@@ -31,10 +31,11 @@ mod table1;
 mod table2;
 mod write;
 
+pub use crate::table::{Table, digits};
 pub use context::Context;
 pub use figures::{FIGURES, Figure, select};
 pub use models::{MODELS, Model, ModelError, Models};
-pub use outcome::{Outcome, PictureFile, Table, Verdict, digits};
+pub use outcome::{Outcome, PictureFile, Verdict};
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

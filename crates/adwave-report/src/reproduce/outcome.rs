@@ -1,6 +1,6 @@
 //! What the making of a figure or table gives.
 
-use std::fmt::Write as _;
+use crate::table::Table;
 
 /// Whether a figure came out as the paper claims, each with a sentence that gives the numbers it rests on.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,60 +68,6 @@ pub struct PictureFile {
     pub bytes: Vec<u8>,
 }
 
-/// The numbers behind a figure.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Table {
-    /// The name of its file, with the ending `.csv`; unique within the figure.
-    pub name: String,
-    /// What the numbers are.
-    pub caption: String,
-    /// Names of the columns, with units.
-    pub head: Vec<String>,
-    /// One cell a column.
-    pub rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    /// A table without rows.
-    pub fn new(name: &str, caption: &str, head: &[&str]) -> Self {
-        let head = head.iter().map(|&h| h.to_owned()).collect();
-        Self { name: name.to_owned(), caption: caption.to_owned(), head, rows: Vec::new() }
-    }
-
-    /// Adds a row.
-    ///
-    /// # Panics
-    /// Unless there is one cell a column.
-    pub fn push<const N: usize>(&mut self, row: [String; N]) {
-        assert_eq!(N, self.head.len(), "one cell a column of {}", self.name);
-        self.rows.push(row.into());
-    }
-
-    /// The table as RFC 4180 has it: cells with commas, quotes or line breaks in quotes.
-    ///
-    /// ```
-    /// use adwave_report::reproduce::Table;
-    /// let mut table = Table::new("a.csv", "", &["x", "y"]);
-    /// table.push(["1".to_owned(), "a, \"b\"".to_owned()]);
-    /// assert_eq!(table.csv(), "x,y\n1,\"a, \"\"b\"\"\"\n");
-    /// ```
-    pub fn csv(&self) -> String {
-        let mut text = String::new();
-        for row in std::iter::once(&self.head).chain(&self.rows) {
-            for (k, cell) in row.iter().enumerate() {
-                text.push_str(if k > 0 { "," } else { "" });
-                if cell.contains([',', '"', '\n', '\r']) {
-                    let _ = write!(text, "\"{}\"", cell.replace('"', "\"\""));
-                } else {
-                    text.push_str(cell);
-                }
-            }
-            text.push('\n');
-        }
-        text
-    }
-}
-
 /// A figure or table made again.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outcome {
@@ -187,25 +133,5 @@ impl Outcome {
     pub fn table(mut self, table: Table) -> Self {
         self.tables.push(table);
         self
-    }
-}
-
-/// Four significant digits, in scientific notation where the number is very large or small.
-///
-/// ```
-/// use adwave_report::reproduce::digits;
-/// assert_eq!((digits(0.0), digits(12.3456), digits(1.0e-9)), ("0".into(), "12.35".into(), "1.000e-9".into()));
-/// ```
-pub fn digits(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if !value.is_finite() {
-        String::new()
-    } else if (1e-3..1e6).contains(&size) {
-        let decimals = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
     }
 }

@@ -1,10 +1,12 @@
-//! Signals that come from the shape itself: normals, curvatures, shape index, density; and the luminance of colours.
+//! Signals that come from the shape itself: normals, curvatures, shape index, density, the degree of a
+//! graph's nodes; and the luminance of colours.
 //!
 //! [`surface_signal`] computes one by its kind on meshes and clouds alike; the parts can be used by themselves on points
 //! and triangles.
 
 mod cloud_normals;
 mod curvature;
+mod degree;
 mod luminance;
 mod mesh_curvature;
 mod quadric;
@@ -12,6 +14,7 @@ mod quadric;
 pub(crate) use cloud_normals::cloud_border;
 pub use cloud_normals::cloud_normals;
 pub use curvature::Curvature;
+pub use degree::degree;
 pub use luminance::{lightness, luminance};
 pub use mesh_curvature::mesh_curvature;
 pub use quadric::cloud_curvature;
@@ -58,6 +61,16 @@ impl SurfaceSignal {
             Self::GaussianCurvature => "gaussian-curvature",
             Self::ShapeIndex => "shape-index",
             Self::Density => "density",
+        }
+    }
+
+    /// In what it is measured; `None` where it is a number.
+    pub fn unit(self) -> Option<&'static str> {
+        match self {
+            Self::Normals | Self::ShapeIndex => None,
+            Self::MeanCurvature => Some("1/model unit"),
+            Self::GaussianCurvature => Some("1/model unit²"),
+            Self::Density => Some("points/model unit²"),
         }
     }
 

@@ -1,0 +1,145 @@
+//! `adwave report`: one page about one shape.
+
+use crate::analysis::Analysis;
+use crate::analysis_args::FieldArgs;
+use crate::args::GlobalArgs;
+use crate::commands::info::{health_json, kind};
+use crate::error::CliError;
+use crate::output::{bands_params, check_levels, check_writable, print, write_error};
+use crate::progress::{with_progress, with_spinner};
+use crate::report_args::ReportArgs;
+use crate::shape_input::load;
+use crate::signal::{default_name, field_names};
+use crate::stopwatch::Stopwatch;
+use adwave_io::{Format, atomic_write};
+use adwave_render::Up;
+use adwave_report::shape_report::{Looks, ShapeReport, Subject, shape_report};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::Instant;
+
+pub(crate) fn run(args: &ReportArgs, global: &GlobalArgs) -> Result<(), CliError> {
+    let start = Instant::now();
+    check(args)?;
+    let mut watch = Stopwatch::start();
+    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let field = args.field.clone().unwrap_or_else(|| default_name(&input).to_owned());
+    let signal = FieldArgs { field: field.clone(), texture: args.texture.clone() };
+    let analysis = Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, global)?;
+    let report = report(args, global, &analysis, &field)?;
+    let html = report.page.html();
+    atomic_write(&args.output, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let text = analysis.headline(&field) + &summary(&report, html.len(), seconds, &args.output);
+    print(global, &text, &describe(args, &analysis, &field, &report, html.len(), seconds))
+}
+
+/// What can be refused before anything is read.
+fn check(args: &ReportArgs) -> Result<(), CliError> {
+    let named = |ending: &str| args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+    if !named("html") && !named("htm") {
+        return Err(CliError::Input(format!("{}: a report is written as .html", args.output.display())));
+    }
+    check_writable(&args.output)?;
+    bands_params(&args.levels)?;
+    check_levels(&args.levels)
+}
+
+fn report(
+    args: &ReportArgs,
+    global: &GlobalArgs,
+    analysis: &Analysis,
+    field: &str,
+) -> Result<ShapeReport, CliError> {
+    let input = &analysis.input;
+    let format = input.file.format();
+    // Scans of land have their heights in z.
+    let up = if matches!(format, Some(Format::Las | Format::Laz)) { Up::Z } else { Up::default() };
+    let seconds = &analysis.seconds;
+    let subject = Subject {
+        name: last_part(&input.name),
+        format: &format.map_or_else(|| "built-in".to_owned(), |f| f.to_string()),
+        fields: &field_names(&input.file),
+        shape: &input.shape,
+        walk: &analysis.walk,
+        signal: if input.file.field(field).is_some() { field } else { last_part(field) },
+        bands: &analysis.bands,
+        levels_reason: &analysis.why,
+        command: &command_line(),
+        seconds: &[("reading", seconds.read), ("walk", seconds.walk), ("bands", seconds.bands)],
+    };
+    let looks = Looks { view: Some(args.view), up: args.up.unwrap_or(up) };
+    with_progress(global, "measuring and drawing", |progress| shape_report(&subject, looks, progress))
+        .map_err(|_| CliError::Cancelled)
+}
+
+/// A name without the folders before it.
+fn last_part(name: &str) -> &str {
+    Path::new(name).file_name().and_then(|part| part.to_str()).unwrap_or(name)
+}
+
+/// What was typed, so that it can be typed again.
+fn command_line() -> String {
+    let safe = |c: char| c.is_alphanumeric() || "-_./:,=+@%".contains(c);
+    let quoted = |word: String| {
+        if !word.is_empty() && word.chars().all(safe) {
+            word
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    };
+    let words = std::env::args_os().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
+    std::iter::once("adwave".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+fn summary(report: &ShapeReport, bytes: usize, seconds: f64, output: &Path) -> String {
+    let count = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
+    let features = report.features.as_ref().map_or(0, |f| f.features.len());
+    format!(
+        "{}, {}, {} in {:.1} MB; {seconds:.2} s\n{}",
+        count(report.bands.len(), "band"),
+        count(features, "feature"),
+        count(report.n_pictures, "picture"),
+        bytes as f64 / 1e6,
+        output.display(),
+    )
+}
+
+fn describe(
+    args: &ReportArgs,
+    analysis: &Analysis,
+    field: &str,
+    report: &ShapeReport,
+    bytes: usize,
+    seconds: f64,
+) -> Value {
+    let parts: serde_json::Map<String, Value> =
+        report.seconds.iter().map(|(what, seconds)| (what.clone(), json!(seconds))).collect();
+    json!({
+        "shape": analysis.input.name,
+        "kind": kind(&analysis.input.shape),
+        "output": args.output.display().to_string(),
+        "bytes": bytes,
+        "pictures": report.n_pictures,
+        "field": field,
+        "levels_reason": analysis.why,
+        "health": health_json(&report.health),
+        "bands": report.bands.iter().map(|b| json!({
+            "level": b.level, "steps": b.steps, "sigma": b.sigma, "percent": analysis.percent(b.sigma),
+            "rms": b.rms, "max": b.max, "energy_share": b.energy_share,
+            "detail_share": b.detail_share,
+        })).collect::<Vec<_>>(),
+        "saliency": report.saliency.as_ref().map(|s| json!({
+            "largest_vertex": s.vertex, "largest": s.largest, "patches": s.n_patches, "top_share": s.top_share,
+        })),
+        "features": report.features.as_ref().map(|f| f.features.iter().map(|f| json!({
+            "vertex": f.vertex, "position": f.position, "level": f.level, "sigma": f.sigma,
+            "response": f.response, "strength": f.strength,
+        })).collect::<Vec<_>>()),
+        "presets": report.presets.iter().map(|p| json!({
+            "name": p.name, "gains": p.gains, "rms": p.rms, "max": p.max, "vertex": p.vertex,
+            "volume_ratio": p.volume_ratio,
+        })).collect::<Vec<_>>(),
+        "seconds": {"parts": parts, "all": seconds},
+    })
+}

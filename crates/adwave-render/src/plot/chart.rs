@@ -1,0 +1,172 @@
+//! What a chart shows.
+
+use super::canvas::{self, Area, Drawn};
+use super::{PlotError, draw};
+use crate::picture::Picture;
+use plotters::prelude::DrawingBackend;
+use std::ops::Range;
+
+/// How values are spread along an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AxisScale {
+    /// Evenly.
+    #[default]
+    Linear,
+    /// By their logarithm.
+    Log10,
+}
+
+/// An axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Axis {
+    /// What it shows, with the unit.
+    pub label: String,
+    /// How values are spread.
+    pub scale: AxisScale,
+    /// What stands at 0, 1, 2 … in place of numbers; for the axis across, where it is linear.
+    pub names: Vec<String>,
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mark {
+    /// A line through its points.
+    #[default]
+    Line,
+    /// A line with a dot at each point.
+    Points,
+    /// A bar to each point from 0, or from the foot of a logarithmic axis; bars of several series stand side by side.
+    Bars,
+    /// A thin line to each point from there, with a dot.
+    Stems,
+}
+
+/// A row of points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Its name in the legend.
+    pub label: String,
+    /// How it is drawn.
+    pub mark: Mark,
+    /// x and y.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Series over common axes, with a legend above them where there are several.
+///
+/// ```
+/// use adwave_render::plot::{Axis, Chart, Series};
+/// let axis = |label: &str| Axis { label: label.to_owned(), ..Axis::default() };
+/// let line = Series { label: "y = x".to_owned(), points: vec![[0.0, 0.0], [1.0, 1.0]], ..Series::default() };
+/// let chart = Chart { title: "A line".to_owned(), x: axis("x"), y: axis("y"), series: vec![line] };
+/// assert!(chart.svg(400, 300)?.contains("A line"));
+/// assert_eq!(chart.picture(400, 300)?.width, 400);
+/// # Ok::<(), adwave_render::plot::PlotError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// The line above.
+    pub title: String,
+    /// The axis across.
+    pub x: Axis,
+    /// The axis up.
+    pub y: Axis,
+    /// What is shown.
+    pub series: Vec<Series>,
+}
+
+impl Chart {
+    /// The chart as the text of an SVG file.
+    ///
+    /// # Errors
+    ///
+    /// No points, values that have no place on their axis, a size that is none.
+    pub fn svg(&self, width: u32, height: u32) -> Result<String, PlotError> {
+        canvas::svg(self, width, height)
+    }
+
+    /// The chart in pixels.
+    ///
+    /// # Errors
+    ///
+    /// As [`Chart::svg`].
+    pub fn picture(&self, width: u32, height: u32) -> Result<Picture, PlotError> {
+        canvas::picture(self, width, height)
+    }
+
+    /// Series that are drawn as bars.
+    pub(super) fn n_bars(&self) -> usize {
+        self.series.iter().filter(|s| s.mark == Mark::Bars).count()
+    }
+
+    /// Half of the room that the bars at one place share, in values of the axis across, or in factors where it is
+    /// logarithmic: 0.4 of the least distance between places.
+    pub(super) fn half_slot(&self) -> f64 {
+        let log = self.x.scale == AxisScale::Log10;
+        let bars = self.series.iter().filter(|s| s.mark == Mark::Bars);
+        let mut places: Vec<f64> =
+            bars.flat_map(|s| &s.points).map(|p| if log { p[0].ln() } else { p[0] }).collect();
+        places.sort_unstable_by(f64::total_cmp);
+        let gaps = places.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap > 0.0);
+        let least = gaps.fold(f64::INFINITY, f64::min);
+        0.4 * if least.is_finite() { least } else { 1.0 }
+    }
+
+    /// The values that the axis across shows.
+    pub(super) fn x_range(&self) -> Range<f64> {
+        let (low, high) = self.extremes(0);
+        let slot = if self.n_bars() > 0 { 1.4 * self.half_slot() } else { 0.0 };
+        match self.x.scale {
+            AxisScale::Log10 => {
+                let factor = slot.exp().max(1.3);
+                low / factor..high * factor
+            }
+            AxisScale::Linear => {
+                let room = if high > low { 0.04 * (high - low) } else { low.abs().max(1.0) * 0.1 };
+                low - room.max(slot)..high + room.max(slot)
+            }
+        }
+    }
+
+    /// The values that the axis up shows; bars and stems on a linear one start at 0.
+    pub(super) fn y_range(&self) -> Range<f64> {
+        let (low, high) = self.extremes(1);
+        match self.y.scale {
+            AxisScale::Log10 => low / 1.3..high * 1.3,
+            AxisScale::Linear => {
+                let from_zero = self.series.iter().any(|s| matches!(s.mark, Mark::Bars | Mark::Stems));
+                let (low, high) = if from_zero { (low.min(0.0), high.max(0.0)) } else { (low, high) };
+                let room = if high > low { 0.04 * (high - low) } else { low.abs().max(1.0) * 0.1 };
+                let room_at = |end: f64| if from_zero && end == 0.0 { 0.0 } else { room };
+                low - room_at(low)..high + if high > low { room_at(high) } else { room }
+            }
+        }
+    }
+
+    fn extremes(&self, k: usize) -> (f64, f64) {
+        let values = || self.series.iter().flat_map(|s| &s.points).map(|p| p[k]);
+        (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
+    }
+}
+
+impl Drawn for Chart {
+    fn check(&self) -> Result<(), PlotError> {
+        if self.series.iter().all(|s| s.points.is_empty()) {
+            return Err(PlotError::Empty { title: self.title.clone() });
+        }
+        for series in &self.series {
+            for (axis, value) in series.points.iter().flat_map(|p| [(&self.x, p[0]), (&self.y, p[1])]) {
+                let fits = value.abs() < 1e300 && (axis.scale == AxisScale::Linear || value > 1e-300);
+                if !fits {
+                    let (title, series) = (self.title.clone(), series.label.clone());
+                    return Err(PlotError::BadValue { title, series, value });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(), PlotError> {
+        draw::draw(self, area)
+    }
+}

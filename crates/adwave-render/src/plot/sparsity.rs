@@ -1,0 +1,129 @@
+//! Where a matrix has entries.
+
+use super::PlotError;
+use super::canvas::{self, Area, Drawn};
+use crate::picture::Picture;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// A dark square for each entry of a matrix, row 0 at the top, with its shape and the number of its entries below.
+///
+/// A matrix with more rows or columns than there are pixels is drawn by cells of several; a cell is as dark as the part of it that
+/// has entries, and never so light that it vanishes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SparsityPattern {
+    /// The line above.
+    pub title: String,
+    /// Rows of the matrix.
+    pub n_rows: usize,
+    /// Columns of the matrix.
+    pub n_columns: usize,
+    /// Row and column of each entry, from 0.
+    pub entries: Vec<[u32; 2]>,
+}
+
+/// The colour of a cell that is all entries.
+const DARK: RGBColor = RGBColor(0, 80, 140);
+const GROUND: RGBColor = RGBColor(244, 244, 244);
+/// The part of the darkness that one entry in a cell of many has at least.
+const LEAST: f64 = 0.35;
+
+impl SparsityPattern {
+    /// The pattern as the text of an SVG file.
+    ///
+    /// # Errors
+    ///
+    /// No rows, columns or entries, an entry outside, a size that is none.
+    pub fn svg(&self, width: u32, height: u32) -> Result<String, PlotError> {
+        canvas::svg(self, width, height)
+    }
+
+    /// The pattern in pixels.
+    ///
+    /// # Errors
+    ///
+    /// As [`SparsityPattern::svg`].
+    pub fn picture(&self, width: u32, height: u32) -> Result<Picture, PlotError> {
+        canvas::picture(self, width, height)
+    }
+
+    /// The entries in each of `rows` × `columns` cells, row by row.
+    fn cells(&self, rows: usize, columns: usize) -> Vec<u32> {
+        let mut counts = vec![0_u32; rows * columns];
+        for &[row, column] in &self.entries {
+            let at = |k: u32, cells: usize, of: usize| (k as usize * cells / of).min(cells - 1);
+            counts[at(row, rows, self.n_rows) * columns + at(column, columns, self.n_columns)] += 1;
+        }
+        counts
+    }
+}
+
+impl Drawn for SparsityPattern {
+    fn check(&self) -> Result<(), PlotError> {
+        if self.n_rows == 0 || self.n_columns == 0 || self.entries.is_empty() {
+            return Err(PlotError::Empty { title: self.title.clone() });
+        }
+        let outside = |e: &&[u32; 2]| e[0] as usize >= self.n_rows || e[1] as usize >= self.n_columns;
+        match self.entries.iter().find(outside) {
+            Some(&[row, column]) => {
+                let (title, n_rows, n_columns) = (self.title.clone(), self.n_rows, self.n_columns);
+                Err(PlotError::BadEntry { title, row, column, n_rows, n_columns })
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(), PlotError> {
+        let failed = |e: &dyn std::fmt::Display| PlotError::drawing(e);
+        area.fill(&WHITE).map_err(|e| failed(&e))?;
+        let (width, height) = area.dim_in_pixel();
+        let size = canvas::letters(area) as i32;
+        let margin = 2 * size;
+        let room = [width as i32 - 2 * size, height as i32 - 2 * margin].map(|r| f64::from(r.max(1)));
+        // Square cells of whole pixels where they fit, so that all look alike.
+        let fit = (room[0] / self.n_columns as f64).min(room[1] / self.n_rows as f64);
+        let side = if fit >= 1.0 { fit.floor() } else { fit };
+        let extent = |n: usize| ((n as f64 * side).round() as usize).max(1);
+        let (wide, tall) = (extent(self.n_columns), extent(self.n_rows));
+        let (columns, rows) = (self.n_columns.min(wide), self.n_rows.min(tall));
+        let (left, top) = ((width as i32 - wide as i32) / 2, margin);
+        let corner = |column: usize, row: usize| {
+            (left + (column * wide / columns) as i32, top + (row * tall / rows) as i32)
+        };
+        let block = |from: (i32, i32), to: (i32, i32), color: RGBColor| {
+            area.draw(&Rectangle::new([from, to], color.filled())).map_err(|e| failed(&e))
+        };
+        block(corner(0, 0), corner(columns, rows), GROUND)?;
+        let whole = (self.n_rows as f64 / rows as f64) * (self.n_columns as f64 / columns as f64);
+        let shade = |count: u32| {
+            let part = (f64::from(count) / whole).min(1.0);
+            let dark = LEAST + (1.0 - LEAST) * part;
+            let mix = |g: u8, d: u8| (f64::from(g) + dark * (f64::from(d) - f64::from(g))).round() as u8;
+            RGBColor(mix(GROUND.0, DARK.0), mix(GROUND.1, DARK.1), mix(GROUND.2, DARK.2))
+        };
+        let counts = self.cells(rows, columns);
+        for row in 0..rows {
+            let cells = &counts[row * columns..(row + 1) * columns];
+            let mut from = 0;
+            // Equal cells in a row are one rectangle: an SVG file stays small.
+            for run in cells.chunk_by(|a, b| a == b) {
+                let to = from + run.len();
+                if run[0] > 0 {
+                    block(corner(from, row), corner(to, row + 1), shade(run[0]))?;
+                }
+                from = to;
+            }
+        }
+        let style = |size: i32| {
+            ("sans-serif", size, &INK).into_text_style(area).pos(Pos::new(HPos::Center, VPos::Center))
+        };
+        let middle = width as i32 / 2;
+        area.draw_text(&self.title, &style(size + 3), (middle, size)).map_err(|e| failed(&e))?;
+        let part = 100.0 * self.entries.len() as f64 / (self.n_rows as f64 * self.n_columns as f64);
+        let text =
+            format!("{} × {}, {} entries ({part:.1} %)", self.n_rows, self.n_columns, self.entries.len());
+        area.draw_text(&text, &style(size), (middle, top + tall as i32 + size)).map_err(|e| failed(&e))
+    }
+}
+
+const INK: RGBColor = RGBColor(48, 48, 48);

@@ -1,0 +1,37 @@
+//! Numbers at ticks.
+
+/// A tick of an axis that spans `span`: up to four digits, powers of ten where it is far from 1.
+pub(super) fn number(value: f64, span: f64) -> String {
+    let size = value.abs();
+    // What is left of 0 after steps were added up.
+    if size < 1e-9 * span || size == 0.0 {
+        return "0".to_owned();
+    }
+    if (1e-3..1e5).contains(&size) {
+        let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
+        return stripped(&format!("{value:.decimals$}")).to_owned();
+    }
+    let text = format!("{value:.2e}");
+    match text.split_once('e') {
+        Some((mantissa, power)) => format!("{}e{power}", stripped(mantissa)),
+        None => text,
+    }
+}
+
+/// Without zeros after the point.
+fn stripped(digits: &str) -> &str {
+    if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn ticks_keep_the_digits_that_tell_them_apart() {
+        let shown =
+            [(0.0125, 0.1), (2.5e-15, 1e-14), (-1e-15, 1e-14), (1e-17, 1.0), (12500.0, 1e5), (1e6, 1e6)]
+                .map(|(value, span)| number(value, span));
+        assert_eq!(shown, ["0.0125", "2.5e-15", "-1e-15", "0", "12500", "1e6"]);
+    }
+}

@@ -1,0 +1,347 @@
+//! Pictures of the shape for the page: one camera, and the colours' meaning beside them.
+
+use super::{Looks, Subject};
+use crate::page::{Figure, Image, Legend};
+use crate::table::digits;
+use adwave::shape::{Shape, triangulate};
+use adwave_render::{
+    Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
+    Surface, Up, ValueRange, View, grid, value_range,
+};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::time::Instant;
+
+/// Sides of a picture, pixels: sharp on a phone's screen, and some 30 kB.
+const SIDE: u32 = 560;
+/// Shapes of more vertices are thinned out before they are drawn.
+const MOST_VERTICES: usize = 250_000;
+/// Cells along the diagonal of which one vertex each is kept: as wide as a pixel where the shape fills the picture.
+const CELLS: f64 = 800.0;
+/// Colours of a legend's bar; a browser mixes those between.
+const N_STOPS: u32 = 16;
+
+/// The shape as it is drawn, and the camera.
+pub(super) struct Studio<'a> {
+    points: &'a [[f64; 3]],
+    triangles: Vec<[u32; 3]>,
+    /// The vertices that are drawn; all where there is no list.
+    kept: Option<Vec<u32>>,
+    view: View,
+    up: Up,
+    n_pictures: usize,
+    seconds: f64,
+}
+
+/// What a picture shows.
+pub(super) struct Frame<'a> {
+    /// Other positions for the vertices.
+    pub(super) points: Option<Cow<'a, [[f64; 3]]>>,
+    /// Its colours.
+    pub(super) field: Option<FieldLook>,
+    /// Balls on it.
+    pub(super) balls: Vec<Ball>,
+    /// What it shows, in a few words.
+    pub(super) alt: String,
+    /// What to see.
+    pub(super) caption: String,
+}
+
+impl<'a> Frame<'a> {
+    /// The shape as it is, in one colour.
+    pub(super) fn plain(alt: impl Into<String>, caption: impl Into<String>) -> Self {
+        Self { points: None, field: None, balls: Vec::new(), alt: alt.into(), caption: caption.into() }
+    }
+
+    /// At other positions.
+    pub(super) fn at(self, points: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
+        Self { points: Some(points.into()), ..self }
+    }
+
+    /// With a field.
+    pub(super) fn field(self, look: FieldLook) -> Self {
+        Self { field: Some(look), ..self }
+    }
+
+    /// With balls.
+    pub(super) fn balls(self, balls: Vec<Ball>) -> Self {
+        Self { balls, ..self }
+    }
+}
+
+/// A field with its colours.
+pub(super) struct FieldLook {
+    values: Vec<f64>,
+    label: String,
+    scale: Scale,
+}
+
+/// Which values the ends of the colours stand for.
+#[derive(Clone, Copy)]
+pub(super) struct Scale {
+    low: f64,
+    high: f64,
+    map: ColorMap,
+}
+
+impl Scale {
+    /// From 0 to the value below which that share of the values lies.
+    pub(super) fn from_zero(values: &[f64], share: f64) -> Self {
+        Self::new(0.0, value_range(values, 0.0, share).1)
+    }
+
+    /// From the 1st to the 99th percentile; symmetric about 0 for a field of both signs.
+    pub(super) fn of(values: &[f64]) -> Self {
+        /// A field whose smaller side reaches this part of its larger side has both signs.
+        const BOTH_SIGNS: f64 = 0.1;
+        let (low, high) = value_range(values, 0.01, 0.99);
+        if -low > BOTH_SIGNS * high.max(0.0) && high > BOTH_SIGNS * (-low).max(0.0) {
+            let most = high.max(-low);
+            return Self::new(-most, most);
+        }
+        Self::new(low, high)
+    }
+
+    fn new(low: f64, high: f64) -> Self {
+        // Wider than the largest number cannot be divided by.
+        let (low, high) = (low.clamp(-1e300, 1e300), high.clamp(-1e300, 1e300));
+        let name = if low < 0.0 && high > 0.0 { "coolwarm" } else { "viridis" };
+        let map = ColorMap::from_name(name).expect("a name of the list");
+        if low < high {
+            return Self { low, high, map };
+        }
+        let room = if low == 0.0 { 1.0 } else { 0.5 * low.abs() };
+        Self { low: low - room, high: low + room, map }
+    }
+}
+
+impl FieldLook {
+    /// A field of one value a vertex; the label is its name and unit.
+    pub(super) fn new(values: Vec<f64>, label: impl Into<String>, scale: Scale) -> Self {
+        Self { values, label: label.into(), scale }
+    }
+
+    fn legend(&self) -> Legend {
+        let (least, most) = value_range(&self.values, 0.0, 1.0);
+        let Scale { low, high, map } = self.scale;
+        let end = |value: f64, beyond: bool, sign: &str| {
+            let sign = if beyond { sign } else { "" };
+            format!("{sign}{}", digits(value))
+        };
+        Legend::Bar {
+            label: self.label.clone(),
+            low: end(low, least < low, "≤ "),
+            high: end(high, most > high, "≥ "),
+            colors: (0..N_STOPS).map(|k| map.color(f64::from(k) / f64::from(N_STOPS - 1))).collect(),
+        }
+    }
+}
+
+impl<'a> Studio<'a> {
+    pub(super) fn new(subject: &Subject<'a>, looks: Looks) -> Self {
+        let points = subject.shape.points().unwrap_or_default();
+        let triangles = match subject.shape {
+            Shape::Mesh(mesh) => triangulate(points, mesh.faces()),
+            _ => Vec::new(),
+        };
+        let start = Instant::now();
+        let (kept, triangles) = if points.len() > MOST_VERTICES {
+            let (kept, triangles) = thinned(points, &triangles, subject.walk.diagonal() / CELLS);
+            (Some(kept), triangles)
+        } else {
+            (None, triangles)
+        };
+        Self {
+            points,
+            triangles,
+            kept,
+            view: looks.view.unwrap_or(View::THREE_QUARTER),
+            up: looks.up,
+            n_pictures: 0,
+            seconds: start.elapsed().as_secs_f64(),
+        }
+    }
+
+    /// Whether there is anything to draw.
+    pub(super) fn can_draw(&self) -> bool {
+        !self.points.is_empty()
+    }
+
+    /// Which axis points up.
+    pub(super) fn up(&self) -> Up {
+        self.up
+    }
+
+    /// How many of the vertices are drawn, where not all are.
+    pub(super) fn n_drawn(&self) -> Option<usize> {
+        self.kept.as_ref().map(Vec::len)
+    }
+
+    /// Pictures made.
+    pub(super) fn n_pictures(&self) -> usize {
+        self.n_pictures
+    }
+
+    /// What they took.
+    pub(super) fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Pictures of one scale and place, so that they can be compared; none of a shape without positions.
+    ///
+    /// # Errors
+    /// Why they cannot be drawn, in words.
+    pub(super) fn draw(&mut self, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
+        self.draw_from(self.view, frames)
+    }
+
+    /// As [`draw`](Self::draw), from the other side.
+    ///
+    /// # Errors
+    /// Why they cannot be drawn, in words.
+    pub(super) fn draw_from_behind(&mut self, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
+        let View { azimuth, elevation } = self.view;
+        self.draw_from(View { azimuth: azimuth + 180.0, elevation }, frames)
+    }
+
+    fn draw_from(&mut self, view: View, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
+        if !self.can_draw() || frames.is_empty() {
+            return Ok(Vec::new());
+        }
+        let start = Instant::now();
+        let shown: Vec<(Cow<'_, [[f64; 3]]>, Option<Cow<'_, [f64]>>)> = frames
+            .iter()
+            .map(|f| {
+                let points = f.points.as_deref().unwrap_or(self.points);
+                (self.taken(points), f.field.as_ref().map(|look| self.taken(&look.values)))
+            })
+            .collect();
+        let panels: Vec<Panel<'_>> = frames
+            .iter()
+            .zip(&shown)
+            .map(|(f, (points, values))| self.panel(f, points, values.as_deref()))
+            .collect();
+        let params = RenderParams::default()
+            .with_size(SIDE, SIDE)
+            .with_view(view)
+            .with_up(self.up)
+            .with_background(Background::Transparent)
+            .with_color_bar(ColorBar::Hidden);
+        let sheet = grid(&panels, 1, SharedCamera::Same, &params).map_err(|e| e.to_string())?;
+        let one = 4 * SIDE as usize * SIDE as usize;
+        let figures = frames.iter().zip(sheet.rgba.chunks_exact(one)).map(|(f, rgba)| {
+            let picture = Picture { width: SIDE, height: SIDE, rgba: rgba.to_vec() };
+            Ok(Figure {
+                image: Image::shaded(&picture).map_err(|e| e.to_string())?,
+                alt: f.alt.clone(),
+                caption: f.caption.clone(),
+                legend: f.field.as_ref().map(FieldLook::legend),
+                link: None,
+            })
+        });
+        let figures: Vec<Figure> = figures.collect::<Result<_, String>>()?;
+        self.n_pictures += figures.len();
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(figures)
+    }
+
+    fn panel<'p>(
+        &'p self,
+        frame: &Frame<'_>,
+        points: &'p [[f64; 3]],
+        values: Option<&'p [f64]>,
+    ) -> Panel<'p> {
+        let paint = match (&frame.field, values) {
+            (Some(look), Some(values)) => Paint::Field(FieldPaint {
+                values,
+                label: String::new(),
+                color_map: Some(look.scale.map),
+                range: ValueRange::Fixed(look.scale.low, look.scale.high),
+            }),
+            _ => Paint::CLAY,
+        };
+        Panel {
+            surface: Surface { points, triangles: &self.triangles, paint },
+            balls: frame.balls.clone(),
+            caption: String::new(),
+        }
+    }
+
+    /// The values of the vertices that are drawn.
+    fn taken<'v, T: Copy>(&self, values: &'v [T]) -> Cow<'v, [T]>
+    where
+        [T]: ToOwned<Owned = Vec<T>>,
+    {
+        match &self.kept {
+            None => Cow::Borrowed(values),
+            Some(kept) => Cow::Owned(kept.iter().map(|&v| values[v as usize]).collect()),
+        }
+    }
+}
+
+/// The first vertex of each cell of that width, by rising index, and the triangles whose corners are in three cells, each
+/// once. Only pictures are made of it: what it leaves out is smaller than a pixel.
+fn thinned(points: &[[f64; 3]], triangles: &[[u32; 3]], cell: f64) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let mut index_of: HashMap<[i64; 3], u32> = HashMap::new();
+    let mut kept = Vec::new();
+    let cell_of: Vec<u32> = points
+        .iter()
+        .enumerate()
+        .map(|(v, p)| {
+            *index_of.entry(p.map(|c| (c / cell).floor() as i64)).or_insert_with(|| {
+                kept.push(v as u32);
+                kept.len() as u32 - 1
+            })
+        })
+        .collect();
+    let mut thin: Vec<[u32; 3]> = triangles
+        .iter()
+        .map(|t| t.map(|v| cell_of[v as usize]))
+        .filter(|[a, b, c]| a != b && b != c && c != a)
+        // The same triangle begins at its smallest corner, whichever way round it goes.
+        .map(|[a, b, c]| {
+            if a < b && a < c {
+                [a, b, c]
+            } else if b < c {
+                [b, c, a]
+            } else {
+                [c, a, b]
+            }
+        })
+        .collect();
+    thin.sort_unstable();
+    thin.dedup();
+    (kept, thin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thinned_mesh_has_a_vertex_a_cell_and_no_triangle_twice() {
+        // A strip of 8 × 2 vertices a tenth of a cell apart, but for the last two, which are a cell further on.
+        let points: Vec<[f64; 3]> = (0..16)
+            .map(|i| {
+                let x = f64::from(i / 2);
+                [if i < 14 { 0.1 * x } else { 1.5 }, if i % 2 == 0 { 0.2 } else { 1.2 }, 0.5]
+            })
+            .collect();
+        let triangles: Vec<[u32; 3]> =
+            (0..14).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
+        let (kept, thin) = thinned(&points, &triangles, 1.0);
+        assert_eq!(kept, [0, 1, 14, 15]);
+        assert_eq!(thin.len(), 2);
+    }
+
+    #[test]
+    fn scales_have_a_width_whatever_the_values() {
+        for values in [&[0.0; 5][..], &[-3.0; 5], &[f64::NAN; 3], &[], &[-1e308, 1e308]] {
+            for scale in [Scale::of(values), Scale::from_zero(values, 0.95)] {
+                assert!(scale.low < scale.high && (scale.high - scale.low).is_finite(), "{values:?}");
+            }
+        }
+        let both = Scale::of(&[-1.0, 0.5, 0.25]);
+        assert_eq!((both.low, both.high, both.map.name()), (-1.0, 1.0, "coolwarm"));
+    }
+}

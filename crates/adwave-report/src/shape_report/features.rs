@@ -1,0 +1,150 @@
+//! The places where a level stands out, each with its size.
+
+use super::Subject;
+use super::drawing::{Frame, Studio};
+use super::place::Places;
+use crate::page::{Block, Figure, Legend, Section};
+use crate::table::{NONE, Table, digits};
+use adwave::features::{Feature, FeatureParams, features};
+use adwave_render::{Ball, ColorMap};
+use std::time::Instant;
+
+/// Features that are listed.
+const MOST_LISTED: usize = 15;
+
+/// The features in short.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeatureSummary {
+    /// Strongest first.
+    pub features: Vec<Feature>,
+    /// What they took.
+    pub seconds: f64,
+}
+
+pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Option<FeatureSummary>) {
+    let mut section = Section::new("features", "Features");
+    let params = FeatureParams::default();
+    let start = Instant::now();
+    let mut found = match features(subject.walk, subject.bands, &params) {
+        Ok(found) => found,
+        Err(why) => {
+            section.note(format!("There are none: {why}."));
+            return (section, None);
+        }
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    let n_levels = subject.bands.n_levels();
+    section.say(format!(
+        "A feature is a {} where |W_j| is larger than at its neighbours, there and on the levels below and above, and at \
+         least {} times the mean of its level. Levels 2 to {} can have some. Its radius is σ_j.",
+        subject.vertex(),
+        params.theta,
+        n_levels - 1
+    ));
+    if found.is_empty() {
+        section.note(format!("No {} stands out like that.", subject.vertex()));
+        return (section, Some(FeatureSummary { features: found, seconds }));
+    }
+    section.say(match found.len() {
+        1 => "There is one.".to_owned(),
+        n => format!("There are {n}."),
+    });
+    section.gallery(pictures(subject, studio, &found));
+    section.push(Block::Table(by_level(subject, &found)));
+    section.push(Block::Table(strongest(subject, studio, &found)));
+    (section, Some(FeatureSummary { features: found, seconds }))
+}
+
+/// The levels that have features, by rising level, and how many each has.
+fn counts(found: &[Feature]) -> Vec<(usize, usize)> {
+    let mut levels: Vec<usize> = found.iter().map(|f| f.level).collect();
+    levels.sort_unstable();
+    levels.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect()
+}
+
+fn by_level(subject: &Subject<'_>, found: &[Feature]) -> Table {
+    let unit = subject.width_unit();
+    let mut table = Table::new(
+        "features-by-level.csv",
+        "How many features each level has.",
+        &["level j", &format!("σ_j, {unit}"), "features"],
+    );
+    for (level, count) in counts(found) {
+        table.push([level.to_string(), digits(subject.bands.sigma[level]), count.to_string()]);
+    }
+    table
+}
+
+fn strongest(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> Table {
+    let unit = subject.width_unit();
+    let signed = subject.bands.n_channels == 1;
+    let places = Places::new(subject, studio.up());
+    let caption = format!(
+        "The strongest features{}. The strength is |W_j| by its mean over the level{}.",
+        if found.len() > MOST_LISTED { format!(", {MOST_LISTED} of {}", found.len()) } else { String::new() },
+        if signed { "; the sign is that of W_j: + where the signal is above its surroundings" } else { "" },
+    );
+    let mut table = Table::new(
+        "features.csv",
+        &caption,
+        &[
+            subject.vertex(),
+            "where",
+            "x, y, z",
+            "level j",
+            &format!("radius σ_j, {unit}"),
+            "strength",
+            "sign",
+        ],
+    );
+    for f in found.iter().take(MOST_LISTED) {
+        let none = || NONE.to_owned();
+        table.push([
+            f.vertex.to_string(),
+            f.position.zip(places.as_ref()).map_or_else(none, |(p, places)| places.words(&p)),
+            f.position.map_or_else(none, |p| subject.position(p)),
+            f.level.to_string(),
+            digits(f.sigma),
+            digits(f.strength),
+            if signed { if f.sign() > 0 { "+" } else { "−" }.to_owned() } else { none() },
+        ]);
+    }
+    table.without_empty_columns()
+}
+
+fn pictures(
+    subject: &Subject<'_>,
+    studio: &mut Studio<'_>,
+    found: &[Feature],
+) -> Result<Vec<Figure>, String> {
+    let levels = counts(found);
+    let map = ColorMap::from_name("turbo").expect("a name of the list");
+    let last = subject.bands.n_levels().saturating_sub(1).max(3) as f64;
+    // Without the ends of the map, which are nearly black.
+    let color = |level: usize| map.color(0.12 + 0.76 * (level as f64 - 2.0) / (last - 2.0));
+    let balls: Vec<Ball> = found
+        .iter()
+        .filter_map(|f| Some(Ball { center: f.position?, radius: f.sigma, color: color(f.level) }))
+        .filter(|ball| ball.radius > 0.0)
+        .collect();
+    let keys = || {
+        let key = |&(level, count): &(usize, usize)| {
+            let sigma = digits(subject.bands.sigma[level]);
+            (color(level), format!("level {level}, σ = {sigma}: {count}"))
+        };
+        Some(Legend::Keys(levels.iter().map(key).collect()))
+    };
+    let front = Frame::plain(
+        format!("Features of {}", subject.name),
+        "A ball for each feature, of radius σ_j, coloured by level. Features on the far side are hidden.",
+    );
+    let back = Frame::plain(
+        format!("Features of {} from the opposite side", subject.name),
+        "The same from the opposite side.",
+    );
+    let mut figures = studio.draw(&[front.balls(balls.clone())])?;
+    figures.extend(studio.draw_from_behind(&[back.balls(balls)])?);
+    figures.iter_mut().for_each(|figure| figure.legend = keys());
+    Ok(figures)
+}

@@ -1,0 +1,182 @@
+//! The four ready-made filters, and what each changes.
+
+use super::Subject;
+use super::drawing::{FieldLook, Frame, Scale, Studio};
+use crate::page::{Block, Figure, Section};
+use crate::table::{NONE, Table, column, digits};
+use adwave::filter::Preset;
+use adwave::shape::{Shape, enclosed_volume};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// A preset in numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PresetSummary {
+    /// What it is called on the command line.
+    pub name: &'static str,
+    /// g_1 … g_J.
+    pub gains: Vec<f64>,
+    /// Root of the mean square of what it changes at a vertex, in units of the signal.
+    pub rms: f64,
+    /// The most that it changes at a vertex, in units of the signal.
+    pub max: f64,
+    /// The vertex that changes most; none where no vertex changes.
+    pub vertex: Option<usize>,
+    /// Volume after by volume before, of a closed surface whose positions are the signal.
+    pub volume_ratio: Option<f64>,
+    /// What it took.
+    pub seconds: f64,
+}
+
+/// A preset's result.
+struct Edited {
+    summary: PresetSummary,
+    values: Vec<f64>,
+}
+
+pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<PresetSummary>) {
+    let mut section = Section::new("presets", "Presets");
+    section.say(
+        "Four ready-made filters, as `adwave filter --preset NAME` applies them: each band is multiplied by a gain, and all \
+         are put together again. A gain of 1 keeps a band, 0 drops it, more than 1 strengthens it; the rest S_J stays.",
+    );
+    let edited: Vec<Edited> =
+        Preset::ALL.into_iter().map(|(name, preset)| edit(subject, name, preset)).collect();
+    section.gallery(pictures(subject, studio, &edited));
+    let summaries: Vec<PresetSummary> = edited.into_iter().map(|e| e.summary).collect();
+    section.push(Block::Table(table(subject, &summaries)));
+    (section, summaries)
+}
+
+/// What a preset does, in words that hold for any number of levels.
+fn words(preset: &str) -> &'static str {
+    match preset {
+        "suppress" => "drops every band: smooth",
+        "enhance" => "strengthens every band, the fine ones most: crisp",
+        "band1" => "keeps the finest third of the bands, drops the others: fine texture on a smooth body",
+        _ => "drops the finest third of the bands, doubles the others: a caricature without texture",
+    }
+}
+
+/// `f + Σ_j (g_j − 1)·W_j`, which is eq. 18 by the telescoping sum.
+fn edit(subject: &Subject<'_>, name: &'static str, preset: Preset) -> Edited {
+    let (bands, n_channels) = (subject.bands, subject.bands.n_channels);
+    let gains = preset.gains(bands.n_levels());
+    let start = Instant::now();
+    let mut values = bands.scaling[0].clone();
+    for (gain, band) in gains.iter().zip(&bands.wavelet) {
+        if *gain != 1.0 {
+            let factor = gain - 1.0;
+            values.par_iter_mut().zip(band).with_min_len(1 << 14).for_each(|(v, w)| *v += factor * w);
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let change = |(after, before): (&[f64], &[f64])| -> f64 {
+        after.iter().zip(before).map(|(a, b)| (a - b).powi(2)).sum()
+    };
+    let squares: Vec<f64> =
+        values.chunks_exact(n_channels).zip(bands.scaling[0].chunks_exact(n_channels)).map(change).collect();
+    let known = || squares.iter().enumerate().filter(|(_, s)| s.is_finite());
+    let furthest = known().max_by(|a, b| a.1.total_cmp(b.1)).filter(|(_, square)| **square > 0.0);
+    let mean = known().map(|(_, s)| s).sum::<f64>() / known().count().max(1) as f64;
+    let summary = PresetSummary {
+        name,
+        gains,
+        rms: mean.sqrt(),
+        max: furthest.map_or(0.0, |(_, square)| square.sqrt()),
+        vertex: furthest.map(|(vertex, _)| vertex),
+        volume_ratio: volume_ratio(subject, &values),
+        seconds,
+    };
+    Edited { summary, values }
+}
+
+fn volume_ratio(subject: &Subject<'_>, values: &[f64]) -> Option<f64> {
+    if !(subject.is_geometry() && matches!(subject.shape, Shape::Mesh(_))) {
+        return None;
+    }
+    let before = subject.walk.health(subject.shape).volume.filter(|v| *v != 0.0)?;
+    let domain = subject.walk.domain();
+    let points = domain.weld.positions(values.as_chunks().0);
+    Some(enclosed_volume(&points, &domain.triangles) / before)
+}
+
+fn pictures(
+    subject: &Subject<'_>,
+    studio: &mut Studio<'_>,
+    edited: &[Edited],
+) -> Result<Vec<Figure>, String> {
+    let original = subject.scalar(&subject.bands.scaling[0]);
+    let scale = Scale::of(&original);
+    let frame = |values: &[f64], alt: String, caption: String| {
+        let frame = Frame::plain(alt, caption);
+        if subject.is_geometry() {
+            frame.at(values.as_chunks().0.to_vec())
+        } else {
+            frame.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
+        }
+    };
+    let mut frames =
+        vec![frame(&subject.bands.scaling[0], format!("{} as it is", subject.name), "As it is.".to_owned())];
+    for Edited { summary, values } in edited {
+        let name = summary.name;
+        frames.push(frame(
+            values,
+            format!("{} after {name}", subject.name),
+            format!("`{name}` {}. {}.", words(name), changed(subject, summary)),
+        ));
+    }
+    studio.draw(&frames)
+}
+
+/// How much a preset changes, in a sentence.
+fn changed(subject: &Subject<'_>, summary: &PresetSummary) -> String {
+    let percent = subject.percent(summary.rms);
+    if !subject.is_geometry() {
+        format!("It changes by {} (rms)", digits(summary.rms))
+    } else if percent.is_finite() {
+        format!("Vertices move by {percent:.2} % of the diagonal (rms)")
+    } else {
+        format!("Vertices move by {} model units (rms)", digits(summary.rms))
+    }
+}
+
+fn table(subject: &Subject<'_>, summaries: &[PresetSummary]) -> Table {
+    let unit = subject.unit();
+    let what = if subject.is_geometry() { "moved" } else { "changed" };
+    let mut table = Table::new(
+        "presets.csv",
+        &format!(
+            "What each preset changes, all {} counting alike{}.",
+            subject.vertices(),
+            if summaries.iter().any(|s| s.volume_ratio.is_some()) {
+                ", and what is left of the volume"
+            } else {
+                ""
+            }
+        ),
+        &[
+            "preset",
+            "gains, fine to coarse",
+            &format!("{what} (rms), {unit}"),
+            &format!("{what} at most, {unit}"),
+            &format!("at {}", subject.vertex()),
+            "volume, % of before",
+        ],
+    );
+    let numbers =
+        |value: &dyn Fn(&PresetSummary) -> f64| column(&summaries.iter().map(value).collect::<Vec<_>>());
+    let (rms, max) = (numbers(&|s| s.rms), numbers(&|s| s.max));
+    for ((s, rms), max) in summaries.iter().zip(rms).zip(max) {
+        let gains: Vec<String> = s.gains.iter().map(|g| format!("{}", (100.0 * g).round() / 100.0)).collect();
+        table.push([
+            s.name.to_owned(),
+            gains.join(" "),
+            rms,
+            max,
+            s.vertex.map_or_else(|| NONE.to_owned(), |v| v.to_string()),
+            s.volume_ratio.map_or_else(|| NONE.to_owned(), |r| format!("{:.2}", 100.0 * r)),
+        ]);
+    }
+    table.without_empty_columns()
+}

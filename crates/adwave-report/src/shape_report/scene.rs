@@ -1,0 +1,72 @@
+//! The shape itself, from two sides; and the signal on it.
+
+use super::Subject;
+use super::drawing::{FieldLook, Frame, Scale, Studio};
+use crate::page::{Block, Section};
+use crate::table::grouped;
+use adwave::shape::Shape;
+
+pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section {
+    let mut section = Section::new("shape", "The shape");
+    if !studio.can_draw() {
+        section.say(
+            "A graph has no positions: there is nothing to draw. What follows are charts and tables, and widths are in hops.",
+        );
+        return section;
+    }
+    let what = match subject.shape {
+        Shape::Cloud(_) => "each point a disc as wide as its distance to its neighbours",
+        _ => "its faces, lit from the upper left",
+    };
+    let plain =
+        || Frame::plain(format!("{} from one side", subject.name), format!("Seen from one side: {what}."));
+    let back = [Frame::plain(
+        format!("{} from the opposite side", subject.name),
+        "The same from the opposite side.",
+    )];
+    let drawn = if subject.is_geometry() {
+        studio.draw(&[plain()]).and_then(|mut front| {
+            front.extend(studio.draw_from_behind(&back)?);
+            Ok(front)
+        })
+    } else {
+        let values = subject.scalar(&subject.bands.scaling[0]);
+        let look = |values: Vec<f64>| {
+            let scale = Scale::of(&values);
+            FieldLook::new(values, subject.scalar_name(), scale)
+        };
+        let field = || {
+            let caption = format!("The signal {}; grey where it has no value.", subject.scalar_name());
+            Frame::plain(format!("{} on {}", subject.signal, subject.name), caption)
+        };
+        studio.draw(&[plain(), field().field(look(values.clone()))]).and_then(|mut front| {
+            let behind = Frame::plain(
+                format!("{} on the opposite side of {}", subject.signal, subject.name),
+                "The signal on the opposite side.",
+            );
+            front.extend(studio.draw_from_behind(&[behind.field(look(values))])?);
+            Ok(front)
+        })
+    };
+    section.gallery(drawn);
+    if let Some(n_drawn) = studio.n_drawn() {
+        section.say(format!(
+            "For pictures, {} of the {} vertices are drawn, one for each cell of about a pixel. All numbers are those of \
+             the whole shape.",
+            grouped(n_drawn),
+            grouped(subject.shape.n_vertices())
+        ));
+    }
+    section
+}
+
+impl Section {
+    /// Adds pictures, or why there are none.
+    pub(super) fn gallery(&mut self, drawn: Result<Vec<crate::page::Figure>, String>) {
+        match drawn {
+            Ok(figures) if figures.is_empty() => {}
+            Ok(figures) => self.push(Block::Gallery(figures)),
+            Err(why) => self.note(format!("No picture: {why}.")),
+        }
+    }
+}

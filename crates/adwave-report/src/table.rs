@@ -1,0 +1,165 @@
+//! Tables of numbers: rows of a page, and CSV files.
+
+use std::fmt::Write as _;
+
+/// The cell of a value that there is none of.
+pub const NONE: &str = "–";
+
+/// Numbers in rows, as a page shows them and as a file holds them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    /// The name of its file, with the ending `.csv`; unique within the page or figure.
+    pub name: String,
+    /// What the numbers are.
+    pub caption: String,
+    /// Names of the columns, with units.
+    pub head: Vec<String>,
+    /// One cell a column.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// A table without rows.
+    pub fn new(name: &str, caption: &str, head: &[&str]) -> Self {
+        let head = head.iter().map(|&h| h.to_owned()).collect();
+        Self { name: name.to_owned(), caption: caption.to_owned(), head, rows: Vec::new() }
+    }
+
+    /// Adds a row.
+    ///
+    /// # Panics
+    /// Unless there is one cell a column.
+    pub fn push<const N: usize>(&mut self, row: [String; N]) {
+        assert_eq!(N, self.head.len(), "one cell a column of {}", self.name);
+        self.rows.push(row.into());
+    }
+
+    /// Without the columns of which no row has a value: those with nothing but `–`.
+    #[must_use]
+    pub fn without_empty_columns(mut self) -> Self {
+        let kept: Vec<bool> = (0..self.head.len())
+            .map(|k| self.rows.is_empty() || self.rows.iter().any(|row| row[k] != NONE))
+            .collect();
+        for row in std::iter::once(&mut self.head).chain(&mut self.rows) {
+            let mut k = 0;
+            row.retain(|_| {
+                k += 1;
+                kept[k - 1]
+            });
+        }
+        self
+    }
+
+    /// The table as RFC 4180 has it: cells with commas, quotes or line breaks in quotes.
+    ///
+    /// ```
+    /// use adwave_report::Table;
+    /// let mut table = Table::new("a.csv", "", &["x", "y"]);
+    /// table.push(["1".to_owned(), "a, \"b\"".to_owned()]);
+    /// assert_eq!(table.csv(), "x,y\n1,\"a, \"\"b\"\"\"\n");
+    /// ```
+    pub fn csv(&self) -> String {
+        let mut text = String::new();
+        for row in std::iter::once(&self.head).chain(&self.rows) {
+            for (k, cell) in row.iter().enumerate() {
+                text.push_str(if k > 0 { "," } else { "" });
+                if cell.contains([',', '"', '\n', '\r']) {
+                    let _ = write!(text, "\"{}\"", cell.replace('"', "\"\""));
+                } else {
+                    text.push_str(cell);
+                }
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// The values of a column with the same number of decimals, so that they can be compared at a glance: three significant
+/// digits of the smallest that is not 0, or all in scientific notation where that takes more than seven decimals. What is
+/// not finite is [`NONE`].
+///
+/// ```
+/// use adwave_report::column;
+/// assert_eq!(column(&[0.00056, 0.25]), ["0.000560", "0.250000"]);
+/// assert_eq!(column(&[1e-9, 2.0, f64::NAN]), ["1.000e-9", "2.000e0", "–"]);
+/// ```
+pub fn column(values: &[f64]) -> Vec<String> {
+    let sizes = || values.iter().filter(|v| v.is_finite() && **v != 0.0).map(|v| v.abs());
+    let (least, most) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
+    let decimals = if least.is_finite() { 2 - least.log10().floor() as i32 } else { 0 };
+    let cell = |value: &f64| {
+        if !value.is_finite() {
+            NONE.to_owned()
+        } else if decimals > 7 || most >= 1e6 {
+            if *value == 0.0 { "0".to_owned() } else { format!("{value:.3e}") }
+        } else {
+            format!("{value:.*}", decimals.max(0) as usize)
+        }
+    };
+    values.iter().map(cell).collect()
+}
+
+/// Four significant digits, in scientific notation where the number is very large or small.
+///
+/// ```
+/// use adwave_report::digits;
+/// assert_eq!((digits(0.0), digits(12.3456), digits(1.0e-9)), ("0".into(), "12.35".into(), "1.000e-9".into()));
+/// ```
+pub fn digits(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if !value.is_finite() {
+        String::new()
+    } else if (1e-3..1e6).contains(&size) {
+        let decimals = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// A count in groups of three digits, narrow blanks between them.
+pub(crate) fn grouped(count: usize) -> String {
+    let text = count.to_string();
+    let mut out = String::new();
+    for (k, digit) in text.chars().enumerate() {
+        if k > 0 && (text.len() - k).is_multiple_of(3) && text.len() > 4 {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_grouped_from_five_digits_on() {
+        assert_eq!(
+            [0, 1234, 12345, 1_234_567].map(grouped),
+            ["0", "1234", "12\u{202f}345", "1\u{202f}234\u{202f}567"]
+        );
+    }
+
+    #[test]
+    fn columns_without_values_are_left_out() {
+        let mut table = Table::new("a.csv", "", &["x", "y", "z"]);
+        table.push(["1".to_owned(), NONE.to_owned(), NONE.to_owned()]);
+        table.push(["2".to_owned(), NONE.to_owned(), "3".to_owned()]);
+        assert_eq!(table.without_empty_columns().csv(), "x,z\n1,–\n2,3\n");
+        assert_eq!(Table::new("a.csv", "", &["x"]).without_empty_columns().head, ["x"]);
+    }
+
+    #[test]
+    fn a_column_has_the_same_decimals_throughout() {
+        assert_eq!(column(&[0.0, -0.012, 3.0]), ["0.0000", "-0.0120", "3.0000"]);
+        assert_eq!(column(&[1234.5, 12.0]), ["1234.5", "12.0"]);
+        assert_eq!(column(&[2e9, 0.0]), ["2.000e9", "0"]);
+        assert_eq!(column(&[0.0, f64::INFINITY]), ["0", NONE]);
+        assert!(column(&[]).is_empty());
+    }
+}
