@@ -59,6 +59,7 @@ fn steps_need_not_be_whole() {
     let sigma = numbers(&report["sigma"]);
     assert!((sigma[2] / sigma[1] - 2.5_f64.sqrt()).abs() < ROUNDING, "{sigma:?}");
     assert!(numbers(&report["energy"]).iter().all(|&e| e > 0.0 && e.is_finite()));
+    assert!(report["error_bound"].as_f64().unwrap() <= 1e-10 && report["products"].as_u64().unwrap() > 4);
     // Two bands in place of one: their sum is the band of whole steps.
     let whole = json(path, "transform sample:torus --vertices 900 --steps 1,4 -o whole.ply");
     assert_eq!(whole["steps"], json!([0, 1, 4]));

@@ -82,6 +82,8 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
         "steps": steps_json(&bands.steps),
         "sigma": bands.sigma,
         "energy": energy,
+        "products": bands.info.products,
+        "error_bound": bands.info.error_bound,
         "diagonal": diagonal,
         "seconds": {"read": read, "walk": prepared, "bands": split, "write": written},
         "peak_memory_bytes": peak_memory(),

@@ -32,7 +32,8 @@ fn section(one: &Made) -> Section {
     });
     for picture in shown {
         let file = format!("{}/{}", one.folder, picture.name);
-        let kind = if picture.name.ends_with(".svg") { ImageKind::Svg } else { ImageKind::Png };
+        let svg = picture.name.strip_suffix(".svg").is_some();
+        let kind = if svg { ImageKind::Svg } else { ImageKind::Png };
         section.push(Block::Gallery(vec![Figure {
             image: Image::beside(file.clone(), kind, &picture.bytes),
             alt: picture.caption.clone(),

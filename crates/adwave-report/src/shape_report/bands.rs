@@ -46,11 +46,10 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         Err(why) => section.note(format!("No chart: {why}.")),
     }
     if studio.can_draw() {
-        section.say(match subject.is_geometry() {
-            true => "The shape smoothed: the positions S_j, all in one scale.".to_owned(),
-            false => {
-                format!("The signal smoothed: S_j of {}, all with the same colours.", subject.scalar_name())
-            }
+        section.say(if subject.is_geometry() {
+            "The shape smoothed: the positions S_j, all in one scale.".to_owned()
+        } else {
+            format!("The signal smoothed: S_j of {}, all with the same colours.", subject.scalar_name())
         });
         section.gallery(smoothed(subject, studio));
         section.say("What the bands hold: W_j on the shape as it is, each with colours of its own range.");

@@ -69,6 +69,9 @@ impl<'a> Frame<'a> {
     }
 }
 
+/// Positions and values of the vertices that are drawn.
+type Shown<'a> = (Cow<'a, [[f64; 3]]>, Option<Cow<'a, [f64]>>);
+
 /// A field with its colours.
 pub(super) struct FieldLook {
     values: Vec<f64>,
@@ -209,7 +212,7 @@ impl<'a> Studio<'a> {
             return Ok(Vec::new());
         }
         let start = Instant::now();
-        let shown: Vec<(Cow<'_, [[f64; 3]]>, Option<Cow<'_, [f64]>>)> = frames
+        let shown: Vec<Shown<'_>> = frames
             .iter()
             .map(|f| {
                 let points = f.points.as_deref().unwrap_or(self.points);

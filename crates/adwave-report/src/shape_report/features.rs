@@ -145,6 +145,8 @@ fn pictures(
     );
     let mut figures = studio.draw(&[front.balls(balls.clone())])?;
     figures.extend(studio.draw_from_behind(&[back.balls(balls)])?);
-    figures.iter_mut().for_each(|figure| figure.legend = keys());
+    for figure in &mut figures {
+        figure.legend = keys();
+    }
     Ok(figures)
 }
