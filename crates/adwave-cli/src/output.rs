@@ -114,7 +114,7 @@ pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
             |k: usize| lengths[k].is_finite() && lengths[k] > if k == 0 { 0.0 } else { lengths[k - 1] };
         if let Some(bad) = (0..lengths.len()).find(|&k| !rises(k)) {
             return Err(CliError::Input(format!(
-                "--lengths: {} is number {} of the widths; they are above 0 and increase",
+                "--lengths: {:?} is number {} of the widths; they must be positive, finite and increasing",
                 lengths[bad],
                 bad + 1
             )));
