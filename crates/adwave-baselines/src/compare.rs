@@ -209,8 +209,8 @@ fn harmonics(
 }
 
 fn taubin(subject: &Subject<'_>, bands: &Bands, seconds: f64) -> Result<Comparison, CompareError> {
-    let steps = bands.steps[bands.n_levels()] as f64;
-    // (1 − k/2)^n = ½, which is well inside (0, 2) as n ≥ 1.
+    let steps = bands.steps[bands.n_levels()];
+    // (1 − k/2)^n = ½, which is inside (0, 2).
     let pass_band = (2.0 * (1.0 - (-1.0 / steps).exp2())).clamp(1e-6, 1.9);
     let degree = (8.0 / (1.0 - pass_band / 2.0).acos()).ceil().clamp(10.0, 2000.0) as usize;
     let start = Instant::now();

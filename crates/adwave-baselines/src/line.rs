@@ -1,7 +1,8 @@
 //! The three kinds of wavelets side by side, as in Fig. 2 and Table 1 of the paper, in numbers.
 
 use crate::multiscale::{
-    BiorthogonalDiffusionWavelets, DiffusionWavelets, Locality, MultiscaleError, MultiscaleParams, locality,
+    BiorthogonalDiffusionWavelets, DiffusionWavelets, Downsampled, Locality, MultiscaleError,
+    MultiscaleParams, downsampled, locality,
 };
 use adwave::Decomposer;
 use adwave::Progress;
@@ -26,6 +27,8 @@ pub struct LineCase {
     pub dual: Option<MeanLocality>,
     /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|`, with φ̃ = φ where there is no dual, each φ of unit length.
     pub defect: f64,
+    /// The scaling functions and the wavelets of ADW when as many are kept as their rank.
+    pub downsampled: Option<[Downsampled; 2]>,
     /// Largest error of a signal that is taken apart on all levels up to this one and put together.
     pub error: f64,
     /// How long putting together takes, once everything is prepared.
@@ -122,9 +125,12 @@ pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, Multi
         }
         let seconds = start.elapsed().as_secs_f64();
         let defect = gram_defect(&powers[level]);
+        let by_rank = [&powers[level], &wavelets[level - 1]].map(|f| downsampled(f, params.precision));
+        let [scaling, wavelet] = by_rank;
         cases.push(LineCase {
             error: difference(&back),
             seconds,
+            downsampled: Some([scaling?, wavelet?]),
             ..case(
                 "ADW",
                 level,
@@ -151,6 +157,7 @@ fn case(
         scaling: measure(scaling),
         wavelet: measure(wavelets),
         dual: None,
+        downsampled: None,
         defect,
         error: 0.0,
         seconds: 0.0,
@@ -233,6 +240,11 @@ mod tests {
             let [dw, bdw, adw] = cases else { panic!("three kinds on each level") };
             assert!(dw.defect < 1e-10 && bdw.defect < 1e-8, "{} {}", dw.defect, bdw.defect);
             assert!(adw.defect > 0.9, "neighbouring functions of the ADW overlap: {}", adw.defect);
+            // The footnote of Table 1: as many as the rank have duals. A dual is as long as the precision allows, 1/ε.
+            for kept in adw.downsampled.as_ref().unwrap() {
+                assert!((2..50).contains(&kept.kept.len()), "{}", kept.kept.len());
+                assert!(kept.defect < 1e-8 && kept.longest_dual > 1.0, "{kept:?}");
+            }
             // Local: narrower than DW; ADW and BDW alike, as both are powers of the walk.
             assert!(bdw.scaling.support < dw.scaling.support, "{:?} {:?}", bdw.scaling, dw.scaling);
             assert!(adw.scaling.support < dw.scaling.support, "{:?} {:?}", adw.scaling, dw.scaling);

@@ -3,7 +3,7 @@
 use crate::analysis_args::FieldArgs;
 use crate::args::{GlobalArgs, LevelArgs, ShapeArgs};
 use crate::error::CliError;
-use crate::output::{bands_params, check_levels, schedule};
+use crate::output::{bands_params, check_levels, schedule_reaching};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, Signal};
@@ -30,17 +30,19 @@ pub(crate) struct Seconds {
 }
 
 impl Analysis {
+    /// Where no number of levels is asked for they go up to `reach` of the diagonal.
     pub(crate) fn new(
         shape: &ShapeArgs,
         field: &FieldArgs,
         levels: &LevelArgs,
+        reach: f64,
         global: &GlobalArgs,
     ) -> Result<Self, CliError> {
         bands_params(levels)?;
         check_levels(levels)?;
         let mut watch = Stopwatch::start();
         let input = with_spinner(global, "reading", || load(shape))?;
-        Self::of(input, watch.lap(), shape, field, levels, global)
+        Self::of(input, watch.lap(), shape, field, levels, reach, global)
     }
 
     /// The same of a shape that was read in that many seconds.
@@ -50,6 +52,7 @@ impl Analysis {
         shape: &ShapeArgs,
         field: &FieldArgs,
         levels: &LevelArgs,
+        reach: f64,
         global: &GlobalArgs,
     ) -> Result<Self, CliError> {
         let params = bands_params(levels)?;
@@ -61,7 +64,7 @@ impl Analysis {
             let walk = signal::mask(walk, &signal, &field.field, global)?;
             Ok::<(Decomposer, Signal), CliError>((walk, signal))
         })?;
-        let (schedule, why) = schedule(levels, &walk)?;
+        let (schedule, why) = schedule_reaching(reach, levels, &walk)?;
         let built = watch.lap();
         let bands = with_progress(global, "splitting", |progress| {
             walk.decompose(&signal.values, signal.n_channels, &schedule, &params, progress)

@@ -18,6 +18,15 @@ pub(crate) struct FieldArgs {
     pub(crate) texture: Option<PathBuf>,
 }
 
+/// What is left out near a border.
+#[derive(Debug, Args)]
+pub(crate) struct BorderArgs {
+    /// Leave out what lies within so many σ of a border or of what is masked: features, and of a map each level, which
+    /// fades in between S·σ and 2·S·σ; coordinates need 1
+    #[arg(long = "border", value_name = "S", allow_negative_numbers = true, help_heading = "Border")]
+    pub(crate) sigmas: Option<f64>,
+}
+
 /// How the levels are put together to a map.
 #[derive(Debug, Args)]
 pub(crate) struct MapArgs {
@@ -30,14 +39,15 @@ pub(crate) struct MapArgs {
 }
 
 impl MapArgs {
-    pub(crate) fn params(&self) -> SaliencyParams {
-        SaliencyParams::default().with_skip(self.skip).with_weighting(match self.weighting {
+    pub(crate) fn params(&self, border: &BorderArgs) -> SaliencyParams {
+        let weighting = match self.weighting {
             WeightingArg::Level => Weighting::PerLevel,
             WeightingArg::Printed => Weighting::AsPrinted,
             WeightingArg::Normalised => Weighting::Normalised,
             WeightingArg::Ranks => Weighting::Ranks,
             WeightingArg::None => Weighting::Uniform,
-        })
+        };
+        SaliencyParams { skip: self.skip, weighting, border_sigmas: border.sigmas }
     }
 }
 
@@ -68,6 +78,7 @@ Where the signal is NaN, vertices are left out of the walk and the map is NaN.
 Examples:
   adwave saliency bunny.obj -o map.ply
   adwave saliency scan.pcd -o map.vtp --field mean-curvature --color-map magma
+  adwave saliency face-scan.ply -o map.ply --border 1
   adwave saliency cow.obj -o map.ply --field texture-lightness --texture cow.png
   adwave saliency pial.gii.gz -o map.vtp --field sulc.gii.gz")]
 pub(crate) struct SaliencyArgs {
@@ -82,11 +93,13 @@ pub(crate) struct SaliencyArgs {
     pub(crate) levels: LevelArgs,
     #[command(flatten)]
     pub(crate) map: MapArgs,
+    #[command(flatten)]
+    pub(crate) border: BorderArgs,
     /// Write what each level adds too, as the fields saliency3, saliency4 …
     #[arg(long, help_heading = "Map")]
     pub(crate) per_level: bool,
-    /// The colours: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, red-blue or spectral
-    #[arg(long, value_name = "NAME", default_value = "viridis", help_heading = "Map")]
+    /// The colours: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, grey, coolwarm, red-blue or spectral
+    #[arg(long, alias = "colormap", value_name = "NAME", default_value = "viridis", help_heading = "Map")]
     pub(crate) color_map: String,
     /// The last colour stands for this percentile of the map and all above
     #[arg(long, value_name = "P", default_value_t = 99.0, help_heading = "Map")]
@@ -117,16 +130,13 @@ pub(crate) struct DetectArgs {
     /// Reject edges: the largest ratio of the response's principal curvatures (SIFT takes 10)
     #[arg(long, value_name = "R", allow_negative_numbers = true, help_heading = "Features")]
     pub(crate) edge_ratio: Option<f64>,
-    /// Reject features within so many σ of the border
-    #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = "Features")]
-    pub(crate) border: Option<f64>,
     /// Keep only so many, the strong ones well spread
     #[arg(long, value_name = "N", help_heading = "Features")]
     pub(crate) best: Option<usize>,
 }
 
 impl DetectArgs {
-    pub(crate) fn params(&self) -> FeatureParams {
+    pub(crate) fn params(&self, border: &BorderArgs) -> FeatureParams {
         FeatureParams {
             theta: self.theta,
             response: match self.response {
@@ -138,7 +148,7 @@ impl DetectArgs {
             scope: if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
             refinement: if self.refine { Refinement::Quadratic } else { Refinement::Off },
             max_edge_ratio: self.edge_ratio,
-            border_sigmas: self.border,
+            border_sigmas: border.sigmas,
             best: self.best,
         }
     }
@@ -166,7 +176,7 @@ Output by extension; without it the features are printed:
 
 Examples:
   adwave features bunny.obj
-  adwave features bunny.obj -o features.csv --theta 2 --levels 8
+  adwave features bunny.obj -o features.csv --theta 1.8     weaker ones too, knees and elbows
   adwave features scan.pcd -o features.ply --best 50 --refine
   adwave features sample:plane --field mean-curvature --response literal --edge-ratio 10 --border 1
   adwave features a.obj --match b.obj -o pairs.json")]
@@ -182,6 +192,8 @@ pub(crate) struct FeaturesArgs {
     pub(crate) levels: LevelArgs,
     #[command(flatten)]
     pub(crate) detect: DetectArgs,
+    #[command(flatten)]
+    pub(crate) border: BorderArgs,
     /// Write a descriptor of each feature's surroundings too (.csv and .json)
     #[arg(long, help_heading = "Features")]
     pub(crate) descriptors: bool,
@@ -215,6 +227,8 @@ pub(crate) struct EvaluateArgs {
     pub(crate) detect: DetectArgs,
     #[command(flatten)]
     pub(crate) map: MapArgs,
+    #[command(flatten)]
+    pub(crate) border: BorderArgs,
     /// Standard deviations of the noise in % of the mean edge
     #[arg(
         long = "percent",

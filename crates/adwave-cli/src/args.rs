@@ -169,19 +169,19 @@ pub(crate) enum CloudAreaArg {
 /// Which levels.
 #[derive(Debug, Args)]
 pub(crate) struct LevelArgs {
-    /// Number of dyadic levels, 1, 2, 4 … 2^(J-1) steps [default: until a level is 2 % of the diagonal wide, 4 to 16]
+    /// Number of dyadic levels, 1, 2, 4 … 2^(J-1) steps [default: until a level is 2 % of the diagonal wide, for features 4 %; 4 to 16]
     #[arg(long, short = 'j', value_name = "J", help_heading = "Levels")]
     pub(crate) levels: Option<usize>,
-    /// So many levels for each doubling of the steps in place of one
+    /// So many levels for each doubling of the steps in place of one: 2^(k/V) steps, whole or not
     #[arg(long, value_name = "V", help_heading = "Levels", conflicts_with_all = ["steps", "lengths"])]
     pub(crate) voices: Option<usize>,
-    /// Levels of these numbers of steps, increasing
+    /// Levels of these numbers of steps, increasing, whole or not, from 1/64
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', help_heading = "Levels", conflicts_with_all = ["levels", "lengths"])]
-    pub(crate) steps: Option<Vec<u64>>,
+    pub(crate) steps: Option<Vec<f64>>,
     /// Largest error of a band, relative to the band: 1e-13 to 0.1
     #[arg(long, value_name = "E", default_value_t = 1e-10, help_heading = "Levels")]
     pub(crate) accuracy: f64,
-    /// Levels of about these widths σ in model units, increasing
+    /// Levels of these widths σ in model units, increasing
     #[arg(
         long,
         value_name = "L,L,…",

@@ -4,10 +4,10 @@ use crate::args::{GlobalArgs, LevelArgs};
 use crate::error::CliError;
 use crate::interrupt::STOP;
 use adwave::Decomposer;
-use adwave::bands::{BandsParams, Schedule};
+use adwave::bands::{BandsParams, DEFAULT_REACH, Schedule};
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
 use comfy_table::{CellAlignment, Table, presets};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -59,10 +59,29 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// A number of steps: whole as it is, else four significant digits.
+pub(crate) fn steps_text(steps: f64) -> String {
+    if steps.fract() == 0.0 { steps.to_string() } else { number(steps) }
+}
+
+/// Numbers of steps, the whole ones as whole numbers.
+pub(crate) fn steps_json(steps: &[f64]) -> Vec<Value> {
+    steps.iter().map(|&n| if n.fract() == 0.0 { json!(n as u64) } else { json!(n) }).collect()
+}
+
 /// The schedule that the arguments ask for, and why it has as many levels.
 pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
+    schedule_reaching(DEFAULT_REACH, args, decomposer)
+}
+
+/// The same, with levels up to a share of the diagonal where no number is asked for.
+pub(crate) fn schedule_reaching(
+    reach: f64,
+    args: &LevelArgs,
+    decomposer: &Decomposer,
+) -> Result<(Schedule, String), CliError> {
     if let Some(steps) = &args.steps {
-        let schedule = Schedule::new(steps.clone())?;
+        let schedule = Schedule::real(steps.clone())?;
         let why = format!("{} levels, of the steps asked for", schedule.n_levels());
         return Ok((schedule, why));
     }
@@ -73,7 +92,7 @@ pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Sch
     }
     let (levels, why) = match args.levels {
         Some(levels) => (levels, format!("{levels} levels, the number asked for")),
-        None => decomposer.default_levels(),
+        None => decomposer.levels_reaching(reach),
     };
     match args.voices {
         Some(voices) => {
@@ -88,14 +107,14 @@ pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Sch
 /// Refuses levels that no shape can have, before any shape is read.
 pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
     if let Some(steps) = &args.steps {
-        Schedule::new(steps.clone())?;
+        Schedule::real(steps.clone())?;
     }
     if let Some(lengths) = &args.lengths {
         let rises =
             |k: usize| lengths[k].is_finite() && lengths[k] > if k == 0 { 0.0 } else { lengths[k - 1] };
         if let Some(bad) = (0..lengths.len()).find(|&k| !rises(k)) {
             return Err(CliError::Input(format!(
-                "--lengths: {} is number {} of the widths; they are above 0 and increase",
+                "--lengths: {:?} is number {} of the widths; they must be positive, finite and increasing",
                 lengths[bad],
                 bad + 1
             )));

@@ -99,10 +99,16 @@ pub(crate) fn load_with_texture(
         }
         return Ok(field.into());
     }
-    let fields = field_names(&input.file);
-    let known = if fields.is_empty() { String::new() } else { format!(", {}", fields.join(", ")) };
-    let always = default_name(input);
-    Err(CliError::Input(format!("{} has no field '{name}'; there is {always}{known}", input.name)))
+    let is_mesh = !input.file.faces().is_empty();
+    let own = SurfaceSignal::ALL.iter().filter(|&&kind| !(is_mesh && kind == SurfaceSignal::Density));
+    let own = own.map(|kind| kind.name().to_owned());
+    let known: Vec<String> =
+        std::iter::once(default_name(input).to_owned()).chain(field_names(&input.file)).chain(own).collect();
+    Err(CliError::Input(format!(
+        "{} has no field '{name}'; there is {}, or a file .npy, .csv or .gii",
+        input.name,
+        known.join(", ")
+    )))
 }
 
 /// The walk without the vertices where the signal is NaN.

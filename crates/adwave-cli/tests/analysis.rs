@@ -20,6 +20,8 @@ fn n_vertices(folder: &Path) -> usize {
 
 #[test]
 fn a_map_is_written_with_its_colours_or_as_an_array() {
+    /// Points along a side of a flat square.
+    const N: usize = 40;
     let folder = torus();
     let n = n_vertices(folder.path());
     let report = json(folder.path(), "saliency a.ply -o map.ply --levels 6 --per-level --color-map magma");
@@ -40,6 +42,20 @@ fn a_map_is_written_with_its_colours_or_as_an_array() {
     assert_eq!(array.shape, [n, 5]);
     assert_eq!(array.values.get(5 * at), map[at]);
     json(folder.path(), "saliency a.ply -o map.vtp --field mean-curvature --weighting ranks");
+    // All that stands out of a flat plane is its border.
+    let mut flat = format!("OFF\n{} {} 0\n", N * N, (N - 1) * (N - 1));
+    for x in 0..N * N {
+        flat += &format!("{} {} 0\n", x / N, x % N);
+    }
+    for x in (0..N * (N - 1)).filter(|x| x % N + 1 < N) {
+        flat += &format!("4 {x} {} {} {}\n", x + N, x + N + 1, x + 1);
+    }
+    fs::write(folder.path().join("flat.off"), flat).unwrap();
+    let edge = |flags: &str| {
+        let line = format!("saliency flat.off -o edge.npy --levels 6 --weighting none{flags}");
+        json(folder.path(), &line)["largest"].as_f64().unwrap()
+    };
+    assert!(edge(" --border 1") < 0.1 * edge(""));
 }
 
 #[test]
@@ -104,6 +120,18 @@ fn fields_come_from_tables_arrays_colours_and_textures() {
         for (a, b) in expected.as_array().unwrap().iter().zip(found.as_array().unwrap()) {
             assert!((a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-12, "{field}");
         }
+    }
+    // A JPEG is sampled the same, but for what its compression loses.
+    picture.save(at.join("p.jpg")).unwrap();
+    let with_jpeg = |name: &str| {
+        fs::read_to_string(at.join(name)).unwrap().replace("s.mtl", "j.mtl").replace("p.png", "p.jpg")
+    };
+    for (name, copy) in [("s.obj", "j.obj"), ("s.mtl", "j.mtl")] {
+        fs::write(at.join(copy), with_jpeg(name)).unwrap();
+    }
+    let found = json(at, "transform j.obj -o w.npz --levels 3 --field texture-luminance")["energy"].clone();
+    for (a, b) in expected.as_array().unwrap().iter().zip(found.as_array().unwrap()) {
+        assert!((a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 0.05, "{a} {b}");
     }
     assert_eq!(json(at, "transform s.obj -o w.npz --field t.csv")["channels"], 2);
     json(at, "saliency s.obj -o m.ply --field texture-lightness --texture p.png");
@@ -183,11 +211,16 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("saliency a.ply -o m.obj", ".ply, .vtp or .npy"),
         ("saliency a.ply -o m.ply --levels 2", "skip fewer"),
         ("saliency a.ply -o m.ply --color-map sepia", "viridis"),
+        ("saliency a.ply -o m.ply --border -1", "distance from the border is -1"),
+        ("features a.ply --border nan", "distance from the border is NaN"),
         ("saliency a.ply -o m.ply --color-top 0", "--color-top"),
         ("saliency a.ply -o m.ply --field density", "cloud"),
         ("saliency a.ply -o m.ply --field luminance", "no colours"),
         ("saliency a.ply -o m.ply --field gone.npy", "gone.npy"),
-        ("saliency a.ply -o m.ply --field wishes", "no field 'wishes'"),
+        (
+            "saliency a.ply -o m.ply --field wishes",
+            "no field 'wishes'; there is coords, normals, mean-curvature",
+        ),
         ("evaluate a.ply --against coords", "3 channels"),
         ("evaluate a.ply --percent -10 --levels 5", "noise"),
     ] {
@@ -209,4 +242,41 @@ fn the_cortex_takes_its_fields_from_other_files() {
     }
     let error = refused(out.path(), &format!("saliency '{}' -o m.ply", path("sulc")));
     assert!(error.contains("--field"), "{error}");
+}
+
+#[test]
+fn a_figure_has_features_on_toes_and_nose_by_default_and_on_knees_with_a_lower_threshold() {
+    const DIAGONAL: f64 = 1.512;
+    let Some(folder) = real_files().map(|f| f.join("paper/libigl-tutorial-data")) else { return };
+    let out = tempfile::tempdir().unwrap();
+    let armadillo = folder.join("armadillo.obj").display().to_string();
+    // Places of the figure, read off its picture.
+    let toes = [[0.325, -0.568, 0.043], [-0.287, -0.568, -0.038]];
+    let fingers = [[0.362, 0.173, 0.364], [-0.360, 0.325, 0.288]];
+    let others =
+        [[0.132, 0.419, 0.203], [-0.160, 0.419, 0.180], [-0.019, 0.187, 0.323], [0.019, -0.295, -0.378]];
+    let knees = [[0.255, -0.292, 0.013], [-0.223, -0.330, 0.005]];
+    let found = |flags: &str| -> Vec<([f64; 3], f64)> {
+        let report = json(out.path(), &format!("features '{armadillo}' {flags}"));
+        assert_eq!(report["sigma"].as_array().unwrap().len(), 1 + 8);
+        let features = report["features"].as_array().unwrap().iter();
+        features
+            .map(|f| ([0, 1, 2].map(|c| f["position"][c].as_f64().unwrap()), f["sigma"].as_f64().unwrap()))
+            .collect()
+    };
+    // A feature as wide as a limb's end, from 2 to 4 % of the diagonal, within its σ.
+    let holds = |features: &[([f64; 3], f64)], place: &[f64; 3]| {
+        features.iter().any(|(p, sigma)| {
+            let distance = (0..3).map(|c| (p[c] - place[c]).powi(2)).sum::<f64>().sqrt();
+            distance < *sigma && (0.02..0.04).contains(&(sigma / DIAGONAL))
+        })
+    };
+    let (default, lower) = (found(""), found("--theta 1.8"));
+    for place in toes.iter().chain(&fingers).chain(&others) {
+        assert!(holds(&default, place), "{place:?}");
+    }
+    for place in &knees {
+        assert!(holds(&lower, place), "{place:?}");
+    }
+    assert!((60..120).contains(&default.len()), "{}", default.len());
 }

@@ -1,7 +1,7 @@
 //! Edits as small TOML files that people can read, write and replay.
 //!
 //! ```toml
-//! levels = 6                     # or steps = [1, 2, 4], or lengths = [0.01, 0.02]; left out: as many as fit the shape
+//! levels = 6                     # or steps = [1, 2.5, 4], or lengths = [0.01, 0.02]; left out: as many as fit the shape
 //! field = "coords"               # left out: the coordinates
 //!
 //! [[layer]]
@@ -14,8 +14,9 @@
 //! ```
 
 use crate::{ReadError, WriteError, atomic_write};
+use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::path::Path;
 
 /// Which levels a recipe is for.
@@ -27,7 +28,7 @@ pub enum Levels {
     /// So many dyadic levels.
     Dyadic(usize),
     /// Levels of these numbers of steps.
-    Steps(Vec<u64>),
+    Steps(Vec<f64>),
     /// Levels of these widths in model units.
     Lengths(Vec<f64>),
 }
@@ -51,12 +52,30 @@ struct Table {
     field: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     levels: Option<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    steps: Option<Vec<u64>>,
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "whole_as_whole")]
+    steps: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     lengths: Option<Vec<f64>>,
     #[serde(default, rename = "layer")]
     layers: Vec<Layer>,
+}
+
+/// Numbers of steps without a decimal point where they are whole.
+#[expect(clippy::ref_option, reason = "the form that serde calls")]
+fn whole_as_whole<S: Serializer>(steps: &Option<Vec<f64>>, serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    #[serde(untagged)]
+    enum Number {
+        Whole(u64),
+        Real(f64),
+    }
+    serializer.collect_seq(steps.iter().flatten().map(|&n| {
+        if n.fract() == 0.0 && (0.0..=MAX_STEPS as f64).contains(&n) {
+            Number::Whole(n as u64)
+        } else {
+            Number::Real(n)
+        }
+    }))
 }
 
 fn coords() -> String {
@@ -154,7 +173,7 @@ mod tests {
         ]);
         let recipe = Recipe {
             field: "coords".into(),
-            levels: Levels::Steps(vec![1, 3, 9]),
+            levels: Levels::Steps(vec![1.0, 2.5, 9.0]),
             layers: vec![
                 Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },
                 Layer { gains: Gains::Preset(Preset::Band2), region: Region::Everywhere {} },

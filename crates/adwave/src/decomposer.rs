@@ -2,12 +2,14 @@
 
 use crate::Progress;
 use crate::bands::{
-    Bands, BandsError, BandsParams, Schedule, check_signal, decompose, default_levels, weighted_bands,
+    Bands, BandsError, BandsParams, DEFAULT_REACH, Schedule, check_signal, decompose, levels_reaching,
+    weighted_bands,
 };
-use crate::basis::{BasisError, SparseRow, one_vertex};
+use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::filter::{Edit, FilterError};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
+use crate::region::surface_distance;
 use crate::shape::{Adjacency, Domain, Health, Shape, health, one_ring, squared_distance};
 use crate::signal::cloud_border;
 use rayon::prelude::*;
@@ -35,7 +37,7 @@ pub struct VertexFunctions {
 /// let shape = Shape::Cloud(PointCloud::new(points.clone())?);
 /// let decomposer = Decomposer::new(&shape, &OperatorParams::default());
 /// let bands = decomposer.decompose(points.as_flattened(), 3, &Schedule::dyadic(4)?, &BandsParams::default(), Progress::none())?;
-/// assert_eq!(bands.steps, [0, 1, 2, 4, 8]);
+/// assert_eq!(bands.steps, [0.0, 1.0, 2.0, 4.0, 8.0]);
 /// let rebuilt = bands.reconstruct();
 /// assert!(rebuilt.iter().zip(points.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -137,6 +139,13 @@ impl Decomposer {
         border
     }
 
+    /// How far each vertex of the analysis is from the border along the surface, in model units: infinite beyond `reach` and
+    /// where there is no border.
+    pub(crate) fn distance_from_border(&self, reach: f64) -> Vec<f64> {
+        let sources: Vec<(usize, f64)> = self.border().into_iter().map(|x| (x, 0.0)).collect();
+        surface_distance(&self.ring(), &self.domain.points, &sources, reach)
+    }
+
     /// The one-ring of a mesh without the vertices that are left out; of a cloud or graph what one step can reach.
     pub(crate) fn ring(&self) -> Cow<'_, Adjacency> {
         if self.rings == 1 || self.domain.triangles.is_empty() {
@@ -194,9 +203,15 @@ impl Decomposer {
         health(shape, &self.domain, self.neighbours())
     }
 
-    /// The number of dyadic levels to take where none is asked for, and why (see [`default_levels`]).
+    /// The number of dyadic levels to take where none is asked for, and why (see
+    /// [`default_levels`](crate::bands::default_levels)).
     pub fn default_levels(&self) -> (usize, String) {
-        default_levels(self.diffusion.step_length(), self.diagonal)
+        self.levels_reaching(DEFAULT_REACH)
+    }
+
+    /// The number of dyadic levels whose last is as wide as a share of the diagonal, and why (see [`levels_reaching`]).
+    pub fn levels_reaching(&self, reach: f64) -> (usize, String) {
+        levels_reaching(reach, self.diffusion.step_length(), self.diagonal)
     }
 
     /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into bands.
@@ -245,8 +260,11 @@ impl Decomposer {
             return Err(BasisError::NoVertex { vertex, n_vertices });
         }
         let class = self.domain.weld.class_of(vertex);
-        let steps = schedule.steps_from_zero();
-        let [.., before, last] = steps[..] else { unreachable!("a schedule has a level") };
+        check_whole(schedule)?;
+        let [.., before, last] = schedule.steps_from_zero()[..] else {
+            unreachable!("a schedule has a level")
+        };
+        let (before, last) = (before as u64, last as u64);
         let functions = one_vertex(&self.diffusion, class, before, last, 0.0, progress)?;
         let dense = |row: &SparseRow| self.domain.weld.scatter(&row.to_dense(self.domain.n_vertices()), 1);
         Ok(VertexFunctions {

@@ -33,17 +33,23 @@ pub enum Weighting {
 /// let params = SaliencyParams::default();
 /// assert_eq!((params.skip, params.weighting), (2, Weighting::PerLevel));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SaliencyParams {
     /// How many of the finest levels are left out: they hold the noise.
     pub skip: usize,
     /// The α_j.
     pub weighting: Weighting,
+    /// Fade out what the border of a mesh or cloud, or of vertices that are left out of the walk, gives by itself: with S
+    /// given, ≥ 0, |W_f(j)| is multiplied by 0 within S·σ_j of the border along the surface and by 1 beyond 2S·σ_j, with a
+    /// smooth step between. The factor is each level's own, so what is too near for a coarse level is still judged by fine
+    /// ones, and the map stays a number everywhere. Coordinates need S = 1: along a straight border S_f(j) is drawn inwards
+    /// by σ_j/√π, at a distance of σ_j by a tenth of that.
+    pub border_sigmas: Option<f64>,
 }
 
 impl Default for SaliencyParams {
     fn default() -> Self {
-        Self { skip: 2, weighting: Weighting::default() }
+        Self { skip: 2, weighting: Weighting::default(), border_sigmas: None }
     }
 }
 
@@ -59,10 +65,27 @@ impl SaliencyParams {
     pub fn with_weighting(self, weighting: Weighting) -> Self {
         Self { weighting, ..self }
     }
+
+    /// Fades out the border.
+    #[must_use]
+    pub fn with_border_sigmas(self, sigmas: f64) -> Self {
+        Self { border_sigmas: Some(sigmas), ..self }
+    }
+
+    /// Checks that the numbers make sense.
+    ///
+    /// # Errors
+    /// [`SaliencyError::Border`].
+    pub fn check(&self) -> Result<(), SaliencyError> {
+        match self.border_sigmas {
+            Some(sigmas) if !(sigmas.is_finite() && sigmas >= 0.0) => Err(SaliencyError::Border { sigmas }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Why there is no saliency.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SaliencyError {
     /// No level is left.
     #[error(
@@ -73,6 +96,12 @@ pub enum SaliencyError {
         skip: usize,
         /// Levels there are.
         n_levels: usize,
+    },
+    /// A distance without meaning.
+    #[error("the distance from the border is {sigmas}; it must be a finite number of σ of at least 0")]
+    Border {
+        /// The distance given, in σ.
+        sigmas: f64,
     },
     /// The bands are those of another shape.
     #[error("the bands are those of {n_bands} vertices, the shape has {n_vertices}")]
@@ -91,9 +120,9 @@ pub struct SaliencyLevel {
     pub level: usize,
     /// σ_j in model units.
     pub sigma: f64,
-    /// `mean_x|W_f(j,x)|`, in units of the signal.
+    /// `mean_x|W_f(j,x)|`, in units of the signal; where the border is faded out, the mean weighted by what is left of each.
     pub mean: f64,
-    /// `max_x|W_f(j,x)|`.
+    /// `max_x|W_f(j,x)|` of what is left.
     pub max: f64,
     /// α_j; NaN where it is another number at each vertex. With ranks it stands before the rank.
     pub alpha: f64,
@@ -115,7 +144,7 @@ pub struct Saliency {
 /// Source: eq. 17, whose α lost a bar in print: read literally it would give the strongest response the weight 0.
 ///
 /// # Errors
-/// [`SaliencyError`] when no level is left, or the bands are another shape's.
+/// [`SaliencyError`] when no level is left, a parameter has no meaning, or the bands are another shape's.
 ///
 /// ```
 /// use adwave::bands::{BandsParams, Schedule};
@@ -184,6 +213,7 @@ fn parts(
     bands: &Bands,
     params: &SaliencyParams,
 ) -> Result<Vec<Part>, SaliencyError> {
+    params.check()?;
     let (n_levels, skip) = (bands.n_levels(), params.skip);
     if bands.n_vertices != decomposer.n_vertices() {
         return Err(SaliencyError::OtherShape {
@@ -195,9 +225,13 @@ fn parts(
         return Err(SaliencyError::NoLevelLeft { skip, n_levels });
     }
     let reader = BandNorms::new(decomposer);
+    let border = params.border_sigmas.map(|sigmas| Border::new(decomposer, sigmas, bands.sigma[n_levels]));
     let part = |level: usize| {
         let mut norms = reader.norms(&bands.wavelet[level - 1], bands.n_channels);
-        let (mean, max) = (reader.mean(&norms), reader.max(&norms));
+        let left = border.as_ref().map(|border| border.fade(&mut norms, bands.sigma[level]));
+        let share = left.as_ref().map_or(1.0, |left| reader.mean(left));
+        let mean = if share > 0.0 { reader.mean(&norms) / share } else { 0.0 };
+        let max = reader.max(&norms);
         let alpha = match params.weighting {
             Weighting::PerLevel => (max - mean).powi(2),
             Weighting::AsPrinted => f64::NAN,
@@ -207,16 +241,46 @@ fn parts(
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         if params.weighting == Weighting::Ranks {
-            ranks(&mut norms);
+            ranks(&mut norms, left.as_deref());
         }
         Part { level: SaliencyLevel { level, sigma: bands.sigma[level], mean, max, alpha }, norms }
     };
     Ok((skip + 1..=n_levels).map(part).collect())
 }
 
-/// Replaces each value by the share of the others that are smaller, equal ones counting half; NaN stays.
-fn ranks(values: &mut [f64]) {
-    let mut order: Vec<u32> = (0..values.len() as u32).filter(|&x| !values[x as usize].is_nan()).collect();
+/// How far the vertices of the analysis are from the border.
+struct Border {
+    distance: Vec<f64>,
+    sigmas: f64,
+}
+
+impl Border {
+    fn new(decomposer: &Decomposer, sigmas: f64, widest: f64) -> Self {
+        Self { distance: decomposer.distance_from_border(2.0 * sigmas * widest), sigmas }
+    }
+
+    /// Multiplies a level of width σ by what is left of it, and returns the factors in [0, 1].
+    fn fade(&self, norms: &mut [f64], sigma: f64) -> Vec<f64> {
+        let none = self.sigmas * sigma;
+        let factor = |d: f64| {
+            if d <= none {
+                return 0.0;
+            }
+            let t = (d / none - 1.0).min(1.0);
+            t * t * (3.0 - 2.0 * t)
+        };
+        let left: Vec<f64> = self.distance.par_iter().with_min_len(1 << 13).map(|&d| factor(d)).collect();
+        norms.par_iter_mut().with_min_len(1 << 13).zip(&left).for_each(|(w, left)| *w *= left);
+        left
+    }
+}
+
+/// Replaces each value by the share of the others that are smaller, equal ones counting half; NaN stays, and what is faded
+/// out wholly is 0 and nobody's other.
+fn ranks(values: &mut [f64], left: Option<&[f64]>) {
+    let gone = |x: usize| left.is_some_and(|left| left[x] == 0.0);
+    let ranked = |x: &u32| !values[*x as usize].is_nan() && !gone(*x as usize);
+    let mut order: Vec<u32> = (0..values.len() as u32).filter(ranked).collect();
     order.par_sort_unstable_by(|&a, &b| values[a as usize].total_cmp(&values[b as usize]));
     // One vertex alone stands out from nobody.
     let others = order.len().saturating_sub(1).max(1) as f64;

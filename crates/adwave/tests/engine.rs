@@ -113,7 +113,7 @@ fn engines_agree_on_dyadic_levels_voices_and_odd_steps() {
     let schedules = [
         Schedule::dyadic(9).expect("valid"),
         Schedule::dyadic(1).expect("valid"),
-        Schedule::voices(6, 3).expect("valid"),
+        Schedule::voices(6, 3).expect("valid").rounded(),
         Schedule::new(vec![3, 4, 77, 78, 400]).expect("valid"),
     ];
     for noise in [0.0, 0.3] {
@@ -177,7 +177,7 @@ fn on_a_cycle_every_wave_is_damped_by_its_eigenvalue() {
         let bands = split(&diffusion, &Weld::identity(n as usize), &signal, 1, &schedule, &params);
         let lambda = 0.5 + 0.5 * theta.cos();
         for (j, &steps) in schedule.steps().iter().enumerate() {
-            let scale = lambda.powf(steps as f64);
+            let scale = lambda.powf(steps);
             for (s, f) in bands.scaling[j + 1].iter().zip(&signal) {
                 assert!((s - scale * f).abs() <= 1e-11, "wave {wave}, {steps} steps: {s} for {}", scale * f);
             }

@@ -96,6 +96,8 @@ pub(super) struct RankRevealing {
     pub(super) complement: Dense,
     /// Upper triangular; the chosen columns of A are `q r`.
     pub(super) r: Dense,
+    /// The chosen columns of A, in the order of those of R.
+    pub(super) chosen: Vec<usize>,
 }
 
 /// QR with column pivoting, stopped where no column has more than `precision` left. O(n³).
@@ -119,7 +121,8 @@ pub(super) fn rank_revealing(a: &Dense, precision: f64) -> Result<RankRevealing,
             *r.at_mut(i, j) = full_r[(i, j)];
         }
     }
-    Ok(RankRevealing { q: columns(0..rank), complement: columns(rank..n), r })
+    let chosen = qr.P().arrays().0[..rank].to_vec();
+    Ok(RankRevealing { q: columns(0..rank), complement: columns(rank..n), r, chosen })
 }
 
 /// `Q R^(−T)`: the columns dual to those of `Q R`.

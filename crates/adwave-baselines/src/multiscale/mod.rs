@@ -5,10 +5,12 @@
 
 mod biorthogonal;
 mod dense;
+mod downsampled;
 mod locality;
 mod orthogonal;
 
 pub use biorthogonal::BiorthogonalDiffusionWavelets;
+pub use downsampled::{Downsampled, downsampled};
 pub use locality::{Locality, locality};
 pub use orthogonal::DiffusionWavelets;
 

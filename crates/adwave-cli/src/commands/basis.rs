@@ -45,7 +45,7 @@ fn of_vertex(args: &BasisArgs, global: &GlobalArgs, vertex: usize, level: usize)
     write_shape(global, &file, &args.output)?;
     let (phi, psi) = (functions.scaling_function[vertex], functions.wavelet[vertex]);
     let sigma = schedule.sigma(decomposer.diffusion().step_length())[level];
-    let steps = schedule.steps()[level - 1];
+    let steps = 1_u64 << (level - 1);
     let text = format!(
         "vertex {vertex} of {}, level {level}: {steps} steps, sigma {}\n\
          phi reaches {} of {n_vertices} vertices; phi {} and psi {} at the vertex itself; {:.1} ms\n{}\n",

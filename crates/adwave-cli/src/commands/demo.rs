@@ -2,7 +2,7 @@
 
 use crate::args::{DemoArgs, GlobalArgs};
 use crate::error::CliError;
-use crate::output::{number, print, table, write_shape};
+use crate::output::{number, print, steps_json, steps_text, table, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::make_sample;
 use adwave::bands::{Bands, BandsParams, Schedule};
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &DemoArgs, global: &GlobalArgs) -> Result<(), CliError> 
         "vertices": bands.n_vertices,
         "levels": n_levels,
         "levels_reason": why,
-        "steps": bands.steps,
+        "steps": steps_json(&bands.steps),
         "sigma": bands.sigma,
         "energy": energy,
         "milliseconds": {"walk": walk_ms, "levels": level_ms},
@@ -147,7 +147,7 @@ fn report(
         (1..=bands.n_levels()).map(|j| {
             [
                 j.to_string(),
-                bands.steps[j].to_string(),
+                steps_text(bands.steps[j]),
                 number(bands.sigma[j]),
                 number(100.0 * bands.sigma[j] / diagonal),
                 number(energy[j - 1]),

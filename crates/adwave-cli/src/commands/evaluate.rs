@@ -8,8 +8,8 @@ use crate::interrupt::STOP;
 use crate::output::{bands_params, print, table};
 use crate::shape_input::Input;
 use crate::signal;
-use adwave::bands::Schedule;
-use adwave::features::{Feature, features};
+use adwave::bands::{DEFAULT_REACH, Schedule};
+use adwave::features::{FEATURE_REACH, Feature, features};
 use adwave::measure::{
     Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
     repeatability,
@@ -21,8 +21,10 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 pub(crate) fn run(args: &EvaluateArgs, global: &GlobalArgs) -> Result<(), CliError> {
-    args.detect.params().check().map_err(CliError::input)?;
-    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, global)?;
+    args.detect.params(&args.border).check().map_err(CliError::input)?;
+    args.map.params(&args.border).check().map_err(CliError::input)?;
+    let reach = if args.against.is_some() { DEFAULT_REACH } else { FEATURE_REACH };
+    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, reach, global)?;
     match &args.against {
         Some(looks) => against(args, global, &analysis, looks),
         None => again(args, global, &analysis),
@@ -44,7 +46,9 @@ fn against(
         Ok(signal.values)
     };
     let looks = one_channel(looks)?;
-    let own = saliency(&analysis.walk, &analysis.bands, &args.map.params()).map_err(CliError::input)?.map;
+    let own = saliency(&analysis.walk, &analysis.bands, &args.map.params(&args.border))
+        .map_err(CliError::input)?
+        .map;
     let control = analysis.input.shape.points().map(centre_distance);
     let mut maps = vec![(format!("saliency of {}", args.field.field), own)];
     for name in &args.maps {
@@ -167,7 +171,7 @@ fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatab
 }
 
 fn find(args: &EvaluateArgs, analysis: &Analysis) -> Result<Vec<Feature>, CliError> {
-    features(&analysis.walk, &analysis.bands, &args.detect.params()).map_err(CliError::input)
+    features(&analysis.walk, &analysis.bands, &args.detect.params(&args.border)).map_err(CliError::input)
 }
 
 /// The features of a changed shape, on levels of the same widths.
@@ -204,5 +208,5 @@ fn find_again(args: &EvaluateArgs, analysis: &Analysis, changed: &Changed) -> Re
     let params = bands_params(&args.levels)?;
     let bands =
         walk.decompose(&values, n_channels, &schedule, &params, Progress::none().with_cancel(&STOP))?;
-    features(&walk, &bands, &args.detect.params()).map_err(CliError::input)
+    features(&walk, &bands, &args.detect.params(&args.border)).map_err(CliError::input)
 }

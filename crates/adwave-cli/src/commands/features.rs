@@ -4,8 +4,10 @@ use crate::analysis::Analysis;
 use crate::analysis_args::FeaturesArgs;
 use crate::args::{GlobalArgs, ShapeArgs};
 use crate::error::CliError;
-use crate::output::{check_writable, number, print, table, write_error, write_shape};
-use adwave::features::{Descriptor, Feature, Match, describe, features, match_features, spheres};
+use crate::output::{check_writable, number, print, steps_json, table, write_error, write_shape};
+use adwave::features::{
+    Descriptor, FEATURE_REACH, Feature, Match, describe, features, match_features, spheres,
+};
 use adwave_io::{Field, FieldValues, Format, ShapeFile, atomic_write};
 use adwave_render::ColorMap;
 use serde_json::{Value, json};
@@ -25,7 +27,7 @@ struct Found {
 }
 
 pub(crate) fn run(args: &FeaturesArgs, global: &GlobalArgs) -> Result<(), CliError> {
-    args.detect.params().check().map_err(CliError::input)?;
+    args.detect.params(&args.border).check().map_err(CliError::input)?;
     let kind = args.output.as_deref().map(output_kind).transpose()?;
     if let Some(path) = &args.output {
         check_writable(path)?;
@@ -54,10 +56,10 @@ pub(crate) fn run(args: &FeaturesArgs, global: &GlobalArgs) -> Result<(), CliErr
 }
 
 fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &GlobalArgs) -> Result<Found, CliError> {
-    let analysis = Analysis::new(shape, &args.field, &args.levels, global)?;
+    let analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_REACH, global)?;
     let start = Instant::now();
-    let features =
-        features(&analysis.walk, &analysis.bands, &args.detect.params()).map_err(CliError::input)?;
+    let features = features(&analysis.walk, &analysis.bands, &args.detect.params(&args.border))
+        .map_err(CliError::input)?;
     let seconds = start.elapsed().as_secs_f64();
     let descriptors = if args.descriptors || args.other.is_some() {
         describe(&analysis.walk, &analysis.bands, &features)
@@ -150,7 +152,7 @@ fn report(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>
             "shape": found.analysis.input.name,
             "vertices": found.analysis.bands.n_vertices,
             "levels_reason": found.analysis.why,
-            "steps": found.analysis.bands.steps,
+            "steps": steps_json(&found.analysis.bands.steps),
             "sigma": found.analysis.bands.sigma,
             "features": found.features.iter().enumerate().map(|(k, f)| {
                 let mut json = feature_json(f);

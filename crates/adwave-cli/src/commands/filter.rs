@@ -3,7 +3,8 @@
 use crate::args::{FilterArgs, GlobalArgs};
 use crate::error::CliError;
 use crate::output::{
-    bands_params, check_writable, format_of, note, number, print, schedule, write_error, write_shape,
+    bands_params, check_writable, format_of, note, number, print, schedule, steps_json, write_error,
+    write_shape,
 };
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
@@ -58,7 +59,7 @@ pub(crate) fn run(args: &FilterArgs, global: &GlobalArgs) -> Result<(), CliError
         "output": args.output.display().to_string(),
         "field": field,
         "vertices": input.shape.n_vertices(),
-        "steps": schedule.steps_from_zero(),
+        "steps": steps_json(&schedule.steps_from_zero()),
         "sigma": schedule.sigma(decomposer.diffusion().step_length()),
         "layers": layers,
     });
@@ -122,7 +123,7 @@ fn chosen_schedule(
     if asked.levels.is_none() && asked.steps.is_none() && asked.lengths.is_none() && asked.voices.is_none() {
         match recipe.map(|r| &r.levels) {
             Some(Levels::Dyadic(levels)) => return Ok(Schedule::dyadic(*levels)?),
-            Some(Levels::Steps(steps)) => return Ok(Schedule::new(steps.clone())?),
+            Some(Levels::Steps(steps)) => return Ok(Schedule::real(steps.clone())?),
             Some(Levels::Lengths(lengths)) => {
                 return Ok(Schedule::lengths(lengths, decomposer.diffusion().step_length())?);
             }

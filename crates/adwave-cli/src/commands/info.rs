@@ -2,7 +2,7 @@
 
 use crate::args::{GlobalArgs, InfoArgs};
 use crate::error::CliError;
-use crate::output::{number, print, schedule, table};
+use crate::output::{number, print, schedule, steps_json, steps_text, table};
 use crate::progress::with_spinner;
 use crate::shape_input::load;
 use adwave::Decomposer;
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &InfoArgs, global: &GlobalArgs) -> Result<(), CliError> 
         ["level", "steps", "sigma", "% of diagonal"],
         (1..=schedule.n_levels()).map(|j| {
             let percent = if diagonal > 0.0 { 100.0 * sigma[j] / diagonal } else { 0.0 };
-            [j.to_string(), schedule.steps()[j - 1].to_string(), number(sigma[j]), number(percent)]
+            [j.to_string(), steps_text(schedule.steps()[j - 1]), number(sigma[j]), number(percent)]
         }),
     );
 
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &InfoArgs, global: &GlobalArgs) -> Result<(), CliError> 
         },
         "levels": schedule.n_levels(),
         "levels_reason": why,
-        "steps": schedule.steps_from_zero(),
+        "steps": steps_json(&schedule.steps_from_zero()),
         "sigma": sigma,
     });
     print(global, &text, &json)

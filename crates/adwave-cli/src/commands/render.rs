@@ -6,8 +6,9 @@ use crate::output::{check_writable, print, write_error};
 use crate::progress::with_spinner;
 use crate::render_args::{RangeArg, RenderArgs, SizeArg};
 use crate::shape_input::{Input, Source, load_source};
-use crate::signal::{Signal, load_with_texture};
+use crate::signal::{COORDS, Signal, load_with_texture};
 use adwave::shape::{Shape, triangulate};
+use adwave::signal::SurfaceSignal;
 use adwave_io::{FieldValues, ReadLimits, atomic_write};
 use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
@@ -99,7 +100,7 @@ struct Loaded {
 enum Look {
     Plain,
     Colors { values: Vec<[u8; 3]>, label: String },
-    Field { values: Vec<f64>, label: String },
+    Field { values: Vec<f64>, label: String, unit: Option<&'static str> },
 }
 
 impl Look {
@@ -150,13 +151,17 @@ fn look(args: &RenderArgs, input: &Input, name: &str) -> Result<Look, CliError> 
     {
         return Ok(Look::Colors { values, label });
     }
+    // A field of the file goes before what the shape gives by itself, and its unit is not known.
+    let own = SurfaceSignal::from_name(name).filter(|_| input.file.field(name).is_none());
+    let unit = if name == COORDS { Some("model units") } else { own.and_then(SurfaceSignal::unit) };
     if n_channels == 1 {
-        return Ok(Look::Field { values, label });
+        return Ok(Look::Field { values, label, unit });
     }
     let length = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>().sqrt();
     Ok(Look::Field {
         values: values.chunks_exact(n_channels).map(length).collect(),
         label: format!("|{label}|"),
+        unit,
     })
 }
 
@@ -195,8 +200,9 @@ fn draw(
             let paint = match look {
                 Look::Plain => Paint::CLAY,
                 Look::Colors { values, .. } => Paint::Colors(values),
-                Look::Field { values, label } => {
-                    Paint::Field(FieldPaint { values, label: label.clone(), color_map, range })
+                Look::Field { values, label, unit } => {
+                    let label = unit.map_or_else(|| label.clone(), |unit| format!("{label} ({unit})"));
+                    Paint::Field(FieldPaint { values, label, color_map, range })
                 }
             };
             let points = shape.input.shape.points().unwrap_or_default();

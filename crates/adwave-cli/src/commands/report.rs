@@ -5,12 +5,13 @@ use crate::analysis_args::FieldArgs;
 use crate::args::GlobalArgs;
 use crate::commands::info::{health_json, kind};
 use crate::error::CliError;
-use crate::output::{bands_params, check_levels, check_writable, print, write_error};
+use crate::output::{bands_params, check_levels, check_writable, print, steps_json, write_error};
 use crate::progress::{with_progress, with_spinner};
 use crate::report_args::ReportArgs;
 use crate::shape_input::load;
 use crate::signal::{default_name, field_names};
 use crate::stopwatch::Stopwatch;
+use adwave::bands::DEFAULT_REACH;
 use adwave_io::{Format, atomic_write};
 use adwave_render::Up;
 use adwave_report::shape_report::{Looks, ShapeReport, Subject, shape_report};
@@ -25,7 +26,8 @@ pub(crate) fn run(args: &ReportArgs, global: &GlobalArgs) -> Result<(), CliError
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let field = args.field.clone().unwrap_or_else(|| default_name(&input).to_owned());
     let signal = FieldArgs { field: field.clone(), texture: args.texture.clone() };
-    let analysis = Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, global)?;
+    let analysis =
+        Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, DEFAULT_REACH, global)?;
     let report = report(args, global, &analysis, &field)?;
     let html = report.page.html();
     atomic_write(&args.output, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;
@@ -139,7 +141,7 @@ fn describe(
         "levels_reason": analysis.why,
         "health": health_json(&report.health),
         "bands": report.bands.iter().map(|b| json!({
-            "level": b.level, "steps": b.steps, "sigma": b.sigma, "percent": analysis.percent(b.sigma),
+            "level": b.level, "steps": steps_json(&[b.steps])[0], "sigma": b.sigma, "percent": analysis.percent(b.sigma),
             "rms": b.rms, "max": b.max, "energy_share": b.energy_share,
             "detail_share": b.detail_share,
         })).collect::<Vec<_>>(),

@@ -7,6 +7,7 @@ use crate::commands::transform::fresh;
 use crate::error::CliError;
 use crate::output::{check_writable, number, print, table, write_error, write_shape};
 use crate::progress::with_spinner;
+use adwave::bands::DEFAULT_REACH;
 use adwave::saliency::{Saliency, SaliencyLevel, saliency, saliency_per_level};
 use adwave_io::{ArrayValues, Field, FieldValues, Format, write_npy};
 use adwave_render::{ColorMap, value_range};
@@ -30,8 +31,9 @@ pub(crate) fn run(args: &SaliencyArgs, global: &GlobalArgs) -> Result<(), CliErr
             args.color_top
         )));
     }
-    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, global)?;
-    let params = args.map.params();
+    let params = args.map.params(&args.border);
+    params.check().map_err(CliError::input)?;
+    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, DEFAULT_REACH, global)?;
     let start = Instant::now();
     let saliency = saliency(&analysis.walk, &analysis.bands, &params).map_err(CliError::input)?;
     let took = start.elapsed();

@@ -3,7 +3,8 @@
 use crate::args::{GlobalArgs, TransformArgs};
 use crate::error::CliError;
 use crate::output::{
-    bands_params, check_writable, number, peak_memory, print, schedule, table, write_error, write_shape,
+    bands_params, check_writable, number, peak_memory, print, schedule, steps_json, steps_text, table,
+    write_error, write_shape,
 };
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
@@ -62,7 +63,7 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
         (1..=bands.n_levels()).map(|j| {
             let percent = if diagonal > 0.0 { 100.0 * bands.sigma[j] / diagonal } else { 0.0 };
             let rms = energy[j - 1].sqrt();
-            [j.to_string(), bands.steps[j].to_string(), number(bands.sigma[j]), number(percent), number(rms)]
+            [j.to_string(), steps_text(bands.steps[j]), number(bands.sigma[j]), number(percent), number(rms)]
         }),
     );
     text += &format!(
@@ -78,9 +79,11 @@ pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliEr
         "channels": bands.n_channels,
         "levels": bands.n_levels(),
         "levels_reason": why,
-        "steps": bands.steps,
+        "steps": steps_json(&bands.steps),
         "sigma": bands.sigma,
         "energy": energy,
+        "products": bands.info.products,
+        "error_bound": bands.info.error_bound,
         "diagonal": diagonal,
         "seconds": {"read": read, "walk": prepared, "bands": split, "write": written},
         "peak_memory_bytes": peak_memory(),
@@ -98,7 +101,7 @@ fn write_npz(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> 
     let mut arrays: Vec<(&str, &[usize], ArrayValues<'_>)> = vec![
         ("scaling", &scaling_shape, ArrayValues::F64Parts(&scaling)),
         ("wavelet", &wavelet_shape, ArrayValues::F64Parts(&wavelet)),
-        ("steps", &levels_shape, ArrayValues::U64(&bands.steps)),
+        ("steps", &levels_shape, ArrayValues::F64(&bands.steps)),
         ("sigma", &levels_shape, ArrayValues::F64(&bands.sigma)),
     ];
     if let Some(points) = input.shape.points() {

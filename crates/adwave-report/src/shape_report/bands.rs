@@ -17,7 +17,7 @@ pub struct BandSummary {
     /// j, from 1.
     pub level: usize,
     /// n_j.
-    pub steps: u64,
+    pub steps: f64,
     /// σ_j in model units; hops on a graph.
     pub sigma: f64,
     /// Root of the mean square of W_j by area, in units of the signal.
@@ -156,16 +156,7 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], spread: &Spread) -> Table
     ];
     for (k, band) in bands.iter().enumerate() {
         let [sigma, percent, rms, max, energy, detail] = columns.each_ref().map(|cells| cells[k].clone());
-        table.push([
-            band.level.to_string(),
-            band.steps.to_string(),
-            sigma,
-            percent,
-            rms,
-            max,
-            energy,
-            detail,
-        ]);
+        table.push([band.level.to_string(), count(band.steps), sigma, percent, rms, max, energy, detail]);
     }
     let constant = bands.iter().all(|b| b.energy_share.is_nan());
     let rest = if constant { NONE.to_owned() } else { digits(100.0 * spread.rest / spread.total) };
@@ -297,8 +288,13 @@ fn magnitudes(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figu
     studio.draw(&frames)
 }
 
-fn steps(n: u64) -> String {
-    if n == 1 { "1 step".to_owned() } else { format!("{n} steps") }
+fn steps(n: f64) -> String {
+    if n == 1.0 { "1 step".to_owned() } else { format!("{} steps", count(n)) }
+}
+
+/// A whole number of steps as it is, others with four digits.
+fn count(n: f64) -> String {
+    if n.fract() == 0.0 { n.to_string() } else { digits(n) }
 }
 
 /// `width σ = 0.05 model units, 2 % of the diagonal`.

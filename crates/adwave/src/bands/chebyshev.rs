@@ -1,12 +1,12 @@
 //! Several polynomials of Φ₁ by one Chebyshev recurrence, each until its error is proven small beside its own value.
 
-use super::series::{Growth, Series};
+use super::series::{Growth, Rest, Series};
 use crate::operator::Diffusion;
-use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, Walk, Weighing};
+use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, Walk, Weighing, zeros};
 use crate::{Cancelled, Progress};
 
 /// What an evaluation took and what it promises.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Outcome {
     /// Highest term of any series.
     pub(crate) degree: u64,
@@ -16,7 +16,13 @@ pub(crate) struct Outcome {
     pub(crate) terms: u64,
     /// Largest relative error of any result, but for rounding.
     pub(crate) error_bound: f64,
+    /// Which series of steps that are not whole fell short of the accuracy, and the relative error reached; those count
+    /// for nothing else here.
+    pub(crate) missed: Vec<(usize, f64)>,
 }
+
+/// A polynomial of real steps may be off by this part of `Σ|a_k|·‖u‖` whatever the accuracy: it is what rounding costs.
+const ROUNDING: f64 = 1e-15;
 
 /// A walk prepared for the recurrence.
 #[derive(Debug)]
@@ -70,25 +76,32 @@ impl<'a> Prepared<'a> {
     /// A series is cut where its tail times `‖u‖` is at most `accuracy` times a lower bound of the norm of its value, which is
     /// known as soon as its sum so far exceeds what is missing. So the degree follows the signal: it is lower for a smooth one.
     /// A value that all but vanishes beside u gets all terms that double precision can tell apart.
+    ///
+    /// `guard` is the polynomial whose norm [`Rest::guarded`](super::series::Rest) is to be multiplied by, where any series has
+    /// such a part.
     pub(crate) fn evaluate(
         &self,
         signal: &[f64],
         n_channels: usize,
-        series: &[Series],
+        (series, guard): (&[Series], &[f64]),
         accuracy: f64,
         outs: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<Outcome, Cancelled> {
         let Self { walk, weights, .. } = self;
         let mut outcome = Outcome::default();
+        let mut worst = vec![Worst::default(); series.len()];
+        let mut guarded = zeros(if guard.is_empty() { 0 } else { signal.len() });
+        let guard_degree = guard.len().saturating_sub(1);
         for at in (0..n_channels).step_by(MAX_CHANNELS) {
             let width = MAX_CHANNELS.min(n_channels - at);
             let mut recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width));
             let start = recurrence.square().sqrt();
             let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
+            let mut guard_norm = 0.0;
             loop {
-                let last =
-                    if recurrence.moves() { cuts.iter().map(|cut| cut.degree).max().unwrap_or(0) } else { 0 };
+                let highest = cuts.iter().map(|cut| cut.degree).fold(guard_degree, usize::max);
+                let last = if recurrence.moves() { highest } else { 0 };
                 let k = recurrence.k();
                 progress.step(k as u64, last as u64)?;
                 let left = last - k.min(last);
@@ -104,9 +117,17 @@ impl<'a> Prepared<'a> {
                         square: 0.0,
                     })
                     .collect();
+                let completes_guard = (k + 1..=k + n_steps).contains(&guard_degree);
+                if !guard.is_empty() {
+                    let weighing = if completes_guard { Weighing::Weighed } else { Weighing::Unweighed };
+                    sums.push(Sum { coefficients: guard, out: &mut guarded, weighing, square: 0.0 });
+                }
                 let next = if k + n_steps < last { Next::Continues } else { Next::Ends };
                 recurrence.advance(n_steps, &mut sums, next);
                 let norms: Vec<f64> = sums.iter().map(|sum| sum.square.sqrt()).collect();
+                if completes_guard && !guard.is_empty() {
+                    guard_norm = norms[series.len()];
+                }
                 for (cut, norm) in cuts.iter_mut().zip(norms) {
                     cut.decide(k + n_steps, start, norm, accuracy);
                 }
@@ -119,12 +140,31 @@ impl<'a> Prepared<'a> {
             outcome.products += k + 1;
             outcome.terms += cuts.iter().map(|cut| (cut.degree as u64).min(k) + 1).sum::<u64>();
             if recurrence.moves() {
-                outcome.error_bound =
-                    cuts.iter().map(|cut| cut.error_bound(start)).fold(outcome.error_bound, f64::max);
+                for (worst, cut) in worst.iter_mut().zip(&cuts) {
+                    let (missing, relative) = cut.missing(start, guard_norm);
+                    worst.relative = worst.relative.max(relative);
+                    worst.falls_short |= cut.series.rest != Rest::default()
+                        && relative > accuracy
+                        && missing > ROUNDING * cut.series.total * start;
+                }
+            }
+        }
+        for (at, worst) in worst.iter().enumerate() {
+            if worst.falls_short {
+                outcome.missed.push((at, worst.relative));
+            } else {
+                outcome.error_bound = outcome.error_bound.max(worst.relative);
             }
         }
         Ok(outcome)
     }
+}
+
+/// What a series comes to over all blocks of channels.
+#[derive(Clone, Copy, Default)]
+struct Worst {
+    relative: f64,
+    falls_short: bool,
 }
 
 /// Where a series is cut.
@@ -142,10 +182,11 @@ impl<'a> Cut<'a> {
 
     /// Whether the norm of the sum of the terms up to `k` may tell where to cut.
     fn weighing_after(&self, k: usize) -> Weighing {
-        let tail = self.series.tail[k.min(self.degree)];
+        let Rest { always, guarded } = self.series.rest;
+        let tail = self.series.tail[k.min(self.degree)] + always;
         // ‖value‖ ≤ total·‖u‖: before the tail is well below that, nothing can be said. And where nothing is missing,
         // there is nothing to say.
-        if self.least.is_none() && tail > 0.0 && tail < 0.25 * self.series.total {
+        if self.least.is_none() && tail + guarded > 0.0 && tail < 0.25 * self.series.total {
             Weighing::Weighed
         } else {
             Weighing::Unweighed
@@ -158,7 +199,7 @@ impl<'a> Cut<'a> {
             return;
         }
         let k = k.min(self.degree);
-        let missing = self.series.tail[k] * start;
+        let missing = (self.series.tail[k] + self.series.rest.always) * start;
         if k == self.degree {
             self.least = Some((norm - missing).max(0.0));
         } else if missing < 0.5 * norm {
@@ -168,8 +209,11 @@ impl<'a> Cut<'a> {
         }
     }
 
-    fn error_bound(&self, start: f64) -> f64 {
-        let missing = self.series.tail[self.degree] * start;
-        if missing == 0.0 { 0.0 } else { missing / self.least.unwrap_or(0.0) }
+    /// What may be missing, and its part of the value.
+    fn missing(&self, start: f64, guard_norm: f64) -> (f64, f64) {
+        let guarded = self.series.rest.guarded * guard_norm;
+        let missing = (self.series.tail[self.degree] + self.series.rest.always) * start + guarded;
+        let least = (self.least.unwrap_or(0.0) - guarded).max(0.0);
+        (missing, if missing == 0.0 { 0.0 } else { missing / least })
     }
 }

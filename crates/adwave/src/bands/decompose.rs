@@ -22,7 +22,7 @@ pub enum BandsError {
     },
     /// A value is NaN or infinite.
     #[error(
-        "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite"
+        "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite; correct it, or leave the vertex out"
     )]
     NotFinite {
         /// The vertex.
@@ -51,9 +51,41 @@ pub enum BandsError {
         /// Bytes that may be used.
         available: u64,
     },
+    /// Only a reversible walk has powers between whole ones.
+    #[error(
+        "level {level} has {steps} steps, and this walk takes whole steps only, because it is not reversible or is to be taken power by power; ask for whole steps, or make the graph of a cloud symmetric"
+    )]
+    NotWhole {
+        /// The level, from 1.
+        level: usize,
+        /// Its steps.
+        steps: f64,
+    },
+    /// Steps that are not whole could not be taken as accurately as asked.
+    #[error(
+        "level {level} {} and {accuracy:.1e} was asked for: few steps that are not whole are slow on a walk that goes to and fro; ask for whole steps or for less accuracy",
+        reach(*.reached)
+    )]
+    Missed {
+        /// The level, from 1; of a sum of levels the first that is not whole.
+        level: usize,
+        /// The accuracy asked for.
+        accuracy: f64,
+        /// A bound of the error, relative to the band; infinite where the band all but vanishes beside W_f(1).
+        reached: f64,
+    },
     /// The call was told to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// What is said of the accuracy of a band.
+fn reach(reached: f64) -> String {
+    if reached < 1.0 {
+        format!("reaches a relative accuracy of {reached:.1e}")
+    } else {
+        "all but vanishes beside the first, of which no relative accuracy can be had,".to_owned()
+    }
 }
 
 /// The bands of a signal: S_f(0..J) and W_f(1..J), each n_vertices × n_channels, row-major, in the order of the shape.
@@ -63,8 +95,8 @@ pub struct Bands {
     pub n_vertices: usize,
     /// Number of channels of the signal.
     pub n_channels: usize,
-    /// Steps of the walk on level j, n_0 = 0 … n_J.
-    pub steps: Vec<u64>,
+    /// Steps of the walk on level j, n_0 = 0 … n_J, whole or not.
+    pub steps: Vec<f64>,
     /// Widths σ_j = s·√n_j in model units (hops on a graph), σ_0 = 0.
     pub sigma: Vec<f64>,
     /// S_f(j), j = 0 … J; S_f(0) is the signal itself.
@@ -131,7 +163,9 @@ pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize)
 pub fn forecast_bytes(diffusion: &Diffusion, weld: &Weld, n_channels: usize, schedule: &Schedule) -> u64 {
     let result = (2 * schedule.n_levels() as u64 + 1) * (weld.n_vertices() * n_channels * 8) as u64;
     let welded = (weld.n_classes() * n_channels * 8) as u64;
-    result + welded + Transform::forecast_bytes(diffusion, n_channels)
+    // Steps that are not whole have one more vector, by which their error is measured.
+    let guard = if schedule.first_real().is_some() { welded } else { 0 };
+    result + welded + guard + Transform::forecast_bytes(diffusion, n_channels)
 }
 
 /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into the bands of `schedule`.
@@ -140,11 +174,12 @@ pub fn forecast_bytes(diffusion: &Diffusion, weld: &Weld, n_channels: usize, sch
 /// averaged for S_f(1..J) only: what differs is in W_f(1), so that the bands still sum to the signal. Each W_f(j) has a
 /// relative error of at most [`BandsParams::accuracy`]; S_f(j) is `f − W_f(1) − … − W_f(j)`.
 ///
-/// About `√(n_J·ln(1/accuracy))` products with Φ₁, or n_J where the walk is not reversible.
+/// About `√(n_J·ln(1/accuracy))` products with Φ₁, or n_J where the walk is not reversible. Steps that are not whole take at
+/// least 64, or up to ten thousand where Φ₁ has eigenvalues near 0 that the signal takes part in.
 ///
 /// # Errors
-/// [`BandsError`] when the signal has the wrong length or a value that is not finite, the accuracy cannot be promised, the
-/// memory does not suffice, or when cancelled.
+/// [`BandsError`] when the signal has the wrong length or a value that is not finite, the accuracy cannot be promised or met,
+/// steps that are not whole are asked of a walk that is not reversible, the memory does not suffice, or when cancelled.
 pub fn decompose(
     diffusion: &Diffusion,
     weld: &Weld,
@@ -183,8 +218,9 @@ pub fn weighted_bands(
 ) -> Result<(Vec<f64>, BandsInfo), BandsError> {
     params.check()?;
     check_signal(signal, weld.n_vertices(), n_channels)?;
-    let needed =
-        (weld.n_vertices() * n_channels * 3 * 8) as u64 + Transform::forecast_bytes(diffusion, n_channels);
+    let n_vectors = if schedule.first_real().is_some() { 4 } else { 3 };
+    let needed = (weld.n_vertices() * n_channels * n_vectors * 8) as u64
+        + Transform::forecast_bytes(diffusion, n_channels);
     check_memory(needed, params)?;
     let transform = Transform::new(diffusion, params)?;
     let mean = weld.mean(signal, n_channels);

@@ -5,17 +5,28 @@ use thiserror::Error;
 /// The largest number of steps of a level: 2³¹, that is 32 dyadic levels.
 pub const MAX_STEPS: u64 = 1 << 31;
 
+/// The smallest number of steps of a level.
+pub const MIN_STEPS: f64 = 1.0 / 64.0;
+
+/// The most levels to an octave.
+const MOST_VOICES: usize = 64;
+
+/// How far from whole, relative to itself, rounding leaves a number of steps that comes from a length.
+const WHOLE: f64 = 1e-12;
+
 /// Why a list of levels is no schedule.
 #[derive(Debug, Error, PartialEq)]
 pub enum ScheduleError {
     /// There is no level.
     #[error("a schedule needs at least one level")]
     NoLevels,
-    /// A level stands for no step at all.
-    #[error("level {level} has 0 steps; the first level needs at least 1")]
+    /// A level stands for no step at all, for hardly any, or for no number.
+    #[error("level {level} has {} steps; a level needs a finite number of them, at least {MIN_STEPS}", shown(*.steps))]
     NoSteps {
         /// The level, from 1.
         level: usize,
+        /// Its steps.
+        steps: f64,
     },
     /// A level does not have more steps than the one before it.
     #[error("level {level} has {steps} steps, not more than the {before} of level {}; steps must increase", .level - 1)]
@@ -23,9 +34,9 @@ pub enum ScheduleError {
         /// The level, from 1.
         level: usize,
         /// Its steps.
-        steps: u64,
+        steps: f64,
         /// The steps of the level before it.
-        before: u64,
+        before: f64,
     },
     /// A level has more steps than can be counted on.
     #[error("level {level} would take more than 2^31 steps; ask for at most 32 dyadic levels")]
@@ -33,12 +44,16 @@ pub enum ScheduleError {
         /// The level, from 1.
         level: usize,
     },
-    /// A number of voices that is not at least 1.
-    #[error("an octave needs at least one voice")]
-    NoVoices,
+    /// A number of voices that is 0 or beyond all use.
+    #[error("an octave of {n_voices} voices makes no sense; ask for 1 to {MOST_VOICES}")]
+    Voices {
+        /// The number asked for.
+        n_voices: usize,
+    },
     /// A length that no number of steps of this walk spreads to.
     #[error(
-        "length {index} is {length}: lengths must be finite, positive and increasing, and the walk must move (its step is {step_length})"
+        "length {index} is {}: lengths must be finite, positive and increasing, and the walk must move (its step is {step_length})",
+        shown(*.length)
     )]
     BadLength {
         /// Which length, from 0.
@@ -50,35 +65,57 @@ pub enum ScheduleError {
     },
 }
 
-/// How many steps of the walk each level stands for: n_1 < n_2 < … < n_J, all at least 1.
+/// A number in few digits, however large or small it is.
+fn shown(number: f64) -> String {
+    if number == 0.0 || (1e-6..1e12).contains(&number.abs()) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
+/// How many steps of the walk each level stands for: n_1 < n_2 < … < n_J, whole or not.
+///
+/// `Φ₁ⁿ` of a real n > 0 is the power of the walk's spectrum, which lies in [0, 1] where the walk is reversible. Whole
+/// steps are taken where they are asked for: they cost nothing extra and work for every walk.
 ///
 /// ```
 /// use adwave::bands::Schedule;
-/// assert_eq!(Schedule::dyadic(5)?.steps(), [1, 2, 4, 8, 16]);
-/// assert_eq!(Schedule::voices(4, 2)?.steps(), [1, 2, 3, 4, 6, 8]);
+/// assert_eq!(Schedule::dyadic(5)?.steps(), [1.0, 2.0, 4.0, 8.0, 16.0]);
+/// assert_eq!(Schedule::voices(3, 2)?.rounded().steps(), [1.0, 2.0, 3.0, 4.0]);
+/// assert_eq!(Schedule::real(vec![0.5, 1.25])?.whole_steps(), None);
 /// # Ok::<(), adwave::bands::ScheduleError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
-    steps: Vec<u64>,
+    /// Whole numbers up to 2³¹ are exact.
+    steps: Vec<f64>,
 }
 
 impl Schedule {
-    /// Levels of the given numbers of steps.
+    /// Levels of the given whole numbers of steps.
     ///
     /// # Errors
     /// [`ScheduleError`] unless `steps` is increasing, starts at 1 or more and ends at 2³¹ at most.
     pub fn new(steps: Vec<u64>) -> Result<Self, ScheduleError> {
+        Self::real(steps.into_iter().map(|n| n as f64).collect())
+    }
+
+    /// Levels of the given numbers of steps, whole or not.
+    ///
+    /// # Errors
+    /// [`ScheduleError`] unless `steps` is increasing, starts at [`MIN_STEPS`] or more and ends at 2³¹ at most.
+    pub fn real(steps: Vec<f64>) -> Result<Self, ScheduleError> {
         if steps.is_empty() {
             return Err(ScheduleError::NoLevels);
         }
         for (j, &n) in steps.iter().enumerate() {
             let level = j + 1;
-            if n == 0 {
-                return Err(ScheduleError::NoSteps { level });
-            }
-            if n > MAX_STEPS {
+            if n > MAX_STEPS as f64 {
                 return Err(ScheduleError::TooManySteps { level });
+            }
+            if n.is_nan() || n < MIN_STEPS {
+                return Err(ScheduleError::NoSteps { level, steps: n });
             }
             if j > 0 && n <= steps[j - 1] {
                 return Err(ScheduleError::NotIncreasing { level, steps: n, before: steps[j - 1] });
@@ -99,60 +136,72 @@ impl Schedule {
         Self::new((0..n_levels as u32).map(|j| 1 << j).collect())
     }
 
-    /// `n_voices` levels for each doubling of the steps, up to the steps of `n_levels` dyadic levels: n = 2^(k/voices),
-    /// rounded, each number once.
+    /// `n_voices` levels for each doubling of the steps, up to the steps of `n_levels` dyadic levels: n_j = 2^((j−1)/voices),
+    /// so that σ grows by the same factor `2^(1/(2·voices))` from each level to the next.
     ///
     /// # Errors
-    /// [`ScheduleError`] as for [`dyadic`](Self::dyadic), or when there is no voice.
+    /// [`ScheduleError`] as for [`dyadic`](Self::dyadic), or when there is no voice or more than 64 of them.
     pub fn voices(n_levels: usize, n_voices: usize) -> Result<Self, ScheduleError> {
-        let last = *Self::dyadic(n_levels)?.steps.last().expect("a schedule has a level");
-        if n_voices == 0 {
-            return Err(ScheduleError::NoVoices);
+        let octaves = Self::dyadic(n_levels)?.n_levels() - 1;
+        if !(1..=MOST_VOICES).contains(&n_voices) {
+            return Err(ScheduleError::Voices { n_voices });
         }
-        let mut steps = Vec::new();
-        // An octave has at most as many distinct numbers as steps: enough rounds to reach the last.
-        for k in 0_u32.. {
-            let n = (f64::from(k) / n_voices as f64).exp2().round() as u64;
-            if n > last {
-                break;
-            }
-            if steps.last() != Some(&n) {
-                steps.push(n);
-            }
-            if n == last {
-                break;
-            }
-        }
-        Self::new(steps)
+        let level = |k: usize| {
+            let (octave, voice) = (k / n_voices, k % n_voices);
+            // Whole octaves are whole numbers to the last bit.
+            (1_u64 << octave) as f64 * (voice as f64 / n_voices as f64).exp2()
+        };
+        Self::real((0..=octaves * n_voices).map(level).collect())
     }
 
-    /// Levels whose widths σ = s·√n are nearest to `lengths` (model units), for a walk of step length `s`. Lengths that
-    /// come to the same number of steps are one level.
+    /// Levels of the widths `lengths` (model units) for a walk of step length `s`: σ = s·√n, so n = (σ/s)². A number of
+    /// steps that is whole but for rounding is taken for whole.
     ///
     /// # Errors
-    /// [`ScheduleError`] unless the lengths are positive, increasing and within 2³¹ steps.
+    /// [`ScheduleError`] unless the lengths are positive, increasing and within [`MIN_STEPS`] to 2³¹ steps.
+    ///
+    /// ```
+    /// use adwave::bands::Schedule;
+    /// assert_eq!(Schedule::lengths(&[0.5, 0.75], 0.5)?.steps(), [1.0, 2.25]);
+    /// # Ok::<(), adwave::bands::ScheduleError>(())
+    /// ```
     pub fn lengths(lengths: &[f64], step_length: f64) -> Result<Self, ScheduleError> {
-        let mut steps: Vec<u64> = Vec::new();
+        let mut steps: Vec<f64> = Vec::new();
         let mut before = 0.0;
         for (index, &length) in lengths.iter().enumerate() {
-            let n = (length / step_length).powi(2).round().max(1.0);
+            let n = (length / step_length).powi(2);
             if !(length.is_finite() && length > before && step_length > 0.0 && n.is_finite()) {
                 return Err(ScheduleError::BadLength { index, length, step_length });
             }
             before = length;
-            if n > MAX_STEPS as f64 {
-                return Err(ScheduleError::TooManySteps { level: index + 1 });
-            }
-            if steps.last() != Some(&(n as u64)) {
-                steps.push(n as u64);
-            }
+            let whole = n.round();
+            steps.push(if (n - whole).abs() <= WHOLE * n { whole } else { n });
         }
-        Self::new(steps)
+        Self::real(steps)
+    }
+
+    /// The same levels with whole numbers of steps, each at least 1, equal ones once: for walks that are not reversible, and
+    /// for the functions φ and ψ themselves.
+    #[must_use]
+    pub fn rounded(&self) -> Self {
+        let mut steps: Vec<f64> = self.steps.iter().map(|n| n.round().max(1.0)).collect();
+        steps.dedup();
+        Self { steps }
     }
 
     /// Steps of each level, n_1 … n_J.
-    pub fn steps(&self) -> &[u64] {
+    pub fn steps(&self) -> &[f64] {
         &self.steps
+    }
+
+    /// Steps of each level where all of them are whole.
+    pub fn whole_steps(&self) -> Option<Vec<u64>> {
+        self.first_real().is_none().then(|| self.steps.iter().map(|&n| n as u64).collect())
+    }
+
+    /// The first level, from 1, whose number of steps is not whole.
+    pub fn first_real(&self) -> Option<usize> {
+        self.steps.iter().position(|n| n.fract() != 0.0).map(|j| j + 1)
     }
 
     /// J, the number of levels.
@@ -161,33 +210,48 @@ impl Schedule {
     }
 
     /// Steps of level j, with 0 steps on level 0: n_0 … n_J.
-    pub fn steps_from_zero(&self) -> Vec<u64> {
-        std::iter::once(0).chain(self.steps.iter().copied()).collect()
+    pub fn steps_from_zero(&self) -> Vec<f64> {
+        std::iter::once(0.0).chain(self.steps.iter().copied()).collect()
     }
 
     /// Widths σ_j = s·√n_j of the levels 0 … J in the unit of `step_length`; σ_0 = 0.
     pub fn sigma(&self, step_length: f64) -> Vec<f64> {
-        self.steps_from_zero().into_iter().map(|n| step_length * (n as f64).sqrt()).collect()
+        self.steps_from_zero().into_iter().map(|n| step_length * n.sqrt()).collect()
     }
 }
 
-/// The number of dyadic levels to take where none is asked for, and why.
-///
-/// The smallest J with σ_J ≥ 2 % of `diagonal`, at least 4 and at most 16, so that the same command does the same to a
-/// coarse and to a fine mesh of one shape. Where there is no diagonal (a graph) it is 6.
+/// How wide the last level is where no number of levels is asked for, as a share of the bounding box's diagonal.
+pub const DEFAULT_REACH: f64 = 0.02;
+
+/// The number of dyadic levels to take where none is asked for, and why: [`levels_reaching`] for [`DEFAULT_REACH`].
 ///
 /// ```
 /// use adwave::bands::default_levels;
 /// assert_eq!(default_levels(0.003, 1.0).0, 7); // 0.003·√64 = 0.024 ≥ 0.02
 /// ```
 pub fn default_levels(step_length: f64, diagonal: f64) -> (usize, String) {
+    levels_reaching(DEFAULT_REACH, step_length, diagonal)
+}
+
+/// The number of dyadic levels whose last is as wide as a share of the diagonal, and why.
+///
+/// The smallest J with σ_J ≥ `reach`·`diagonal`, at least 4 and at most 16, so that the same command does the same to a
+/// coarse and to a fine mesh of one shape. Where there is no diagonal (a graph) it is 6.
+///
+/// ```
+/// use adwave::bands::levels_reaching;
+/// let (levels, why) = levels_reaching(0.04, 0.003, 1.0);
+/// assert_eq!(levels, 9); // 0.003·√256 = 0.048 ≥ 0.04
+/// assert!(why.contains("≥ 4 % of the diagonal"));
+/// ```
+pub fn levels_reaching(reach: f64, step_length: f64, diagonal: f64) -> (usize, String) {
     const FEWEST: usize = 4;
     const MOST: usize = 16;
     const WITHOUT_LENGTH: usize = 6;
     if !(diagonal > 0.0 && step_length > 0.0) {
         return (WITHOUT_LENGTH, format!("{WITHOUT_LENGTH} levels, because the shape has no extent"));
     }
-    let target = 0.02 * diagonal;
+    let target = reach * diagonal;
     let sigma = |j: usize| step_length * ((j as f64 - 1.0) / 2.0).exp2();
     let levels = (FEWEST..MOST).find(|&j| sigma(j) >= target).unwrap_or(MOST);
     let percent = 100.0 * sigma(levels) / diagonal;
@@ -199,7 +263,10 @@ pub fn default_levels(step_length: f64, diagonal: f64) -> (usize, String) {
             format!("{MOST} levels, the most by default: σ_{MOST} is {percent:.3} % of the diagonal")
         }
         _ => {
-            format!("{levels} levels: the first with σ_{levels} ≥ 2 % of the diagonal (it is {percent:.3} %)")
+            let least = 100.0 * reach;
+            format!(
+                "{levels} levels: the first with σ_{levels} ≥ {least} % of the diagonal (it is {percent:.3} %)"
+            )
         }
     };
     (levels, why)

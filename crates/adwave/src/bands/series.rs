@@ -14,6 +14,9 @@ const NEGLIGIBLE: f64 = 1e-40;
 /// Bands of at most so many steps are summed power by power, because tails of nearly equal powers cancel.
 const SUMMED_DIRECTLY: u64 = 64;
 
+/// Powers of which one is nearer to the other than this part of it are subtracted by their quotient.
+const CLOSE: f64 = 1.0 / 16.0;
+
 /// Terms are kept while the rest of the series is above this part of its value at λ = 1: what rounding leaves anyway.
 const FLOOR: f64 = 1e-19;
 
@@ -35,15 +38,31 @@ impl Growth {
     }
 }
 
+/// What a polynomial as a whole may be off by: `always·‖u‖ + guarded·‖guard(Φ₁)u‖`. 0 where steps are whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Rest {
+    pub(crate) always: f64,
+    /// The part that has to be measured, see [`real_series`](super::real_series).
+    pub(crate) guarded: f64,
+}
+
+impl Rest {
+    fn plus(self, factor: f64, other: Self) -> Self {
+        let factor = factor.abs();
+        Self { always: self.always + factor * other.always, guarded: self.guarded + factor * other.guarded }
+    }
+}
+
 /// A polynomial `Σ_k a_k T_k(2λ − 1)` and how much each cut costs.
 #[derive(Clone, Debug)]
 pub(crate) struct Series {
     /// a_0 … a_d.
     pub(crate) coefficients: Vec<f64>,
-    /// `tail[k] ≥ ‖Σ_{m>k} a_m T_m(Y)‖`; the last one covers the terms that are not stored.
+    /// `tail[k] ≥ ‖Σ_{m>k} a_m T_m(Y)‖`; the last one covers the terms that are not stored. What `rest` covers comes on top.
     pub(crate) tail: Vec<f64>,
-    /// `Σ|a_k|`, for a band its number of steps b − a.
+    /// `Σ|a_k|`, for a band of whole steps their number b − a.
     pub(crate) total: f64,
+    pub(crate) rest: Rest,
 }
 
 impl Series {
@@ -56,7 +75,12 @@ impl Series {
         let kept = tail.partition_point(|&t| t > FLOOR * total) + 1;
         coefficients.truncate(kept);
         tail.truncate(kept);
-        Self { coefficients, tail, total }
+        Self { coefficients, tail, total, rest: Rest::default() }
+    }
+
+    /// A polynomial that is off by `rest`.
+    pub(crate) fn real(coefficients: Vec<f64>, rest: Rest, growth: Growth) -> Self {
+        Self { rest, ..Self::new(coefficients, growth) }
     }
 
     /// The series of `q(λ) = Σ_{i=a}^{b−1} λⁱ`, `a < b`. O(√b) terms.
@@ -64,15 +88,15 @@ impl Series {
         let mut q: Vec<f64> = Vec::new();
         if b - a <= SUMMED_DIRECTLY {
             for n in a..b {
-                let law = walk_law(n);
+                let law = walk_law(n as f64);
                 q.resize(q.len().max(law.len()), 0.0);
                 for (q, p) in q.iter_mut().zip(law) {
                     *q += p;
                 }
             }
         } else {
-            q = double_tails(&walk_law(b));
-            for (q, less) in q.iter_mut().zip(double_tails(&walk_law(a))) {
+            q = double_tails(&walk_law(b as f64));
+            for (q, less) in q.iter_mut().zip(double_tails(&walk_law(a as f64))) {
                 *q -= less;
             }
             for q in &mut q {
@@ -85,16 +109,54 @@ impl Series {
         Self::new(q, growth)
     }
 
+    /// The series of `(λᵃ − λᵇ)/(1 − λ)` for real `a < b`, a ≥ 32. Its part beyond the term b is left out: it is about
+    /// 4⁻³² of the band. O(√b) terms.
+    pub(crate) fn deep_band(a: f64, b: f64, growth: Growth) -> Self {
+        let (law, less) = (walk_law(b), walk_law(a));
+        let mut difference = law;
+        // Where the powers are close, the quotient of the laws is known better than their difference.
+        let is_close = b - a < CLOSE * a;
+        let mut log_quotient = 0.0;
+        let quotients: Vec<f64> = (0..less.len().min(difference.len()))
+            .map(|k| {
+                if k > 0 {
+                    let i = (k - 1) as f64;
+                    log_quotient += ((b - a) * (2.0 * i + 1.0) / ((b + i + 1.0) * (a - i))).ln_1p();
+                }
+                log_quotient
+            })
+            .collect();
+        // Both laws sum to 1 over both sides, which is what the quotient at 0 follows from.
+        let excess = |k: usize| less[k] * quotients[k].exp_m1();
+        let at_zero = -(excess(0) + 2.0 * (1..quotients.len()).rev().map(excess).sum::<f64>()).ln_1p();
+        for (k, p) in difference.iter_mut().enumerate() {
+            match quotients.get(k).map(|log| log + at_zero) {
+                Some(log) if is_close && log < 1.0 => *p = less[k] * log.exp_m1(),
+                _ => *p -= less.get(k).unwrap_or(&0.0),
+            }
+        }
+        let mut q = double_tails(&difference);
+        for q in &mut q {
+            *q *= 4.0;
+        }
+        for q in &mut q[1..] {
+            *q *= 2.0;
+        }
+        Self::new(q, growth)
+    }
+
     /// `Σ_j factors[j]·series[j]`.
     pub(crate) fn combination(bands: &[Self], factors: &[f64], growth: Growth) -> Self {
         let n_terms = bands.iter().map(|s| s.coefficients.len()).max().unwrap_or(1);
         let mut sum = vec![0.0; n_terms];
+        let mut rest = Rest::default();
         for (series, factor) in bands.iter().zip(factors) {
             for (s, a) in sum.iter_mut().zip(&series.coefficients) {
                 *s += factor * a;
             }
+            rest = rest.plus(*factor, series.rest);
         }
-        Self::new(sum, growth)
+        Self::real(sum, rest, growth)
     }
 
     /// The highest term that is stored.
@@ -104,20 +166,21 @@ impl Series {
 
     /// The lowest degree, not below `from`, whose cut costs at most `budget`; the whole degree where none does.
     pub(crate) fn degree_within(&self, budget: f64, from: usize) -> usize {
-        self.tail.partition_point(|&t| t > budget).max(from).min(self.degree())
+        self.tail.partition_point(|&t| t + self.rest.always > budget).max(from).min(self.degree())
     }
 }
 
-/// `C(2n, n−k)/4ⁿ` for k = 0, 1, … until it no longer matters. Relative error a few roundings times √k.
-fn walk_law(n: u64) -> Vec<f64> {
+/// `C(2n, n−k)/4ⁿ` for k = 0, 1, … until it no longer matters, or k > n. Relative error a few roundings times √k.
+fn walk_law(n: f64) -> Vec<f64> {
     let mut law = vec![1.0];
-    let mut p = 1.0;
-    for k in 0..n {
-        p *= (n - k) as f64 / (n + k + 1) as f64;
+    let (mut p, mut k) = (1.0, 0.0);
+    while k < n {
+        p *= (n - k) / (n + k + 1.0);
         if p < NEGLIGIBLE {
             break;
         }
         law.push(p);
+        k += 1.0;
     }
     // Both sides of the law sum to 1; the small terms first, so that none is lost.
     let one_side: f64 = law[1..].iter().rev().sum();
@@ -159,7 +222,7 @@ mod tests {
     #[test]
     fn the_law_is_that_of_the_binomials() {
         for n in 0_u64..=20 {
-            let law = walk_law(n);
+            let law = walk_law(n as f64);
             assert_eq!(law.len() as u64, n + 1);
             let mut binomial = 1_u64; // C(2n, i), i rising to n
             let mut exact = vec![0.0; n as usize + 1];
@@ -206,12 +269,51 @@ mod tests {
     fn close_powers_by_sums_and_by_tails_agree() {
         let n = 1000;
         let summed = Series::band(n, n + SUMMED_DIRECTLY, Growth::Bounded);
-        let mut tails = double_tails(&walk_law(n + SUMMED_DIRECTLY));
-        for (t, less) in tails.iter_mut().zip(double_tails(&walk_law(n))) {
+        let mut tails = double_tails(&walk_law((n + SUMMED_DIRECTLY) as f64));
+        for (t, less) in tails.iter_mut().zip(double_tails(&walk_law(n as f64))) {
             *t -= less;
         }
         assert!((summed.coefficients[0] - 4.0 * tails[0]).abs() <= 1e-10 * summed.coefficients[0]);
         assert!((summed.coefficients[30] - 8.0 * tails[30]).abs() <= 1e-10 * summed.coefficients[30]);
+    }
+
+    #[test]
+    fn deep_bands_of_real_steps_are_those_of_whole_ones_and_add_up() {
+        for (a, b) in [(32, 33), (64, 128), (100, 101), (1000, 1064), (1 << 20, 1 << 21)] {
+            let (whole, real) =
+                (Series::band(a, b, Growth::Bounded), Series::deep_band(a as f64, b as f64, Growth::Bounded));
+            let middle = a as f64 + 0.3 * (b - a) as f64;
+            let parts = [(a as f64, middle), (middle, b as f64)]
+                .map(|(a, b)| Series::deep_band(a, b, Growth::Bounded));
+            let sum = Series::combination(&parts, &[1.0, 1.0], Growth::Bounded);
+            for found in [real, sum] {
+                let off: f64 =
+                    whole.coefficients.iter().zip(&found.coefficients).map(|(w, f)| (w - f).abs()).sum();
+                assert!(off <= ROUNDING * (b - a) as f64, "{a}..{b}: {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn deep_bands_that_are_hardly_apart_keep_their_accuracy() {
+        for (a, width) in [(32.0, 1e-9), (1000.0, 1e-6), (1e6, 1e-3), (1e9, 1e-6)] {
+            let b = a + width;
+            let series = Series::deep_band(a, b, Growth::Bounded);
+            for lambda in [1.0, 1.0 - 0.1 / a, 1.0 - 1.0 / a, 1.0 - 5.0 / a] {
+                let log = f64::ln_1p(lambda - 1.0);
+                let exact = if lambda == 1.0 {
+                    b - a
+                } else {
+                    (a * log).exp() * -((b - a) * log).exp_m1() / (1.0 - lambda)
+                };
+                let found = value(&series, lambda);
+                // cos(k·acos y) near y = 1 costs digits of its own.
+                assert!(
+                    (found / exact - 1.0).abs() < 1e-8,
+                    "{a} + {width} at {lambda}: {found:e}, {exact:e}"
+                );
+            }
+        }
     }
 
     #[test]
@@ -222,6 +324,7 @@ mod tests {
                 coefficients: series.coefficients[..=degree].to_vec(),
                 tail: series.tail[..=degree].to_vec(),
                 total: 64.0,
+                rest: Rest::default(),
             };
             // At λ = 1 every T_k is 1: the bound is attained.
             let missing = 64.0 - value(&cut, 1.0);

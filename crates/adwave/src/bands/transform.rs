@@ -1,6 +1,7 @@
 //! The walk prepared once, for the bands of many signals.
 
 use super::chebyshev::{Outcome, Prepared};
+use super::real_series::{self, LADDER, Rung};
 use super::series::{Growth, Series};
 use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
 use crate::operator::Diffusion;
@@ -57,7 +58,8 @@ impl<'a> Transform<'a> {
     /// Each within [`BandsParams::accuracy`] of its own norm. Constants give exact zeros.
     ///
     /// # Errors
-    /// [`BandsError`] when the signal has the wrong length or a value that is not finite, or when cancelled.
+    /// [`BandsError`] when the signal has the wrong length or a value that is not finite, when steps that are not whole are
+    /// asked of a walk that is not reversible or miss the accuracy, or when cancelled.
     ///
     /// # Panics
     /// Unless there is one output of the signal's length a level.
@@ -74,9 +76,10 @@ impl<'a> Transform<'a> {
         assert!(wavelets.iter().all(|w| w.len() == signal.len()), "outputs as long as the signal");
         let steps = schedule.steps_from_zero();
         let outcome = if let Some(prepared) = &self.prepared {
-            let series = bands(&steps, prepared.growth);
-            prepared.evaluate(signal, n_channels, &series, self.params.accuracy, wavelets, progress)?
+            let series = |level: usize, rung| self.band(&steps[level..level + 2], rung, prepared.growth);
+            self.climb(prepared, signal, n_channels, series, wavelets, progress)?
         } else {
+            let steps = whole(schedule)?;
             for wavelet in &mut *wavelets {
                 wavelet.fill(0.0);
             }
@@ -84,7 +87,7 @@ impl<'a> Transform<'a> {
                 add(1.0, now, wavelets[level]);
             })?
         };
-        Ok(self.info(outcome, n_channels))
+        Ok(self.info(&outcome, n_channels))
     }
 
     /// `Σ_j factors[j−1]·W_f(j)` into `out`, n_vertices × n_channels, by a single polynomial of Φ₁. A filter with one gain a
@@ -93,7 +96,7 @@ impl<'a> Transform<'a> {
     /// Within [`BandsParams::accuracy`] of its own norm.
     ///
     /// # Errors
-    /// [`BandsError`] when the signal has the wrong length or a value that is not finite, or when cancelled.
+    /// As for [`wavelets_into`](Self::wavelets_into).
     ///
     /// # Panics
     /// Unless there is one finite factor a level and `out` is as long as the signal.
@@ -112,15 +115,29 @@ impl<'a> Transform<'a> {
         assert_eq!(out.len(), signal.len(), "an output as long as the signal");
         let steps = schedule.steps_from_zero();
         let outcome = if let Some(prepared) = &self.prepared {
-            let series = Series::combination(&bands(&steps, prepared.growth), factors, prepared.growth);
-            prepared.evaluate(signal, n_channels, &[series], self.params.accuracy, &mut [out], progress)?
+            let series = |_, rung| {
+                let bands: Vec<Series> =
+                    steps.par_windows(2).map(|pair| self.band(pair, rung, prepared.growth)).collect();
+                Series::combination(&bands, factors, prepared.growth)
+            };
+            self.climb(prepared, signal, n_channels, series, &mut [out], progress).map_err(|error| {
+                match error {
+                    BandsError::Missed { level, accuracy, reached } => BandsError::Missed {
+                        level: schedule.first_real().unwrap_or(level),
+                        accuracy,
+                        reached,
+                    },
+                    other => other,
+                }
+            })?
         } else {
+            let steps = whole(schedule)?;
             out.fill(0.0);
             self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
                 add(factors[level], now, out);
             })?
         };
-        Ok(self.info(outcome, n_channels))
+        Ok(self.info(&outcome, n_channels))
     }
 
     /// All bands of a signal in the order of the shape; see [`decompose`](super::decompose())
@@ -175,6 +192,51 @@ impl<'a> Transform<'a> {
         })
     }
 
+    /// The series of the band between two numbers of steps.
+    fn band(&self, pair: &[f64], rung: Rung, growth: Growth) -> Series {
+        real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth)
+    }
+
+    /// `series(i, rung)(Φ₁)·(I − Φ₁)·signal` into `outs[i]`, by the first rung of the ladder that is good enough for each.
+    /// Series of whole steps are the same on every rung, and done with the first.
+    fn climb(
+        &self,
+        prepared: &Prepared<'_>,
+        signal: &[f64],
+        n_channels: usize,
+        series: impl Fn(usize, Rung) -> Series + Sync,
+        outs: &mut [&mut [f64]],
+        progress: Progress<'_>,
+    ) -> Result<Outcome, BandsError> {
+        let accuracy = self.params.accuracy;
+        let mut sum = Outcome::default();
+        let mut missed: Vec<(usize, f64)> = (0..outs.len()).map(|i| (i, f64::INFINITY)).collect();
+        for rung in LADDER {
+            let these: Vec<Series> = missed.par_iter().map(|&(i, _)| series(i, rung)).collect();
+            let is_guarded = these.iter().any(|s| s.rest.guarded > 0.0);
+            let guard = if is_guarded { rung.guard() } else { Vec::new() };
+            let mut wanted = missed.iter().map(|&(i, _)| i).peekable();
+            let mut outs: Vec<&mut [f64]> = outs
+                .iter_mut()
+                .enumerate()
+                .filter(|(i, _)| wanted.next_if_eq(i).is_some())
+                .map(|(_, out)| &mut **out)
+                .collect();
+            let outcome =
+                prepared.evaluate(signal, n_channels, (&these, &guard), accuracy, &mut outs, progress)?;
+            sum.degree = sum.degree.max(outcome.degree);
+            sum.products += outcome.products;
+            sum.terms += outcome.terms;
+            sum.error_bound = sum.error_bound.max(outcome.error_bound);
+            missed = outcome.missed.into_iter().map(|(at, reached)| (missed[at].0, reached)).collect();
+            if missed.is_empty() {
+                return Ok(sum);
+            }
+        }
+        let (at, reached) = missed[0];
+        Err(BandsError::Missed { level: at + 1, accuracy, reached })
+    }
+
     /// Calls `each(level, Φ₁ⁱu)` for i = 0 … n_J − 1, level counted from 0. As `W_f(j)` is a sum of these, it has the
     /// relative accuracy of u, which a difference of two S_f would not have.
     fn sum_powers(
@@ -200,11 +262,11 @@ impl<'a> Transform<'a> {
             }
         }
         progress.step(total, total)?;
-        Ok(Outcome { degree: total - 1, products: total, terms: total, error_bound: 0.0 })
+        Ok(Outcome { degree: total - 1, products: total, terms: total, ..Outcome::default() })
     }
 
-    fn info(&self, outcome: Outcome, n_channels: usize) -> BandsInfo {
-        let Outcome { degree, products, terms, error_bound } = outcome;
+    fn info(&self, outcome: &Outcome, n_channels: usize) -> BandsInfo {
+        let &Outcome { degree, products, terms, error_bound, .. } = outcome;
         BandsInfo {
             engine: self.engine,
             degree,
@@ -239,8 +301,14 @@ impl<'a> Transform<'a> {
     }
 }
 
-fn bands(steps: &[u64], growth: Growth) -> Vec<Series> {
-    steps.par_windows(2).map(|pair| Series::band(pair[0], pair[1], growth)).collect()
+/// The steps of a schedule from 0, for a walk that takes one after the other.
+fn whole(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
+    let Some(steps) = schedule.whole_steps() else {
+        let level = schedule.first_real().expect("a level that is not whole");
+        let steps = schedule.steps()[level - 1];
+        return Err(BandsError::NotWhole { level, steps });
+    };
+    Ok(std::iter::once(0).chain(steps).collect())
 }
 
 fn add(factor: f64, now: &[f64], out: &mut [f64]) {

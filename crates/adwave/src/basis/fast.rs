@@ -142,7 +142,7 @@ pub fn basis(
         largest_dropped,
         forecast: forecast.bytes,
     };
-    Ok(Basis { steps: params.schedule.steps().to_vec(), scaling, info })
+    Ok(Basis { steps: params.steps(), scaling, info })
 }
 
 fn walk_block(walk: &Walk<'_>, workers: &Workers, first: usize, slot: &mut Slot) -> Result<(), BasisError> {

@@ -29,7 +29,7 @@ pub(super) fn forecast<V: Value>(
     copies: u64,
 ) -> Result<Forecast, BasisError> {
     let n = walk.diffusion.n_vertices();
-    let steps = walk.params.schedule.steps();
+    let steps = &walk.steps;
     let limit = walk.params.memory_limit;
     let n_blocks = n.div_ceil(LANES);
     let samples = n_blocks.min(SAMPLES);

@@ -73,7 +73,21 @@ impl BasisParams {
     }
 
     fn check(&self) -> Result<(), BasisError> {
-        check_tolerance(self.drop_tolerance)
+        check_tolerance(self.drop_tolerance)?;
+        check_whole(&self.schedule)
+    }
+
+    /// The steps of the levels, which [`check`](Self::check) has found to be whole.
+    fn steps(&self) -> Vec<u64> {
+        self.schedule.whole_steps().expect("checked")
+    }
+}
+
+/// Functions are made by taking steps, and half a step has no sparse row: its square root of Φ₁ reaches every vertex.
+pub(crate) fn check_whole(schedule: &Schedule) -> Result<(), BasisError> {
+    match schedule.first_real() {
+        Some(level) => Err(BasisError::NotWhole { level, steps: schedule.steps()[level - 1] }),
+        None => Ok(()),
     }
 }
 
@@ -96,6 +110,16 @@ pub enum BasisError {
         level: usize,
         /// Its steps.
         steps: u64,
+    },
+    /// The functions take whole steps.
+    #[error(
+        "level {level} has {steps} steps; the functions themselves take whole steps only: round the schedule, or ask for the bands of a signal"
+    )]
+    NotWhole {
+        /// The level, from 1.
+        level: usize,
+        /// Its steps.
+        steps: f64,
     },
     /// The matrices would not fit.
     #[error(

@@ -25,7 +25,7 @@ pub fn basis_by_squaring(
     progress: Progress<'_>,
 ) -> Result<Basis<f64>, BasisError> {
     params.check()?;
-    let steps = params.schedule.steps();
+    let steps = params.steps();
     if let Some(j) = (0..steps.len()).find(|&j| steps[j] != 1 << j) {
         return Err(BasisError::NotDyadic { level: j + 1, steps: steps[j] });
     }
@@ -49,7 +49,7 @@ pub fn basis_by_squaring(
     progress.step(n_levels as u64, n_levels as u64)?;
     info.nnz = scaling.iter().map(|level| level.nnz() as u64).collect();
     info.bytes = scaling.iter().map(CompressedRows::bytes).collect();
-    Ok(Basis { steps: steps.to_vec(), scaling, info })
+    Ok(Basis { steps, scaling, info })
 }
 
 /// Φ₁ with its diagonal.

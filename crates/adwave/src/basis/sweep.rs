@@ -34,11 +34,13 @@ enum Reach {
 const REACHES: [Reach; 3] = [Reach::Measured { pace: 1.7 }, Reach::Measured { pace: 3.0 }, Reach::Complete];
 
 /// What every block needs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Walk<'a> {
     pub(super) diffusion: &'a Diffusion,
     pub(super) arriving: &'a Arriving,
     pub(super) params: &'a BasisParams,
+    /// The steps of the levels.
+    pub(super) steps: Vec<u64>,
     pub(super) arch: pulp::Arch,
     pub(super) progress: Progress<'a>,
     /// How many of the levels are walked to step by step; the others are reached by a recurrence.
@@ -66,11 +68,12 @@ impl<'a> Walk<'a> {
         params: &'a BasisParams,
         progress: Progress<'a>,
     ) -> Self {
-        let n_shallow = deep::n_shallow(diffusion, params.schedule.steps());
+        let steps = params.steps();
+        let n_shallow = deep::n_shallow(diffusion, &steps);
         let n_columns = 4 + params.schedule.n_levels() - n_shallow;
         let bytes_an_active = (rayon::current_num_threads() * n_columns * size_of::<Lanes>()) as u64;
         let arch = pulp::Arch::new();
-        Self { diffusion, arriving, params, arch, progress, n_shallow, bytes_an_active }
+        Self { diffusion, arriving, params, steps, arch, progress, n_shallow, bytes_an_active }
     }
 
     /// Builds the active set anew.
@@ -128,7 +131,7 @@ impl<'a> Walk<'a> {
         debug_assert!(end - first <= LANES);
         let tolerance = self.params.drop_tolerance as f32;
         let floor = if reach == Reach::Complete { 0.0 } else { FLOOR_OF_TOLERANCE * tolerance };
-        let (shallow, deep) = self.params.schedule.steps().split_at(self.n_shallow);
+        let (shallow, deep) = self.steps.split_at(self.n_shallow);
         let mut show = |level: usize, n: u64, active: &[u32], rows: &[Lanes]| {
             let kept = kept(self.arch, rows, tolerance);
             let allowed = MOST_LOST + ROUNDING_OF_A_STEP * n as f64;

@@ -7,7 +7,6 @@ use super::{Feature, FeatureError, FeatureParams, Refinement, spread_best};
 use crate::Decomposer;
 use crate::band_norms::BandNorms;
 use crate::bands::Bands;
-use crate::region::surface_distance;
 use crate::shape::Adjacency;
 use rayon::prelude::*;
 
@@ -98,8 +97,7 @@ pub fn features(
     }
     if let Some(sigmas) = params.border_sigmas {
         let widest = found.iter().map(|(_, f)| f.sigma).fold(0.0, f64::max);
-        let sources: Vec<(usize, f64)> = decomposer.border().into_iter().map(|x| (x, 0.0)).collect();
-        let distance = surface_distance(&ring, &decomposer.domain().points, &sources, sigmas * widest);
+        let distance = decomposer.distance_from_border(sigmas * widest);
         found.retain(|(x, f)| distance[*x] > sigmas * f.sigma);
     }
     found.sort_by(|(x, a), (y, b)| {

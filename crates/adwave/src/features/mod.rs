@@ -18,7 +18,7 @@ pub use best::spread_best;
 pub use descriptor::{DESCRIPTOR_LENGTH, Descriptor, describe};
 pub use detect::features;
 pub use matching::{Match, match_features};
-pub use params::{FeatureParams, Refinement, Response, ThresholdScope};
+pub use params::{FEATURE_REACH, FeatureParams, Refinement, Response, ThresholdScope};
 pub use spheres::{Spheres, spheres};
 
 use thiserror::Error;

@@ -64,6 +64,16 @@ impl SurfaceSignal {
         }
     }
 
+    /// In what it is measured; `None` where it is a number.
+    pub fn unit(self) -> Option<&'static str> {
+        match self {
+            Self::Normals | Self::ShapeIndex => None,
+            Self::MeanCurvature => Some("1/model unit"),
+            Self::GaussianCurvature => Some("1/model unit²"),
+            Self::Density => Some("points/model unit²"),
+        }
+    }
+
     /// The kind of that name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)

@@ -1,0 +1,191 @@
+//! Levels of any number of steps, as the command takes them and gives them back.
+
+mod common;
+
+use common::{adwave, json, refused, words};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Rounding of a square root and a quotient.
+const ROUNDING: f64 = 1e-14;
+
+/// Time in which a bad request on a small shape has to be refused, with a machine that is busy with other tests.
+const AT_ONCE: Duration = Duration::from_secs(30);
+
+fn numbers(values: &Value) -> Vec<f64> {
+    values.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// A strip of squares: every step of its walk leads from an even node to an odd one.
+fn write_strip(folder: &Path) {
+    let rows: Vec<String> = (1..40).map(|a| format!("{} {a} 1", a + 1)).collect();
+    let head = "%%MatrixMarket matrix coordinate real symmetric\n40 40 39\n";
+    fs::write(folder.join("strip.mtx"), format!("{head}{}\n", rows.join("\n"))).unwrap();
+}
+
+#[test]
+fn voices_divide_every_octave_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let info = json(folder.path(), "info sample:torus --vertices 900 --levels 4 --voices 3");
+    let steps = numbers(&info["steps"]);
+    assert_eq!(steps.len(), 1 + 10);
+    assert_eq!(info["levels"], 10);
+    for (k, n) in steps[1..].iter().enumerate() {
+        assert!((n / (k as f64 / 3.0).exp2() - 1.0).abs() < ROUNDING, "voice {k}: {n} steps");
+    }
+    for pair in numbers(&info["sigma"])[1..].windows(2) {
+        assert!((pair[1] / pair[0] / (1.0_f64 / 6.0).exp2() - 1.0).abs() < ROUNDING, "{pair:?}");
+    }
+    // What is whole is printed as a whole number, the rest with all digits.
+    for (k, n) in info["steps"].as_array().unwrap().iter().enumerate() {
+        assert_eq!(n.is_u64(), k == 0 || k % 3 == 1, "level {k}: {n}");
+    }
+    let text = adwave(folder.path())
+        .args(words("info sample:torus --vertices 900 --levels 4 --voices 3"))
+        .assert()
+        .success();
+    let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
+    assert!(text.contains("1.26") && text.contains("1.587"), "{text}");
+}
+
+#[test]
+fn steps_need_not_be_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let report = json(path, "transform sample:torus --vertices 900 --steps 1,2.5,4 -o bands.ply");
+    assert_eq!(report["steps"], json!([0, 1, 2.5, 4]));
+    let sigma = numbers(&report["sigma"]);
+    assert!((sigma[2] / sigma[1] - 2.5_f64.sqrt()).abs() < ROUNDING, "{sigma:?}");
+    assert!(numbers(&report["energy"]).iter().all(|&e| e > 0.0 && e.is_finite()));
+    assert!(report["error_bound"].as_f64().unwrap() <= 1e-10 && report["products"].as_u64().unwrap() > 4);
+    // Two bands in place of one: their sum is the band of whole steps.
+    let whole = json(path, "transform sample:torus --vertices 900 --steps 1,4 -o whole.ply");
+    assert_eq!(whole["steps"], json!([0, 1, 4]));
+    for (file, steps) in [("parts.npz", "1,2.5,4"), ("whole.npz", "1,4")] {
+        let line = format!("transform sample:torus --vertices 900 --steps {steps} -o {file} -q");
+        adwave(path).args(words(&line)).assert().success();
+    }
+    // A NumPy archive holds the steps as doubles.
+    let archive = fs::read(path.join("parts.npz")).unwrap();
+    let header = archive.windows(9).position(|w| w == b"steps.npy").expect("the array of the steps");
+    let header = String::from_utf8_lossy(&archive[header..header + 140]).into_owned();
+    assert!(header.contains("'descr': '<f8'") && header.contains("(4,)"), "{header}");
+}
+
+#[test]
+fn widths_are_those_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let step = numbers(&json(path, "info sample:torus --vertices 900 --levels 2")["sigma"])[1];
+    let widths = [0.9 * step, 1.3 * step, 2.0 * step, 3.77 * step];
+    let asked: Vec<String> = widths.iter().map(f64::to_string).collect();
+    let asked = asked.join(",");
+    let line = format!("transform sample:torus --vertices 900 --lengths {asked} -o bands.npz");
+    let report = json(path, &line);
+    for (found, asked) in numbers(&report["sigma"])[1..].iter().zip(widths) {
+        assert!((found / asked - 1.0).abs() < ROUNDING, "{found} for {asked}");
+    }
+    // Twice the width of a step are four steps, whatever rounding makes of the quotient.
+    assert_eq!(report["steps"][3], json!(4));
+    assert!(report["steps"][1].as_f64().unwrap() < 1.0);
+}
+
+#[test]
+fn a_recipe_keeps_steps_to_the_last_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let line = "filter sample:torus --vertices 900 --levels 3 --voices 2 --gains 0,2,1,0.5,0 -o edit.obj --save-recipe edit.toml";
+    let report = json(path, line);
+    assert_eq!(report["steps"].as_array().unwrap().len(), 6);
+    let recipe = fs::read_to_string(path.join("edit.toml")).unwrap();
+    assert!(recipe.contains("1.4142135623730951"), "{recipe}");
+    let again = json(path, "filter sample:torus --vertices 900 --recipe edit.toml -o again.obj");
+    assert_eq!(again["steps"], report["steps"]);
+    assert!(fs::read(path.join("edit.obj")).unwrap() == fs::read(path.join("again.obj")).unwrap());
+    // By hand, whole numbers and others beside each other.
+    fs::write(path.join("hand.toml"), "steps = [1, 2.5, 4]\n[[layer]]\ngains = [0, 1, 0.5]\n").unwrap();
+    let by_hand = json(path, "filter sample:torus --vertices 900 --recipe hand.toml -o hand.obj");
+    assert_eq!(by_hand["steps"], json!([0, 1, 2.5, 4]));
+}
+
+#[test]
+fn what_is_no_number_of_steps_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_strip(path);
+    let start = Instant::now();
+    for (asked, named) in [
+        ("--steps 0", "level 1 has 0 steps"),
+        ("--steps=-1", "-1"),
+        ("--steps nan", "NaN"),
+        ("--steps inf", "2^31"),
+        ("--steps 2,1", "increase"),
+        ("--steps 1.5,1.5", "increase"),
+        ("--steps 1,nan", "level 2"),
+        ("--steps 1e30", "2^31"),
+        ("--steps 1e-9", "at least 0.015625"),
+        ("--voices 0", "0 voices"),
+        ("--voices 1000", "1 to 64"),
+        ("--voices 3 --levels 0", "at least one level"),
+        ("--voices 3 --levels 99", "32"),
+        ("--lengths 0", "positive"),
+        ("--lengths=-1e-99", "-1e-99"),
+        ("--lengths nan", "NaN"),
+        ("--lengths 1e300", "1e300"),
+        ("--lengths 1e-9", "at least 0.015625"),
+    ] {
+        for verb in ["info", "transform", "filter", "saliency", "features"] {
+            let rest = match verb {
+                "info" => "",
+                "filter" => "--preset suppress -o o.obj",
+                "features" => "-o o.csv",
+                _ => "-o o.ply",
+            };
+            let line = format!("{verb} sample:sphere --vertices 100 {asked} {rest}");
+            let error = refused(path, &line);
+            assert!(error.contains(named), "{line}: {error}");
+        }
+    }
+    for line in ["--steps one", "--steps ''", "--voices 2.5", "--voices=-1", "--lengths x"] {
+        let line = format!("transform sample:sphere --vertices 100 -o o.ply {line}");
+        adwave(path).args(words(&line)).assert().code(2);
+    }
+    for steps in ["[0.0]", "[2, 1]", "[nan]", "[1e30]", "[]"] {
+        fs::write(path.join("bad.toml"), format!("steps = {steps}\n[[layer]]\ngains = [0]\n")).unwrap();
+        refused(path, "filter sample:sphere --vertices 100 -o o.ply --recipe bad.toml");
+    }
+    let left: Vec<_> = fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 2, "files were left behind: {left:?}");
+    assert!(start.elapsed() < AT_ONCE, "{:?}", start.elapsed());
+}
+
+#[test]
+fn a_walk_that_takes_whole_steps_only_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let cloud: Vec<String> =
+        (0..200).map(|i| format!("{} {} {}", i % 20, i / 20, f64::from(i * i % 7) / 5.0)).collect();
+    fs::write(path.join("cloud.xyz"), cloud.join("\n")).unwrap();
+    let error = refused(path, "transform cloud.xyz --directed --voices 2 -o o.npz");
+    assert!(error.contains("level 2") && error.contains("whole steps"), "{error}");
+    json(path, "transform cloud.xyz --directed --steps 1,2,5 -o o.npz");
+    json(path, "transform cloud.xyz --voices 2 -o o.npz");
+}
+
+#[test]
+fn an_accuracy_out_of_reach_is_refused_with_the_one_in_reach() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_strip(path);
+    let values: Vec<String> = (0..40).map(|i| (i * 17 % 11).to_string()).collect();
+    fs::write(path.join("f.csv"), format!("f\n{}\n", values.join("\n"))).unwrap();
+    let line = "transform strip.mtx --field f.csv --steps 1,1.1,2 -o o.npz";
+    let start = Instant::now();
+    let error = refused(path, line);
+    assert!(error.contains("level 2") && error.contains("less accuracy"), "{error}");
+    json(path, &format!("{line} --accuracy 1e-4"));
+    json(path, "transform strip.mtx --field f.csv --steps 1,3.5,7 -o o.npz");
+    assert!(start.elapsed() < AT_ONCE, "{:?}", start.elapsed());
+}
