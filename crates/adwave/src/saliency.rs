@@ -43,7 +43,7 @@ pub struct SaliencyParams {
     /// given, ≥ 0, |W_f(j)| is multiplied by 0 within S·σ_j of the border along the surface and by 1 beyond 2S·σ_j, with a
     /// smooth step between. The factor is each level's own, so what is too near for a coarse level is still judged by fine
     /// ones, and the map stays a number everywhere. Coordinates need S = 1: along a straight border S_f(j) is drawn inwards
-    /// by σ_j/√π, at a distance of σ_j by a tenth of that.
+    /// by σ_j/√π, at a distance of σ_j by a tenth of that. A graph has no border.
     pub border_sigmas: Option<f64>,
 }
 

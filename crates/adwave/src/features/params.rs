@@ -64,7 +64,8 @@ pub struct FeatureParams {
     pub refinement: Refinement,
     /// Reject edges: the largest ratio of the principal curvatures of R at a feature, ≥ 1; SIFT takes 10.
     pub max_edge_ratio: Option<f64>,
-    /// Reject features within so many σ of the border of a mesh or cloud, or of vertices that are left out of the walk; ≥ 0.
+    /// Reject features within so many σ of the border of a mesh or cloud, or of vertices that are left out of the walk; ≥ 0. A
+    /// graph has no border.
     pub border_sigmas: Option<f64>,
     /// Keep only so many, the strong ones well spread (see [`spread_best`](super::spread_best)).
     pub best: Option<usize>,
