@@ -61,6 +61,11 @@ fn features_are_shown_from_the_files_that_features_writes() {
         counts.push(made["features"].as_u64().unwrap());
     }
     assert!(counts[0] > 0 && counts[0] == counts[1], "{counts:?}");
+    for file in ["none.csv", "none.json"] {
+        json(path, &format!("features sample:plane --vertices 2000 --levels 7 --theta 1e9 -o {file}"));
+        let line = format!("render sample:plane --vertices 2000 -o f.png --size 90x90 --features {file}");
+        assert_eq!(json(path, &line)["features"], 0, "{file}");
+    }
 }
 
 #[test]

@@ -230,6 +230,18 @@ fn caption(args: &RenderArgs, shape: &str, label: Option<&str>) -> String {
     }
 }
 
+/// Whether a table of features has its head only: none were found.
+fn has_no_row(path: &Path) -> bool {
+    /// A head is shorter than this.
+    const HEAD: u64 = 4096;
+    if !std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() < HEAD) {
+        return false;
+    }
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let columns: Vec<&str> = text.trim().split(',').collect();
+    ["x", "y", "z", "sigma"].iter().all(|name| columns.contains(name)) && text.trim().lines().count() == 1
+}
+
 /// The balls of the features in a file that `adwave features` wrote.
 fn features(path: &Path) -> Result<Vec<Ball>, CliError> {
     let shown = path.display();
@@ -247,6 +259,8 @@ fn features(path: &Path) -> Result<Vec<Ball>, CliError> {
         };
         let missing = |k: usize| CliError::Input(format!("{shown}: feature {k} has no x, y, z and sigma"));
         list.iter().enumerate().map(|(k, f)| row(f).ok_or_else(|| missing(k))).collect::<Result<_, _>>()?
+    } else if has_no_row(path) {
+        Vec::new()
     } else {
         let fields = adwave_io::read_csv_fields(path, &ReadLimits::default()).map_err(CliError::input)?;
         let columns = ["x", "y", "z", "sigma"].map(|name| fields.iter().find(|f| f.name == name));
