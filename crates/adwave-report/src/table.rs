@@ -120,6 +120,21 @@ pub fn digits(value: f64) -> String {
     }
 }
 
+/// Three significant digits without zeros at the end, for where there is little room.
+pub(crate) fn short(value: f64) -> String {
+    let size = value.abs();
+    let text = if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+        let text = format!("{value:.decimals$}");
+        if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    } else {
+        format!("{value:.2e}")
+    };
+    text.replacen('-', "−", usize::from(value < 0.0))
+}
+
 /// A count in groups of three digits, narrow blanks between them.
 pub(crate) fn grouped(count: usize) -> String {
     let text = count.to_string();
@@ -143,6 +158,12 @@ mod tests {
             [0, 1234, 12345, 1_234_567].map(grouped),
             ["0", "1234", "12\u{202f}345", "1\u{202f}234\u{202f}567"]
         );
+    }
+
+    #[test]
+    fn short_numbers_have_three_digits_at_most() {
+        let texts = [0.0, -0.075, 1344.9, 120.0, 3.118e-7, 12345.0, -2e-9].map(short);
+        assert_eq!(texts, ["0", "−0.075", "1345", "120", "3.12e-7", "12345", "−2.00e-9"]);
     }
 
     #[test]

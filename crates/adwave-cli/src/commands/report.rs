@@ -64,7 +64,7 @@ fn report(
         fields: &field_names(&input.file),
         shape: &input.shape,
         walk: &analysis.walk,
-        signal: if input.file.field(field).is_some() { field } else { last_part(field) },
+        signal: if input.file.field(field).is_some() { field } else { signal_name(field) },
         bands: &analysis.bands,
         levels_reason: &analysis.why,
         command: &command_line(),
@@ -78,6 +78,20 @@ fn report(
 /// A name without the folders before it.
 fn last_part(name: &str) -> &str {
     Path::new(name).file_name().and_then(|part| part.to_str()).unwrap_or(name)
+}
+
+/// The name of a signal that may come from another file: the column, or the file without folders and endings.
+fn signal_name(field: &str) -> &str {
+    let name = last_part(field);
+    if let Some((file, column)) = name.rsplit_once(':')
+        && !file.is_empty()
+        && !column.is_empty()
+    {
+        return column;
+    }
+    let plain = name.strip_suffix(".gz").unwrap_or(name);
+    let stem = [".gii", ".npy", ".csv", ".tsv"].into_iter().find_map(|ending| plain.strip_suffix(ending));
+    stem.filter(|stem| !stem.is_empty()).unwrap_or(name)
 }
 
 /// What was typed, so that it can be typed again.
@@ -144,4 +158,23 @@ fn describe(
         })).collect::<Vec<_>>(),
         "seconds": {"parts": parts, "all": seconds},
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signals_are_called_by_what_tells_them_apart() {
+        for (field, name) in [
+            ("coords", "coords"),
+            ("a/b/sulc_left.gii.gz", "sulc_left"),
+            ("a/heat.csv", "heat"),
+            ("a/heat.csv:inner", "inner"),
+            ("rdf:", "rdf:"),
+            (".npy", ".npy"),
+        ] {
+            assert_eq!(signal_name(field), name);
+        }
+    }
 }

@@ -122,6 +122,7 @@ fn gallery(figures: &[Figure]) -> String {
     let class = match figures.len() {
         0 | 1 => " one",
         2 => " two",
+        3 => " three",
         4 => " four",
         5 => " five",
         _ => "",
@@ -166,7 +167,7 @@ fn legend(legend: &Legend) -> String {
             let colors: Vec<String> = colors.iter().map(|&c| hex(c)).collect();
             format!(
                 "<div class=\"bar\"><i style=\"background:linear-gradient(to right,{})\"></i><span><b>{}</b>\
-                 {}<b>{}</b></span></div>\n",
+                 <em>{}</em><b>{}</b></span></div>\n",
                 colors.join(","),
                 escaped(low),
                 prose(label),

@@ -8,8 +8,8 @@ use adwave_render::plot::{Axis, Chart, Mark, Series};
 
 /// At how many levels the shape is shown.
 const MOST_SHOWN: usize = 4;
-/// Sides of a chart, pixels: its letters can still be read where a phone shows it at three quarters of that.
-const CHART: (u32, u32) = (480, 330);
+/// Sides of a chart, pixels: its letters can still be read where a phone shows it at five sixths of that.
+const CHART: (u32, u32) = (420, 300);
 
 /// One level in numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -280,7 +280,7 @@ fn magnitudes(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figu
             let caption = format!("{name}, of {}.", width(subject, bands.sigma[j]));
             Frame::plain(format!("Band {j} of {}", subject.signal), caption).field(FieldLook::new(
                 values,
-                format!("{name}, {}", subject.unit()),
+                if subject.is_geometry() { format!("{name}, model units") } else { name },
                 scale,
             ))
         })

@@ -2,7 +2,7 @@
 
 use super::{Looks, Subject};
 use crate::page::{Figure, Image, Legend};
-use crate::table::digits;
+use crate::table::short;
 use adwave::shape::{Shape, triangulate};
 use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
@@ -10,10 +10,15 @@ use adwave_render::{
 };
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::time::Instant;
 
 /// Sides of a picture, pixels: sharp on a phone's screen, and some 30 kB.
 const SIDE: u32 = 560;
+/// Empty rows that stay above and below.
+const MARGIN: u32 = 10;
+/// A picture is at least so high.
+const LEAST_HEIGHT: u32 = 160;
 /// Shapes of more vertices are thinned out before they are drawn.
 const MOST_VERTICES: usize = 250_000;
 /// Cells along the diagonal of which one vertex each is kept: as wide as a pixel where the shape fills the picture.
@@ -129,7 +134,7 @@ impl FieldLook {
         let Scale { low, high, map } = self.scale;
         let end = |value: f64, beyond: bool, sign: &str| {
             let sign = if beyond { sign } else { "" };
-            format!("{sign}{}", digits(value))
+            format!("{sign}{}", short(value))
         };
         Legend::Bar {
             label: self.label.clone(),
@@ -195,23 +200,60 @@ impl<'a> Studio<'a> {
     /// # Errors
     /// Why they cannot be drawn, in words.
     pub(super) fn draw(&mut self, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
-        self.draw_from(self.view, frames)
+        let start = Instant::now();
+        let pictures = self.pictures(self.view, frames)?;
+        self.figures(start, &pictures, frames)
     }
 
-    /// As [`draw`](Self::draw), from the other side.
+    /// As [`draw`](Self::draw), and then `behind` from the opposite side, all equally high.
     ///
     /// # Errors
     /// Why they cannot be drawn, in words.
-    pub(super) fn draw_from_behind(&mut self, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
+    pub(super) fn draw_both(
+        &mut self,
+        front: Vec<Frame<'_>>,
+        behind: Vec<Frame<'_>>,
+    ) -> Result<Vec<Figure>, String> {
+        let start = Instant::now();
         let View { azimuth, elevation } = self.view;
-        self.draw_from(View { azimuth: azimuth + 180.0, elevation }, frames)
+        let mut pictures = self.pictures(self.view, &front)?;
+        pictures.extend(self.pictures(View { azimuth: azimuth + 180.0, elevation }, &behind)?);
+        let frames: Vec<Frame<'_>> = front.into_iter().chain(behind).collect();
+        self.figures(start, &pictures, &frames)
     }
 
-    fn draw_from(&mut self, view: View, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
+    /// The pictures without the rows above and below that are empty in all of them, each with what its frame says.
+    fn figures(
+        &mut self,
+        start: Instant,
+        pictures: &[Picture],
+        frames: &[Frame<'_>],
+    ) -> Result<Vec<Figure>, String> {
+        let rows = used_rows(pictures);
+        let figures: Vec<Figure> = pictures
+            .iter()
+            .zip(frames)
+            .map(|(picture, f)| {
+                let picture =
+                    picture.cropped(0, rows.start, SIDE, rows.len() as u32).map_err(|e| e.to_string())?;
+                Ok(Figure {
+                    image: Image::shaded(&picture).map_err(|e| e.to_string())?,
+                    alt: f.alt.clone(),
+                    caption: f.caption.clone(),
+                    legend: f.field.as_ref().map(FieldLook::legend),
+                    link: None,
+                })
+            })
+            .collect::<Result<_, String>>()?;
+        self.n_pictures += figures.len();
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(figures)
+    }
+
+    fn pictures(&self, view: View, frames: &[Frame<'_>]) -> Result<Vec<Picture>, String> {
         if !self.can_draw() || frames.is_empty() {
             return Ok(Vec::new());
         }
-        let start = Instant::now();
         let shown: Vec<Shown<'_>> = frames
             .iter()
             .map(|f| {
@@ -232,20 +274,8 @@ impl<'a> Studio<'a> {
             .with_color_bar(ColorBar::Hidden);
         let sheet = grid(&panels, 1, SharedCamera::Same, &params).map_err(|e| e.to_string())?;
         let one = 4 * SIDE as usize * SIDE as usize;
-        let figures = frames.iter().zip(sheet.rgba.chunks_exact(one)).map(|(f, rgba)| {
-            let picture = Picture { width: SIDE, height: SIDE, rgba: rgba.to_vec() };
-            Ok(Figure {
-                image: Image::shaded(&picture).map_err(|e| e.to_string())?,
-                alt: f.alt.clone(),
-                caption: f.caption.clone(),
-                legend: f.field.as_ref().map(FieldLook::legend),
-                link: None,
-            })
-        });
-        let figures: Vec<Figure> = figures.collect::<Result<_, String>>()?;
-        self.n_pictures += figures.len();
-        self.seconds += start.elapsed().as_secs_f64();
-        Ok(figures)
+        let picture = |rgba: &[u8]| Picture { width: SIDE, height: SIDE, rgba: rgba.to_vec() };
+        Ok(sheet.rgba.chunks_exact(one).map(picture).collect())
     }
 
     fn panel<'p>(
@@ -280,6 +310,19 @@ impl<'a> Studio<'a> {
             Some(kept) => Cow::Owned(kept.iter().map(|&v| values[v as usize]).collect()),
         }
     }
+}
+
+/// The rows that are not empty in all of the pictures, and a few more.
+fn used_rows(pictures: &[Picture]) -> Range<u32> {
+    let is_used = |row: &[u8]| row.chunks_exact(4).any(|pixel| pixel[3] > 0);
+    let row = 4 * SIDE as usize;
+    let used =
+        || pictures.iter().flat_map(|p| p.rgba.chunks_exact(row).enumerate()).filter(|(_, r)| is_used(r));
+    let first = used().map(|(y, _)| y as u32).min().unwrap_or(0);
+    let last = used().map(|(y, _)| y as u32).max().unwrap_or(SIDE - 1);
+    // A flat shape seen from its edge still gets a picture that is wide, not a line.
+    let room = MARGIN.max(LEAST_HEIGHT.saturating_sub(last + 1 - first) / 2);
+    first.saturating_sub(room)..(last + 1 + room).min(SIDE)
 }
 
 /// The first vertex of each cell of that width, by rising index, and the triangles whose corners are in three cells, each
@@ -335,6 +378,21 @@ mod tests {
         let (kept, thin) = thinned(&points, &triangles, 1.0);
         assert_eq!(kept, [0, 1, 14, 15]);
         assert_eq!(thin.len(), 2);
+    }
+
+    #[test]
+    fn rows_that_are_empty_everywhere_are_cut_off() {
+        let mut picture = Picture::filled(SIDE, SIDE, [0; 4]).unwrap();
+        assert_eq!(used_rows(std::slice::from_ref(&picture)), 0..SIDE);
+        picture.place(&Picture::filled(1, 1, [9, 9, 9, 255]).unwrap(), 3, 100);
+        let other = Picture::filled(SIDE, SIDE, [0; 4]).unwrap();
+        let rows = used_rows(&[other.clone(), picture.clone()]);
+        assert!(
+            rows.contains(&100) && (LEAST_HEIGHT - 1..=LEAST_HEIGHT).contains(&(rows.len() as u32)),
+            "{rows:?}"
+        );
+        picture.place(&Picture::filled(1, 1, [9, 9, 9, 255]).unwrap(), 3, 500);
+        assert_eq!(used_rows(&[picture, other]), 100 - MARGIN..501 + MARGIN);
     }
 
     #[test]

@@ -91,11 +91,11 @@ fn strongest(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> T
         &[
             subject.vertex(),
             "where",
-            "x, y, z",
             "level j",
             &format!("radius σ_j, {unit}"),
             "strength",
             "sign",
+            "x, y, z",
         ],
     );
     for f in found.iter().take(MOST_LISTED) {
@@ -103,11 +103,11 @@ fn strongest(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> T
         table.push([
             f.vertex.to_string(),
             f.position.zip(places.as_ref()).map_or_else(none, |(p, places)| places.words(&p)),
-            f.position.map_or_else(none, |p| subject.position(p)),
             f.level.to_string(),
             digits(f.sigma),
             digits(f.strength),
             if signed { if f.sign() > 0 { "+" } else { "−" }.to_owned() } else { none() },
+            f.position.map_or_else(none, |p| subject.position(p)),
         ]);
     }
     table.without_empty_columns()
@@ -143,8 +143,7 @@ fn pictures(
         format!("Features of {} from the opposite side", subject.name),
         "The same from the opposite side.",
     );
-    let mut figures = studio.draw(&[front.balls(balls.clone())])?;
-    figures.extend(studio.draw_from_behind(&[back.balls(balls)])?);
+    let mut figures = studio.draw_both(vec![front.balls(balls.clone())], vec![back.balls(balls)])?;
     for figure in &mut figures {
         figure.legend = keys();
     }

@@ -192,8 +192,8 @@ fn sizes(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     }
     if let Some((low, high)) = subject.shape.points().and_then(bounding_box) {
         let sides = [0, 1, 2].map(|k| digits(high[k] - low[k]));
-        let from = low.map(digits).join(", ");
-        let to = high.map(digits).join(", ");
+        let from = subject.position(low);
+        let to = subject.position(high);
         list.push(fact(
             "Bounding box, x × y × z",
             format!("{} model units", sides.join(" × ")),

@@ -84,7 +84,8 @@ impl Subject<'_> {
 
     /// A point with decimals of a ten-thousandth of the shape.
     fn position(&self, point: [f64; 3]) -> String {
-        let decimals = 4 - self.walk.diagonal().log10().floor() as i32;
+        // Of a shape without extent this is infinite, which the cast saturates.
+        let decimals = 4_i32.saturating_sub(self.walk.diagonal().log10().floor() as i32);
         let far = point.iter().any(|c| c.abs() >= 1e9);
         let cell = |c: f64| match decimals {
             0..=9 if !far => format!("{c:.*}", decimals as usize).replace('-', "−"),

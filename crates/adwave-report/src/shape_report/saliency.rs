@@ -91,9 +91,9 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         &[
             &format!("largest at {}", subject.vertex()),
             "where",
-            "x, y, z",
             subject.vertices(),
             "% of the map's sum",
+            "x, y, z",
         ],
     );
     for patch in found.iter().take(MOST_PATCHES) {
@@ -102,9 +102,9 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         table.push([
             vertex_of(subject, patch.peak).to_string(),
             p.zip(places.as_ref()).map_or_else(none, |(p, places)| places.words(&p)),
-            p.map_or_else(none, |p| subject.position(p)),
             patch.n_vertices.to_string(),
             format!("{:.2}", 100.0 * patch.sum / sum),
+            p.map_or_else(none, |p| subject.position(p)),
         ]);
     }
     section.push(Block::Table(table.without_empty_columns()));
@@ -133,7 +133,5 @@ fn pictures(
         format!("Saliency of {} from the opposite side", subject.name),
         "The same from the opposite side.",
     );
-    let mut figures = studio.draw(&[front.field(look())])?;
-    figures.extend(studio.draw_from_behind(&[back.field(look())])?);
-    Ok(figures)
+    studio.draw_both(vec![front.field(look())], vec![back.field(look())])
 }

@@ -20,33 +20,26 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
     };
     let plain =
         || Frame::plain(format!("{} from one side", subject.name), format!("Seen from one side: {what}."));
-    let back = [Frame::plain(
-        format!("{} from the opposite side", subject.name),
-        "The same from the opposite side.",
-    )];
     let drawn = if subject.is_geometry() {
-        studio.draw(&[plain()]).and_then(|mut front| {
-            front.extend(studio.draw_from_behind(&back)?);
-            Ok(front)
-        })
+        let behind = Frame::plain(
+            format!("{} from the opposite side", subject.name),
+            "The same from the opposite side.",
+        );
+        studio.draw_both(vec![plain()], vec![behind])
     } else {
         let values = subject.scalar(&subject.bands.scaling[0]);
-        let look = |values: Vec<f64>| {
+        let look = || {
             let scale = Scale::of(&values);
-            FieldLook::new(values, subject.scalar_name(), scale)
+            FieldLook::new(values.clone(), subject.scalar_name(), scale)
         };
-        let field = || {
-            let caption = format!("The signal {}; grey where it has no value.", subject.scalar_name());
-            Frame::plain(format!("{} on {}", subject.signal, subject.name), caption)
-        };
-        studio.draw(&[plain(), field().field(look(values.clone()))]).and_then(|mut front| {
-            let behind = Frame::plain(
-                format!("{} on the opposite side of {}", subject.signal, subject.name),
-                "The signal on the opposite side.",
-            );
-            front.extend(studio.draw_from_behind(&[behind.field(look(values))])?);
-            Ok(front)
-        })
+        let missing = if subject.walk.left_out().is_some() { "; grey where it has no value" } else { "" };
+        let caption = format!("The signal {}{missing}.", subject.scalar_name());
+        let front = Frame::plain(format!("{} on {}", subject.signal, subject.name), caption);
+        let behind = Frame::plain(
+            format!("{} on the opposite side of {}", subject.signal, subject.name),
+            "The signal on the opposite side.",
+        );
+        studio.draw_both(vec![plain(), front.field(look())], vec![behind.field(look())])
     };
     section.gallery(drawn);
     if let Some(n_drawn) = studio.n_drawn() {
