@@ -20,6 +20,8 @@ fn bad_requests_are_refused_in_one_line_before_anything_is_made() {
     let error = refused(path, "reproduce fig8 -o out --models broken");
     assert!(error.contains("'dinosaur'") && error.contains("dinosaur.obj"), "{error}");
     assert!(!path.join("out").exists());
+    let error = refused(path, "reproduce fig8 -o broken/dinosaur.obj");
+    assert!(error.contains("dinosaur.obj is a file"), "{error}");
     // A model that no figure asked for is not read.
     let made = json(path, "reproduce fig1 -o fine --models broken --most-vertices 1500");
     assert_eq!(made["figures"][0]["verdict"], "as-claimed");

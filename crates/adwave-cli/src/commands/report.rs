@@ -11,7 +11,7 @@ use crate::report_args::ReportArgs;
 use crate::shape_input::load;
 use crate::signal::{default_name, field_names};
 use crate::stopwatch::Stopwatch;
-use adwave::bands::DEFAULT_REACH;
+use adwave::features::FEATURE_REACH;
 use adwave_io::{Format, atomic_write};
 use adwave_render::Up;
 use adwave_report::shape_report::{Looks, ShapeReport, Subject, shape_report};
@@ -27,7 +27,7 @@ pub(crate) fn run(args: &ReportArgs, global: &GlobalArgs) -> Result<(), CliError
     let field = args.field.clone().unwrap_or_else(|| default_name(&input).to_owned());
     let signal = FieldArgs { field: field.clone(), texture: args.texture.clone() };
     let analysis =
-        Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, DEFAULT_REACH, global)?;
+        Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, FEATURE_REACH, global)?;
     let report = report(args, global, &analysis, &field)?;
     let html = report.page.html();
     atomic_write(&args.output, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;

@@ -20,6 +20,9 @@ pub(crate) fn run(args: &ReproduceArgs, global: &GlobalArgs) -> Result<(), CliEr
         let known = FIGURES.iter().map(|f| f.name).collect::<Vec<_>>().join(", ");
         CliError::Input(format!("there is no figure '{name}'; there is all, {known}"))
     })?;
+    if args.output.exists() && !args.output.is_dir() {
+        return Err(CliError::Input(format!("{} is a file; name a folder", args.output.display())));
+    }
     let models = models(args, &figures)?;
     let found: Vec<Value> = models
         .found()
