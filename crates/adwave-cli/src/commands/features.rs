@@ -1,7 +1,7 @@
 //! `adwave features`: where bands stand out in place and in scale.
 
 use crate::analysis::Analysis;
-use crate::analysis_args::FeaturesArgs;
+use crate::analysis_args::{FeaturesArgs, ResponseArg};
 use crate::args::{GlobalArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::output::{check_writable, number, print, steps_json, table, write_error, write_shape};
@@ -92,14 +92,19 @@ fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
 fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) -> String {
     let analysis = &found.analysis;
     let mut text = analysis.headline(&args.field.field);
-    let _ = writeln!(text, "{} features\n", found.features.len());
-    text += &table(
-        ["level", "sigma", "% of diagonal", "features"],
-        by_level(&found.features).into_iter().map(|(level, count)| {
-            let sigma = analysis.bands.sigma[level];
-            [level.to_string(), number(sigma), number(analysis.percent(sigma)), count.to_string()]
-        }),
-    );
+    if found.features.is_empty() {
+        let _ = writeln!(text, "no features: {}", what_to_try(args, analysis.bands.n_channels));
+    } else {
+        let n = found.features.len();
+        let _ = writeln!(text, "{n} feature{}\n", if n == 1 { "" } else { "s" });
+        text += &table(
+            ["level", "sigma", "% of diagonal", "features"],
+            by_level(&found.features).into_iter().map(|(level, count)| {
+                let sigma = analysis.bands.sigma[level];
+                [level.to_string(), number(sigma), number(analysis.percent(sigma)), count.to_string()]
+            }),
+        );
+    }
     let _ = writeln!(text);
     if let Some((other, pairs)) = paired {
         let _ = writeln!(
@@ -139,6 +144,17 @@ fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) 
         text += &path.display().to_string();
     }
     text
+}
+
+/// What may give features where there are none.
+fn what_to_try(args: &FeaturesArgs, n_channels: usize) -> &'static str {
+    match args.detect.response {
+        ResponseArg::Normalised if n_channels == 1 => {
+            "take a lower --theta, more --levels, or --response literal where the signal is flat but for a few bumps"
+        }
+        ResponseArg::Literal if n_channels > 1 => "take a lower --theta, or --response normalised",
+        _ => "take a lower --theta, or more --levels",
+    }
 }
 
 /// How many features each level has.
