@@ -52,7 +52,9 @@ pub(crate) fn number(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
     } else if (1e-3..1e6).contains(&size) {
-        let decimals = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        // The place of the first digit after rounding, which may be one up from that of the value.
+        let place = format!("{size:.3e}").rsplit('e').next().and_then(|e| e.parse::<i32>().ok()).unwrap_or(0);
+        let decimals = (3 - place).clamp(0, 6) as usize;
         format!("{value:.decimals$}")
     } else {
         format!("{value:.3e}")

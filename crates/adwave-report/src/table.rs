@@ -105,6 +105,7 @@ pub fn column(values: &[f64]) -> Vec<String> {
 /// ```
 /// use adwave_report::digits;
 /// assert_eq!((digits(0.0), digits(12.3456), digits(1.0e-9)), ("0".into(), "12.35".into(), "1.000e-9".into()));
+/// assert_eq!((digits(0.99999), digits(999.96)), ("1.000".into(), "1000".into()));
 /// ```
 pub fn digits(value: f64) -> String {
     let size = value.abs();
@@ -113,7 +114,9 @@ pub fn digits(value: f64) -> String {
     } else if !value.is_finite() {
         String::new()
     } else if (1e-3..1e6).contains(&size) {
-        let decimals = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        // The place of the first digit after rounding, which may be one up from that of the value.
+        let place = format!("{size:.3e}").rsplit('e').next().and_then(|e| e.parse::<i32>().ok()).unwrap_or(0);
+        let decimals = (3 - place).clamp(0, 6) as usize;
         format!("{value:.decimals$}")
     } else {
         format!("{value:.3e}")

@@ -10,6 +10,8 @@ use adwave::shape::{Domain, Graph, Mesh, PointCloud, Polygons, Shape, Weld};
 use adwave::{Decomposer, Progress};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use proptest::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// Rounding of f64 over a recurrence of some hundred steps and over an eigen-decomposition, relative to W_f(1).
 const ROUNDING: f64 = 2e-12;
@@ -435,6 +437,21 @@ fn what_cannot_be_taken_is_refused() {
     assert_eq!(all.unwrap_err(), refused);
     let walk = Decomposer::new(&cloud, &OperatorParams::default());
     assert_eq!(walk.basis_of_vertex(0, &schedule, Progress::none()).unwrap_err(), refused);
+}
+
+#[test]
+fn a_cancelled_call_makes_no_series_of_any_try() {
+    // Stopped when the first products report: the bands that miss the accuracy would need the dear tries next.
+    let walk = walk_of(&checkerboard(12, 12), &OperatorParams::default());
+    let schedule = Schedule::voices(6, 64).expect("a schedule");
+    let stop = AtomicBool::new(false);
+    let report = |_: u64, _: u64| stop.store(true, Ordering::Relaxed);
+    let progress = Progress::none().with_report(&report).with_cancel(&stop);
+    let start = Instant::now();
+    let weld = Weld::identity(144);
+    let found = decompose(&walk, &weld, &noise(144, 3), 1, &schedule, &BandsParams::default(), progress);
+    assert!(matches!(found, Err(BandsError::Cancelled(_))), "{found:?}");
+    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
 }
 
 #[test]

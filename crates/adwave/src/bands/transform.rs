@@ -212,7 +212,11 @@ impl<'a> Transform<'a> {
         let mut sum = Outcome::default();
         let mut missed: Vec<(usize, f64)> = (0..outs.len()).map(|i| (i, f64::INFINITY)).collect();
         for rung in LADDER {
-            let these: Vec<Series> = missed.par_iter().map(|&(i, _)| series(i, rung)).collect();
+            // The last rungs cost O(m²) a band, before any product that would ask whether to go on.
+            let made = |&(i, _): &(usize, f64)| {
+                if progress.is_cancelled() { Err(Cancelled) } else { Ok(series(i, rung)) }
+            };
+            let these: Vec<Series> = missed.par_iter().map(made).collect::<Result<_, _>>()?;
             let is_guarded = these.iter().any(|s| s.rest.guarded > 0.0);
             let guard = if is_guarded { rung.guard() } else { Vec::new() };
             let mut wanted = missed.iter().map(|&(i, _)| i).peekable();
