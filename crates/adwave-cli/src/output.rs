@@ -6,6 +6,7 @@ use crate::interrupt::STOP;
 use adwave::Decomposer;
 use adwave::bands::{BandsParams, DEFAULT_REACH, Schedule};
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
+use adwave_report::digits;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -48,17 +49,7 @@ pub(crate) fn table<const N: usize>(head: [&str; N], rows: impl IntoIterator<Ite
 
 /// Four significant digits, in scientific notation where the number is very large or small.
 pub(crate) fn number(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e6).contains(&size) {
-        // The place of the first digit after rounding, which may be one up from that of the value.
-        let place = format!("{size:.3e}").rsplit('e').next().and_then(|e| e.parse::<i32>().ok()).unwrap_or(0);
-        let decimals = (3 - place).clamp(0, 6) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
-    }
+    if value.is_finite() { digits(value) } else { value.to_string() }
 }
 
 /// A number of steps: whole as it is, else four significant digits.
