@@ -173,6 +173,7 @@ fn report(
         "\nLook at {dir}/creature.ply beside {dir}/suppress.ply, enhance.ply, band1.ply, band2.ply and\n\
          local-edit.ply (one half smoothed) in any mesh viewer; {dir}/bands.vtp holds W1 … W{} for ParaView.\n\n\
          Next, on a shape of your own:\n  \
+         adwave report SHAPE -o report.html\n  \
          adwave info SHAPE\n  \
          adwave transform SHAPE -o bands.npz\n  \
          adwave filter SHAPE -o crisp.ply --preset enhance\n  \
