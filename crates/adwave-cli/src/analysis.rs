@@ -38,6 +38,7 @@ impl Analysis {
         reach: f64,
         global: &GlobalArgs,
     ) -> Result<Self, CliError> {
+        // What cannot be, before a large file is read.
         bands_params(levels)?;
         check_levels(levels)?;
         let mut watch = Stopwatch::start();

@@ -2,10 +2,12 @@
 //! a size that fits the bump's width and does not depend on the mesh. What holds for which response, and the closed forms
 //! behind it, are in docs/THEORY.md.
 
+mod common;
+
 use adwave::bands::{Bands, BandsParams, Schedule};
 use adwave::features::{Feature, FeatureParams, Refinement, Response, features};
 use adwave::operator::OperatorParams;
-use adwave::shape::{Mesh, Polygons, Shape};
+use adwave::shape::{Mesh, Shape};
 use adwave::{Decomposer, Progress};
 use std::f64::consts::PI;
 
@@ -17,23 +19,6 @@ const MESHES: [(u32, usize); 3] = [(60, 9), (120, 11), (240, 13)];
 const SIZE: f64 = 0.15;
 /// The plane's border and the size of its triangles, where a closed form has neither.
 const CLOSED_FORM: f64 = 0.03;
-
-/// Both diagonals in turn, so that no direction is special.
-fn plane(n: u32) -> Shape {
-    let at = |i: u32| 2.0 * f64::from(i) / f64::from(n) - 1.0;
-    let points = (0..=n).flat_map(|i| (0..=n).map(move |j| [at(i), at(j), 0.0])).collect();
-    let mut faces = Polygons::new();
-    for i in 0..n {
-        for j in 0..n {
-            let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| i * (n + 1) + j);
-            let halves = if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
-            for half in &halves {
-                faces.push(half);
-            }
-        }
-    }
-    Shape::Mesh(Mesh::new(points, faces).unwrap())
-}
 
 /// The bump of height 1 over `top`.
 fn bump(p: &[f64; 3], top: [f64; 2]) -> f64 {
@@ -57,7 +42,8 @@ struct Ground {
 
 impl Ground {
     fn new(n: u32, levels: usize, height: &dyn Fn(&[f64; 3]) -> f64) -> Self {
-        let shape = plane(n);
+        let (points, faces) = common::plane(n);
+        let shape = Shape::Mesh(Mesh::new(points, faces).unwrap());
         let walk = Decomposer::new(&shape, &OperatorParams::default());
         let height: Vec<f64> = shape.points().unwrap().iter().map(height).collect();
         let schedule = Schedule::dyadic(levels).unwrap();

@@ -1,5 +1,7 @@
 //! What must hold for saliency and features: constants give none, and the way a shape is placed, scaled, listed or refined does not matter.
 
+mod common;
+
 use adwave::bands::{Bands, BandsParams, Schedule};
 use adwave::features::{
     Feature, FeatureError, FeatureParams, Refinement, Response, ThresholdScope, describe, features,
@@ -56,28 +58,6 @@ fn coordinate_features(shape: &Shape, levels: usize, params: &FeatureParams) -> 
     let walk = walk(shape);
     let bands = bands(&walk, shape.points().unwrap().as_flattened(), 3, levels);
     features(&walk, &bands, params).unwrap()
-}
-
-/// A plane of side 2, n × n squares, each cut along alternating diagonals.
-fn plane(n: u32) -> Sample {
-    let at = |i: u32| 2.0 * f64::from(i) / f64::from(n) - 1.0;
-    let points = (0..=n).flat_map(|i| (0..=n).map(move |j| [at(i), at(j), 0.0])).collect();
-    let mut faces = Polygons::new();
-    for i in 0..n {
-        for j in 0..n {
-            let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| i * (n + 1) + j);
-            if (i + j) % 2 == 0 {
-                faces.push(&[a, b, c]);
-                faces.push(&[a, c, d]);
-            } else {
-                faces.push(&[a, b, d]);
-                faces.push(&[b, c, d]);
-            }
-        }
-    }
-    let mut sample = Sample::by_name("sphere", Some(4)).unwrap();
-    (sample.points, sample.faces) = (points, faces);
-    sample
 }
 
 #[test]
@@ -221,8 +201,8 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     let plain = SaliencyParams { border_sigmas: None, ..faded };
     let largest = |map: &[f64]| map.iter().copied().fold(0.0, f64::max);
     // A flat plane has nothing but its border. The last level is wider than the plane and has nothing left at all.
-    let flat = plane(60);
-    let shape = mesh(flat.points.clone(), flat.faces.clone());
+    let (plane, faces) = common::plane(60);
+    let shape = mesh(plane.clone(), faces);
     let walk = walk(&shape);
     let split = bands(&walk, shape.points().unwrap().as_flattened(), 3, 14);
     let (with, without) =
@@ -236,18 +216,18 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     }
     // S = 0 leaves out the border's own vertices.
     let map = saliency(&walk, &split, &faded.with_border_sigmas(0.0)).unwrap().map;
-    for ((p, with), without) in flat.points.iter().zip(&map).zip(&without.map) {
+    for ((p, with), without) in plane.iter().zip(&map).zip(&without.map) {
         let on_border = p[0].abs() == 1.0 || p[1].abs() == 1.0;
         assert_eq!(*with, if on_border { 0.0 } else { *without }, "{p:?}");
     }
     // What is far enough from the border keeps its value to the last bit.
-    let wave: Vec<f64> = flat.points.iter().map(|p| (9.0 * p[0]).sin() * (7.0 * p[1]).cos()).collect();
+    let wave: Vec<f64> = plane.iter().map(|p| (9.0 * p[0]).sin() * (7.0 * p[1]).cos()).collect();
     let split = bands(&walk, &wave, 1, 6);
     let [with, without] = [&faded, &plain].map(|params| saliency(&walk, &split, params).unwrap().map);
     let far = 1.0 - 2.0 * split.sigma[6];
     let inside = |p: &[f64; 3]| p[0].abs() < far && p[1].abs() < far;
-    assert!(flat.points.iter().filter(|p| inside(p)).count() > 500);
-    for x in (0..wave.len()).filter(|&x| inside(&flat.points[x])) {
+    assert!(plane.iter().filter(|p| inside(p)).count() > 500);
+    for x in (0..wave.len()).filter(|&x| inside(&plane[x])) {
         assert_eq!(with[x], without[x]);
     }
     // A closed surface has no border.
@@ -336,11 +316,11 @@ fn a_seam_of_welded_vertices_does_not_change_what_is_found() {
 
 #[test]
 fn options_reject_and_keep_what_they_say() {
-    let sample = plane(60);
-    let ridge: Vec<f64> = sample.points.iter().map(|p| (-(p[0] * p[0]) / 0.01).exp()).collect();
+    let (plane, faces) = common::plane(60);
+    let ridge: Vec<f64> = plane.iter().map(|p| (-(p[0] * p[0]) / 0.01).exp()).collect();
     let bump: Vec<f64> =
-        sample.points.iter().map(|p| (-((p[0] - 0.2).powi(2) + (p[1] - 0.1).powi(2)) / 0.02).exp()).collect();
-    let shape = mesh(sample.points, sample.faces);
+        plane.iter().map(|p| (-((p[0] - 0.2).powi(2) + (p[1] - 0.1).powi(2)) / 0.02).exp()).collect();
+    let shape = mesh(plane, faces);
     let walk = walk(&shape);
     let default = FeatureParams::default().with_theta(1.2).with_response(Response::Literal);
     let ridge = bands(&walk, &ridge, 1, 8);
@@ -358,18 +338,18 @@ fn options_reject_and_keep_what_they_say() {
 
 #[test]
 fn a_rough_component_does_not_hide_a_smooth_one_when_each_has_its_threshold() {
-    let sample = plane(40);
-    let n = sample.points.len();
+    let (plane, faces) = common::plane(40);
+    let n = plane.len();
     let bump = |p: &[f64; 3]| (-(p[0] * p[0] + p[1] * p[1]) / 0.02).exp();
-    let mut signal: Vec<f64> = sample.points.iter().map(|p| 1e-3 * bump(p)).collect();
-    signal.extend(sample.points.iter().map(|p| (9.0 * p[0]).sin() * (11.0 * p[1]).cos()));
-    let mut points = sample.points.clone();
-    points.extend(sample.points.iter().map(|p| [p[0] + 9.0, p[1], p[2]]));
-    let mut faces = sample.faces.clone();
-    for face in sample.faces.iter() {
-        faces.push(&face.iter().map(|&c| c + n as u32).collect::<Vec<_>>());
+    let mut signal: Vec<f64> = plane.iter().map(|p| 1e-3 * bump(p)).collect();
+    signal.extend(plane.iter().map(|p| (9.0 * p[0]).sin() * (11.0 * p[1]).cos()));
+    let mut points = plane.clone();
+    points.extend(plane.iter().map(|p| [p[0] + 9.0, p[1], p[2]]));
+    let mut both = faces.clone();
+    for face in faces.iter() {
+        both.push(&face.iter().map(|&c| c + n as u32).collect::<Vec<_>>());
     }
-    let shape = mesh(points, faces);
+    let shape = mesh(points, both);
     let walk = walk(&shape);
     let bands = bands(&walk, &signal, 1, 7);
     let literal = FeatureParams::default().with_response(Response::Literal);
