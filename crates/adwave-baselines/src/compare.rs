@@ -214,7 +214,7 @@ fn taubin(subject: &Subject<'_>, bands: &Bands, seconds: f64) -> Result<Comparis
     let pass_band = (2.0 * (1.0 - (-1.0 / steps).exp2())).clamp(1e-6, 1.9);
     let degree = (8.0 / (1.0 - pass_band / 2.0).acos()).ceil().clamp(10.0, 2000.0) as usize;
     let start = Instant::now();
-    let k = Differential::from_walk(subject.walk.diffusion(), subject.walk.domain().weld.clone());
+    let k = Differential::from_walk(subject.walk.diffusion(), subject.walk.geometry().vertex_map.clone());
     let filter = WindowedSinc::new(pass_band, degree)?;
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -381,14 +381,14 @@ fn sgwt(
     const SOLVED: f64 = 1e-10;
     let start = Instant::now();
     let walk = subject.walk.diffusion();
-    let weld = &subject.walk.domain().weld;
+    let vertex_map = &subject.walk.geometry().vertex_map;
     let (laplacian, root) = normalised_laplacian(subject)?;
     // I − Q has its spectrum in [0, 2].
     let kernels = Kernels::new(KernelFamily::Meyer, (bands.n_levels() + 1).max(3), 2.0)?;
     let frame = Frame::new(&laplacian, kernels, ACCURACY)?;
     let prepared = start.elapsed().as_secs_f64();
     let d = subject.n_channels;
-    let mean = weld.mean(subject.signal, d);
+    let mean = vertex_map.mean(subject.signal, d);
     let (mut analysis, mut synthesis, mut iterations) = (0.0, 0.0, 0);
     let n_kernels = frame.polynomials.len();
     let (mut back, mut parts) = (Vec::new(), vec![Vec::new(); n_kernels]);
@@ -426,7 +426,7 @@ fn sgwt(
     let other = parts.iter().skip(1).rev().enumerate().map(|(k, part)| Outcome {
         name: format!("W{}", k + 1),
         n_channels: d,
-        values: weld.scatter(&interleave(part), d),
+        values: vertex_map.scatter(&interleave(part), d),
     });
     let task = "split into bands and put together".to_owned();
     Ok(Comparison { task, rows, adwave: wavelets(bands), other: other.collect() })
@@ -479,7 +479,8 @@ fn multiscale(
     method: Method,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
-    let (walk, weld, d) = (subject.walk.diffusion(), &subject.walk.domain().weld, subject.n_channels);
+    let (walk, vertex_map, d) =
+        (subject.walk.diffusion(), &subject.walk.geometry().vertex_map, subject.n_channels);
     let params = MultiscaleParams::default().with_levels(bands.n_levels());
     let start = Instant::now();
     let (basis, ranks, defect, functions) = if method == Method::DiffusionWavelets {
@@ -498,7 +499,7 @@ fn multiscale(
         (Basis::Biorthogonal(basis.clone()), basis.ranks(), defect, functions)
     };
     let prepared = start.elapsed().as_secs_f64();
-    let mean = weld.mean(subject.signal, d);
+    let mean = vertex_map.mean(subject.signal, d);
     let start = Instant::now();
     let coefficients: Vec<Coefficients> =
         (0..d).map(|c| basis.analyse(&channel(&mean, d, c))).collect::<Result<_, _>>()?;
@@ -536,7 +537,7 @@ fn multiscale(
         task: "split into bands and put together".to_owned(),
         rows,
         adwave: outcome(bands.scaling[bands.n_levels()].clone()),
-        other: outcome(weld.scatter(&coarse, d)),
+        other: outcome(vertex_map.scatter(&coarse, d)),
     })
 }
 

@@ -13,7 +13,7 @@
 use crate::laplacian::{Laplacian, LaplacianParams};
 use crate::linalg::{Ldlt, LinalgError, SymmetricMatrix};
 use adwave::operator::Diffusion;
-use adwave::shape::{Domain, Shape, Weld, WeldMode, one_ring};
+use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, one_ring};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -72,7 +72,7 @@ pub struct Differential {
     columns: Vec<u32>,
     /// p(x, y).
     weights: Vec<f64>,
-    weld: Weld,
+    vertex_map: VertexMap,
 }
 
 impl Differential {
@@ -90,12 +90,12 @@ impl Differential {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(shape: &Shape, weights: Weights) -> Result<Self, DifferentialError> {
-        let (rows, weld): (Vec<Vec<(u32, f64)>>, Weld) =
+        let (rows, vertex_map): (Vec<Vec<(u32, f64)>>, VertexMap) =
             if let (Weights::Uniform, Shape::Mesh(_)) = (weights, shape) {
-                let domain = Domain::new(shape, WeldMode::default());
-                let ring = one_ring(domain.n_vertices(), &domain.triangles);
+                let geometry = PreparedGeometry::new(shape, WeldMode::default());
+                let ring = one_ring(geometry.n_vertices(), &geometry.triangles);
                 let row = |x: usize| ring.of(x).iter().map(|&y| (y, 1.0)).collect();
-                ((0..domain.n_vertices()).map(row).collect(), domain.weld)
+                ((0..geometry.n_vertices()).map(row).collect(), geometry.vertex_map)
             } else {
                 let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
                 let row = |x: usize| {
@@ -103,23 +103,23 @@ impl Differential {
                     let off = columns.iter().zip(values).filter(|&(&y, &s)| y as usize != x && s < 0.0);
                     off.map(|(&y, &s)| (y, if weights == Weights::Uniform { 1.0 } else { -s })).collect()
                 };
-                ((0..laplacian.n()).map(row).collect(), laplacian.weld)
+                ((0..laplacian.n()).map(row).collect(), laplacian.vertex_map)
             };
-        Ok(Self::from_rows(&rows, weld))
+        Ok(Self::from_rows(&rows, vertex_map))
     }
 
     /// L of a walk: `L = 2(I − Φ₁) = 2Ψ₁` where the walk is lazy (eq. 16), so that `W_f(1)` is half the differential
     /// coordinate.
-    pub fn from_walk(walk: &Diffusion, weld: Weld) -> Self {
+    pub fn from_walk(walk: &Diffusion, vertex_map: VertexMap) -> Self {
         let row = |x: usize| {
             let (columns, values) = walk.row(x);
             columns.iter().copied().zip(values.iter().copied()).collect()
         };
-        Self::from_rows(&(0..walk.n_vertices()).map(row).collect::<Vec<_>>(), weld)
+        Self::from_rows(&(0..walk.n_vertices()).map(row).collect::<Vec<_>>(), vertex_map)
     }
 
-    fn from_rows(rows: &[Vec<(u32, f64)>], weld: Weld) -> Self {
-        let mut l = Self { offsets: vec![0], columns: Vec::new(), weights: Vec::new(), weld };
+    fn from_rows(rows: &[Vec<(u32, f64)>], vertex_map: VertexMap) -> Self {
+        let mut l = Self { offsets: vec![0], columns: Vec::new(), weights: Vec::new(), vertex_map };
         for row in rows {
             let total: f64 = row.iter().map(|e| e.1).sum();
             if total > 0.0 {
@@ -178,16 +178,16 @@ impl Differential {
 
     /// From the shape's order to the analysis'.
     pub(crate) fn welded(&self, signal: &[f64], n_channels: usize) -> Result<Vec<f64>, DifferentialError> {
-        let expected = self.weld.n_vertices() * n_channels;
+        let expected = self.vertex_map.n_vertices() * n_channels;
         if signal.len() != expected || n_channels == 0 {
             return Err(DifferentialError::Length { expected, got: signal.len() });
         }
-        Ok(self.weld.mean(signal, n_channels))
+        Ok(self.vertex_map.mean(signal, n_channels))
     }
 
     /// From the analysis' order to the shape's.
     pub(crate) fn scattered(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
-        self.weld.scatter(values, n_channels)
+        self.vertex_map.scatter(values, n_channels)
     }
 
     /// `δ = L f` of a signal, n_vertices × n_channels, in the order of the shape. O(entries).
@@ -196,7 +196,7 @@ impl Differential {
     /// [`DifferentialError::Length`].
     pub fn coordinates(&self, signal: &[f64], n_channels: usize) -> Result<Vec<f64>, DifferentialError> {
         let mean = self.welded(signal, n_channels)?;
-        Ok(self.weld.scatter(&self.apply(&mean, n_channels), n_channels))
+        Ok(self.vertex_map.scatter(&self.apply(&mean, n_channels), n_channels))
     }
 
     /// `LᵀL + diag(extra)`.
@@ -228,7 +228,7 @@ impl Differential {
                 }
             }
         }
-        (0..self.weld.n_vertices()).find(|&x| !reached[self.weld.class_of(x)])
+        (0..self.vertex_map.n_vertices()).find(|&x| !reached[self.vertex_map.welded(x)])
     }
 }
 
@@ -255,13 +255,13 @@ impl<'a> Reconstruction<'a> {
     /// # Errors
     /// [`DifferentialError`] for an anchor that does not exist, a component without one, or a failed factorisation.
     pub fn new(differential: &'a Differential, anchors: &[Anchor]) -> Result<Self, DifferentialError> {
-        let n_vertices = differential.weld.n_vertices();
+        let n_vertices = differential.vertex_map.n_vertices();
         let mut squares = vec![0.0; differential.n()];
         for (index, &Anchor { vertex, weight }) in anchors.iter().enumerate() {
             if vertex >= n_vertices || !(weight.is_finite() && weight > 0.0) {
                 return Err(DifferentialError::BadAnchor { anchor: index, vertex, weight, n_vertices });
             }
-            squares[differential.weld.class_of(vertex)] += weight * weight;
+            squares[differential.vertex_map.welded(vertex)] += weight * weight;
         }
         if let Some(vertex) = differential.component_without(&squares) {
             return Err(DifferentialError::NoAnchor { vertex });
@@ -289,7 +289,7 @@ impl<'a> Reconstruction<'a> {
         }
         let mut right = l.apply_transposed(&delta, n_channels);
         for (anchor, target) in self.anchors.iter().zip(targets.chunks_exact(n_channels)) {
-            let x = l.weld.class_of(anchor.vertex);
+            let x = l.vertex_map.welded(anchor.vertex);
             for (c, &t) in target.iter().enumerate() {
                 right[x * n_channels + c] += anchor.weight * anchor.weight * t;
             }
@@ -305,7 +305,7 @@ impl<'a> Reconstruction<'a> {
                 right[x * n_channels + c] = columns[c * n + x];
             }
         }
-        Ok(l.weld.scatter(&right, n_channels))
+        Ok(l.vertex_map.scatter(&right, n_channels))
     }
 }
 

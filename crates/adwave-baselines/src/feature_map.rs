@@ -9,7 +9,7 @@ use crate::laplacian::{Laplacian, LaplacianParams};
 use crate::linalg::{LinalgError, SymmetricMatrix};
 use crate::sgwt::{Polynomial, apply_polynomials, largest_eigenvalue};
 use adwave::Progress;
-use adwave::shape::{Domain, Shape, WeldMode, one_ring};
+use adwave::shape::{PreparedGeometry, Shape, WeldMode, one_ring};
 use thiserror::Error;
 
 /// Why there is no feature map.
@@ -104,14 +104,14 @@ pub fn feature_map(
         return Err(FeatureMapError::Signal { expected: shape.n_vertices(), got: signal.len() });
     }
     let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
-    let domain = Domain::new(shape, WeldMode::default());
+    let geometry = PreparedGeometry::new(shape, WeldMode::default());
     let mut first_vertex = vec![usize::MAX; laplacian.n()];
     for x in 0..shape.n_vertices() {
-        let class = laplacian.weld.class_of(x);
+        let class = laplacian.vertex_map.welded(x);
         first_vertex[class] = first_vertex[class].min(x);
     }
     let heat = Heat::new(&laplacian);
-    let mean = laplacian.weld.mean(signal, 1);
+    let mean = laplacian.vertex_map.mean(signal, 1);
     let mut levels = Vec::new();
     for (index, &time) in times.iter().enumerate() {
         let bad = || FeatureMapError::Time { index, time, most: MAX_DEGREE };
@@ -119,11 +119,16 @@ pub fn feature_map(
             return Err(bad());
         }
         let smoothed = heat.flow(&mean, time, progress)?.ok_or_else(bad)?;
-        let (mut points, index_sum) = critical_points(&domain.triangles, &smoothed);
+        let (mut points, index_sum) = critical_points(&geometry.triangles, &smoothed);
         for p in &mut points {
             p.vertex = first_vertex[p.vertex];
         }
-        levels.push(FeatureLevel { time, smoothed: laplacian.weld.scatter(&smoothed, 1), points, index_sum });
+        levels.push(FeatureLevel {
+            time,
+            smoothed: laplacian.vertex_map.scatter(&smoothed, 1),
+            points,
+            index_sum,
+        });
     }
     Ok(levels)
 }

@@ -11,7 +11,7 @@
 use crate::laplacian::Laplacian;
 use crate::linalg::{EigenInfo, EigenParams, LinalgError, smallest_eigenpairs};
 use adwave::Progress;
-use adwave::shape::Weld;
+use adwave::shape::VertexMap;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -56,7 +56,7 @@ pub struct Harmonics {
     pub mass: Vec<f64>,
     /// What they took.
     pub info: EigenInfo,
-    weld: Weld,
+    vertex_map: VertexMap,
 }
 
 impl Harmonics {
@@ -103,7 +103,7 @@ impl Harmonics {
             functions,
             mass: laplacian.mass.clone(),
             info: pairs.info,
-            weld: laplacian.weld.clone(),
+            vertex_map: laplacian.vertex_map.clone(),
         })
     }
 
@@ -124,7 +124,7 @@ impl Harmonics {
 
     /// Values of the Laplacian's vertices as values of the shape's vertices.
     pub fn scatter(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
-        self.weld.scatter(values, n_channels)
+        self.vertex_map.scatter(values, n_channels)
     }
 
     /// `f̂ = Φᵀ M f`, harmonics × channels, of a signal in the order of the shape, n_vertices × n_channels. O(n·k).
@@ -132,8 +132,8 @@ impl Harmonics {
     /// # Errors
     /// [`HarmonicsError::Length`].
     pub fn transform(&self, signal: &[f64], n_channels: usize) -> Result<Vec<f64>, HarmonicsError> {
-        check(signal.len(), self.weld.n_vertices(), n_channels)?;
-        Ok(self.coefficients(&self.weld.mean(signal, n_channels), n_channels))
+        check(signal.len(), self.vertex_map.n_vertices(), n_channels)?;
+        Ok(self.coefficients(&self.vertex_map.mean(signal, n_channels), n_channels))
     }
 
     fn coefficients(&self, mean: &[f64], n_channels: usize) -> Vec<f64> {
@@ -156,7 +156,7 @@ impl Harmonics {
     /// [`HarmonicsError::Length`].
     pub fn inverse(&self, coefficients: &[f64], n_channels: usize) -> Result<Vec<f64>, HarmonicsError> {
         check(coefficients.len(), self.len(), n_channels)?;
-        Ok(self.weld.scatter(&self.sum(coefficients, n_channels), n_channels))
+        Ok(self.vertex_map.scatter(&self.sum(coefficients, n_channels), n_channels))
     }
 
     fn sum(&self, coefficients: &[f64], n_channels: usize) -> Vec<f64> {
@@ -188,8 +188,8 @@ impl Harmonics {
         gain: impl Fn(f64) -> f64,
         remainder: Remainder,
     ) -> Result<Vec<f64>, HarmonicsError> {
-        check(signal.len(), self.weld.n_vertices(), n_channels)?;
-        let mean = self.weld.mean(signal, n_channels);
+        check(signal.len(), self.vertex_map.n_vertices(), n_channels)?;
+        let mean = self.vertex_map.mean(signal, n_channels);
         let mut coefficients = self.coefficients(&mean, n_channels);
         let frequency = |k: usize| self.values[k].max(0.0).sqrt();
         let rest = match remainder {
@@ -212,7 +212,7 @@ impl Harmonics {
                 *out += kept * f;
             }
         }
-        Ok(self.weld.scatter(&out, n_channels))
+        Ok(self.vertex_map.scatter(&out, n_channels))
     }
 }
 

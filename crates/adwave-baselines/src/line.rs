@@ -55,7 +55,7 @@ pub struct MeanLocality {
 /// [`MultiscaleError`] where the walk is too large or not reversible.
 pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, MultiscaleError> {
     let decomposer = Decomposer::new(shape, &OperatorParams::default());
-    let (walk, weld) = (decomposer.diffusion(), &decomposer.domain().weld);
+    let (walk, vertex_map) = (decomposer.diffusion(), &decomposer.geometry().vertex_map);
     let n = walk.n_vertices();
     let top = levels.iter().copied().max().unwrap_or(1);
     let params = MultiscaleParams::default().with_levels(top);
@@ -63,7 +63,7 @@ pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, Multi
     let bdw = BiorthogonalDiffusionWavelets::new(walk, &params, Progress::none())?;
     // In the shape's order, so that the middle is the middle.
     let scatter = |functions: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
-        functions.iter().map(|f| weld.scatter(f, 1)).collect()
+        functions.iter().map(|f| vertex_map.scatter(f, 1)).collect()
     };
     let signal: Vec<f64> =
         (0..n).map(|i| (0.2 * i as f64).sin() + f64::from(u8::from(i % 13 == 5))).collect();

@@ -77,8 +77,8 @@ impl Analysis {
     /// `NAME: N vertices, coords` and why so many levels.
     pub(crate) fn headline(&self, field: &str) -> String {
         let n = self.bands.n_vertices;
-        let left_out = self.walk.left_out().map_or(0, |out| out.iter().filter(|&&out| out).count());
-        let masked = if left_out > 0 { format!(", {left_out} of them left out") } else { String::new() };
+        let masked = self.walk.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
+        let masked = if masked > 0 { format!(", {masked} of them left out") } else { String::new() };
         format!("{}: {n} vertices{masked}, {field}\n{}\n", self.input.name, self.why)
     }
 

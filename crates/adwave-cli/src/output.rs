@@ -165,8 +165,8 @@ pub(crate) fn write_shape(
     path: &Path,
 ) -> Result<WriteReport, CliError> {
     let report = adwave_io::write_path(file, path, None).map_err(write_error)?;
-    if !report.left_out.is_empty() {
-        note(global, &format!("{} cannot hold {}", path.display(), report.left_out.join(", ")));
+    if !report.masked.is_empty() {
+        note(global, &format!("{} cannot hold {}", path.display(), report.masked.join(", ")));
     }
     Ok(report)
 }

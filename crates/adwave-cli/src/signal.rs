@@ -6,7 +6,7 @@ use crate::output::note;
 use crate::shape_input::Input;
 use adwave::Decomposer;
 use adwave::mask::missing;
-use adwave::shape::{Domain, Shape, WeldMode};
+use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave::signal::{SurfaceSignal, degree, lightness, luminance, surface_signal};
 use adwave_io::{Field, FieldValues, ReadLimits, ShapeFile};
 use std::path::Path;
@@ -70,8 +70,8 @@ pub(crate) fn load_with_texture(
         return Ok(Signal { n_channels: 1, values: degree(graph) });
     }
     if let Some(kind) = SurfaceSignal::from_name(name) {
-        let domain = Domain::new(&input.shape, WeldMode::EqualPositions);
-        let values = surface_signal(&input.shape, &domain, kind).map_err(CliError::input)?;
+        let geometry = PreparedGeometry::new(&input.shape, WeldMode::EqualPositions);
+        let values = surface_signal(&input.shape, &geometry, kind).map_err(CliError::input)?;
         return Ok(Signal { n_channels: kind.n_channels(), values });
     }
     match name {

@@ -102,9 +102,9 @@ fn replace<T>(
 
 /// The file that symbolic links lead to, which need not exist.
 fn resolve(path: &Path) -> io::Result<PathBuf> {
-    const MOST_LINKS: usize = 40;
+    const MAX_LINKS: usize = 40;
     let mut target = path.to_path_buf();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_LINKS {
         if !fs::symlink_metadata(&target).is_ok_and(|m| m.is_symlink()) {
             return Ok(target);
         }

@@ -10,14 +10,14 @@ use crate::{Format, ShapeFile, WriteError, atomic_write};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WriteReport {
     /// One phrase each, such as ``vertex field `gaze` ``.
-    pub left_out: Vec<String>,
+    pub masked: Vec<String>,
 }
 
 impl WriteReport {
     pub(crate) fn leave_out(&mut self, what: impl Into<String>) {
         let what = what.into();
-        if !self.left_out.contains(&what) {
-            self.left_out.push(what);
+        if !self.masked.contains(&what) {
+            self.masked.push(what);
         }
     }
 
@@ -128,7 +128,7 @@ fn write_again(
             rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
             Ok(Some(WriteReport::default()))
         }
-        Original::Ply(ply) => crate::ply_again::write_ply_again(shape, ply, out).map(Some),
+        Original::Ply(ply) => crate::ply_update::write_ply_again(shape, ply, out).map(Some),
         _ => Ok(None),
     }
 }

@@ -41,7 +41,7 @@ pub(crate) struct Camera {
 }
 
 /// The eye of a perspective keeps this far from the shape, in diagonals of the shape: nearer, it would look distorted.
-const LEAST_DISTANCE: f64 = 0.5;
+const MIN_DISTANCE: f64 = 0.5;
 
 impl Camera {
     /// The camera from `params.view` that shows all the balls (centre and radius) as large as fits into `rect`. O(n).
@@ -99,7 +99,7 @@ impl Camera {
             Projection::Perspective { .. } => {
                 let needed = [0, 1].map(|c| (bounds[c][0] + bounds[c][1]) / (2.0 * tangents[c]));
                 let needed = needed[0].max(needed[1]);
-                let distance = needed.max(nearest + LEAST_DISTANCE);
+                let distance = needed.max(nearest + MIN_DISTANCE);
                 // What is seen from there, as tangents: the lens is as long and shifted as fills the picture with it.
                 let seen = [0, 1].map(|c| {
                     let tangent =

@@ -18,10 +18,10 @@ const SMALLEST_LETTERS: f64 = 11.0;
 pub(crate) const MARGIN: f64 = 0.035;
 
 /// The most of a picture's width that a bar may take.
-const MOST_FOR_BAR: f64 = 0.4;
+const MAX_FOR_BAR: f64 = 0.4;
 
 /// The least height in letters that leaves room for words.
-const LEAST_LETTERS: f64 = 7.0;
+const MIN_LETTERS: f64 = 7.0;
 
 /// The parts of one picture.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ impl Layout {
     ) -> Self {
         let (width, height) = (f64::from(params.width), f64::from(params.height));
         let size = letter_size(width, height);
-        let roomy = width.min(height) > LEAST_LETTERS * size;
+        let roomy = width.min(height) > MIN_LETTERS * size;
         let line = if caption.is_some() && roomy { caption_height(size) } else { 0.0 };
         let bar = field
             .filter(|_| roomy && params.color_bar == ColorBar::Shown)
@@ -77,7 +77,7 @@ pub(crate) fn bar(scale: &ColorScale, label: &str, size: f64, width: f64, height
     let letters = size as f32;
     let numbers = marks.iter().map(|m| f64::from(text::width(&m.1, letters))).fold(0.0, f64::max);
     let (thick, gap) = (0.9 * size, 0.4 * size);
-    let most = MOST_FOR_BAR * width;
+    let most = MAX_FOR_BAR * width;
     let label = text::shortened(label, letters, (most - size) as f32);
     let beside = thick + 2.0 * gap + numbers;
     let needed = beside.max(f64::from(text::width(&label, letters))) + size;

@@ -7,7 +7,7 @@ use adwave::features::{FeatureParams, Refinement, Response, describe, features};
 use adwave::operator::OperatorParams;
 use adwave::saliency::{SaliencyParams, saliency};
 use adwave::sample::Sample;
-use adwave::shape::{Domain, Mesh, PointCloud, Shape, WeldMode};
+use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave::signal::{SurfaceSignal, surface_signal};
 use adwave::{Decomposer, Progress};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -42,9 +42,9 @@ fn analysis(criterion: &mut Criterion) {
         group.bench_function(format!("{kind}: {} descriptors", found.len()), |b| {
             b.iter(|| describe(&walk, &bands, &found));
         });
-        let domain = Domain::new(shape, WeldMode::EqualPositions);
+        let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions);
         group.bench_function(format!("{kind}: mean curvature"), |b| {
-            b.iter(|| surface_signal(shape, &domain, SurfaceSignal::MeanCurvature).expect("a surface"));
+            b.iter(|| surface_signal(shape, &geometry, SurfaceSignal::MeanCurvature).expect("a surface"));
         });
     }
     group.finish();

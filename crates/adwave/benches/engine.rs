@@ -9,7 +9,7 @@ mod shapes;
 use adwave::Progress;
 use adwave::bands::{BandsParams, Schedule, Transform, smooth};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
-use adwave::shape::Domain;
+use adwave::shape::PreparedGeometry;
 use adwave::sparse::apply;
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -20,9 +20,9 @@ fn engine(criterion: &mut Criterion) {
     }
     let params = OperatorParams::default();
     let shape = sphere.into_shape();
-    let domain = Domain::new(&shape, params.weld);
-    let diffusion = Diffusion::new(local_operator(&shape, &domain, &params));
-    let signal = domain.points.as_flattened();
+    let geometry = PreparedGeometry::new(&shape, params.weld);
+    let diffusion = Diffusion::new(local_operator(&shape, &geometry, &params));
+    let signal = geometry.points.as_flattened();
     let mut group = criterion.benchmark_group("sphere of 262146 vertices");
     group.sample_size(10);
 

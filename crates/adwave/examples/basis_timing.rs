@@ -7,7 +7,7 @@ use adwave::Progress;
 use adwave::bands::Schedule;
 use adwave::basis::{Basis, BasisParams, Value, basis, basis_by_squaring, one_vertex};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
-use adwave::shape::{Domain, Mesh, Polygons, Shape, WeldMode};
+use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
 use std::error::Error;
 use std::time::Instant;
 
@@ -61,8 +61,8 @@ fn report<V: Value>(method: &str, seconds: f64, basis: &Basis<V>) {
 }
 
 fn diffusion(shape: &Shape) -> Diffusion {
-    let domain = Domain::new(shape, WeldMode::Off);
-    Diffusion::new(local_operator(shape, &domain, &OperatorParams::default()))
+    let geometry = PreparedGeometry::new(shape, WeldMode::Off);
+    Diffusion::new(local_operator(shape, &geometry, &OperatorParams::default()))
 }
 
 /// The largest difference of two sparse rows.

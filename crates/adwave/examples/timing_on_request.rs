@@ -22,7 +22,7 @@ use adwave::Progress;
 use adwave::bands::{BandsParams, Engine, Schedule, Transform, decompose, weighted_bands};
 use adwave::basis::{BasisParams, basis, one_vertex};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
-use adwave::shape::{Domain, Mesh, Polygons, Shape, WeldMode};
+use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
 use adwave::sparse::apply;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -35,7 +35,7 @@ type Answer = Result<String, Box<dyn Error>>;
 
 struct Subject {
     shape: Shape,
-    domain: Domain,
+    geometry: PreparedGeometry,
     diffusion: Diffusion,
 }
 
@@ -47,13 +47,13 @@ impl Subject {
         let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles))?);
         let start = Instant::now();
         // A row for each vertex, so that all programs see matrices of one size.
-        let domain = Domain::new(&shape, WeldMode::Off);
-        let diffusion = Diffusion::new(local_operator(&shape, &domain, &OperatorParams::default()));
-        Ok((Self { shape, domain, diffusion }, start.elapsed().as_secs_f64()))
+        let geometry = PreparedGeometry::new(&shape, WeldMode::Off);
+        let diffusion = Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default()));
+        Ok((Self { shape, geometry, diffusion }, start.elapsed().as_secs_f64()))
     }
 
     fn signal(&self) -> &[f64] {
-        self.domain.points.as_flattened()
+        self.geometry.points.as_flattened()
     }
 
     fn n(&self) -> usize {
@@ -109,7 +109,10 @@ fn operator(subject: &Subject, folder: &str) -> Answer {
     let folder = Path::new(folder);
     write_all(&folder.join("values.f64"), walk.weights().iter().map(|w| w.to_le_bytes()))?;
     write_all(&folder.join("stationary.f64"), walk.stationary().iter().map(|p| p.to_le_bytes()))?;
-    write_all(&folder.join("number.u32"), subject.domain.weld.classes().iter().map(|c| c.to_le_bytes()))?;
+    write_all(
+        &folder.join("number.u32"),
+        subject.geometry.vertex_map.as_slice().iter().map(|c| c.to_le_bytes()),
+    )?;
     Ok(r#"{"written":true}"#.into())
 }
 
@@ -119,7 +122,7 @@ fn explicit(subject: &Subject, levels: usize, folder: Option<&str>) -> Answer {
     let result = basis(&subject.diffusion, &params, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(folder) = folder {
-        let ordered = result.in_shape_order(&subject.domain.weld)?;
+        let ordered = result.in_shape_order(&subject.geometry.vertex_map)?;
         for (level, matrix) in (1..).zip(&ordered.scaling) {
             write_rows(folder, &format!("{level}-"), &matrix.offsets, &matrix.columns)?;
             let path = Path::new(folder).join(format!("{level}-values.f32"));
@@ -135,10 +138,10 @@ fn explicit(subject: &Subject, levels: usize, folder: Option<&str>) -> Answer {
 
 fn one_call(subject: &Subject, levels: usize, accuracy: f64, folder: Option<&str>) -> Answer {
     let signal = subject.shape.points().ok_or("a mesh has points")?.as_flattened();
-    let (weld, schedule) = (&subject.domain.weld, Schedule::dyadic(levels)?);
+    let (vertex_map, schedule) = (&subject.geometry.vertex_map, Schedule::dyadic(levels)?);
     let start = Instant::now();
     let params = params(accuracy);
-    let bands = decompose(&subject.diffusion, weld, signal, 3, &schedule, &params, Progress::none())?;
+    let bands = decompose(&subject.diffusion, vertex_map, signal, 3, &schedule, &params, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(folder) = folder {
         std::fs::create_dir_all(folder)?;
@@ -150,13 +153,21 @@ fn one_call(subject: &Subject, levels: usize, accuracy: f64, folder: Option<&str
 
 fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
     let signal = subject.shape.points().ok_or("a mesh has points")?.as_flattened();
-    let (weld, schedule) = (&subject.domain.weld, Schedule::dyadic(levels)?);
+    let (vertex_map, schedule) = (&subject.geometry.vertex_map, Schedule::dyadic(levels)?);
     let factors: Vec<f64> = (1..=levels).map(|j| if j % 2 == 0 { -1.0 } else { 0.5 }).collect();
     let start = Instant::now();
     let params = params(accuracy);
-    let added =
-        weighted_bands(&subject.diffusion, weld, signal, 3, &schedule, &factors, &params, Progress::none())?
-            .0;
+    let added = weighted_bands(
+        &subject.diffusion,
+        vertex_map,
+        signal,
+        3,
+        &schedule,
+        &factors,
+        &params,
+        Progress::none(),
+    )?
+    .0;
     let filtered: Vec<f64> = signal.iter().zip(&added).map(|(f, w)| f + w).collect();
     let seconds = start.elapsed().as_secs_f64();
     Ok(format!(r#"{{"seconds":{seconds},"n":{}}}"#, filtered.len()))
@@ -164,15 +175,15 @@ fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
 
 fn wavelet(subject: &Subject, vertex: usize, level: u32, folder: Option<&str>) -> Answer {
     let steps = 1_u64 << (level - 1);
-    let class_of = subject.domain.weld.classes();
-    let at = *class_of.get(vertex).ok_or("no such vertex")? as usize;
+    let welded = subject.geometry.vertex_map.as_slice();
+    let at = *welded.get(vertex).ok_or("no such vertex")? as usize;
     let start = Instant::now();
     let found = one_vertex(&subject.diffusion, at, steps / 2, steps, 1e-9, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(folder) = folder {
         std::fs::create_dir_all(folder)?;
         let dense = found.wavelet.to_dense(subject.n());
-        let in_mesh_order = class_of.iter().map(|&class| dense[class as usize].to_le_bytes());
+        let in_mesh_order = welded.iter().map(|&class| dense[class as usize].to_le_bytes());
         write_all(&Path::new(folder).join("wavelet.f64"), in_mesh_order)?;
     }
     Ok(format!(r#"{{"seconds":{seconds},"nnz":{}}}"#, found.wavelet.columns.len()))

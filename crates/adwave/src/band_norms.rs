@@ -8,7 +8,7 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 /// Reads bands of the vertices of a shape as bands of the vertices of its analysis.
 pub(crate) struct BandNorms<'a> {
-    left_out: Option<&'a [bool]>,
+    masked: Option<&'a [bool]>,
     /// The members of each class, and where those of each begin.
     first_member: Vec<usize>,
     members: Vec<u32>,
@@ -17,11 +17,11 @@ pub(crate) struct BandNorms<'a> {
 
 impl<'a> BandNorms<'a> {
     pub(crate) fn new(decomposer: &'a Decomposer) -> Self {
-        let left_out = decomposer.left_out();
-        let (first_member, members) = decomposer.domain().weld.members();
+        let masked = decomposer.mask_flags();
+        let (first_member, members) = decomposer.geometry().vertex_map.members();
         let n = first_member.len() - 1;
-        let n_kept = left_out.map_or(n, |out| out.iter().filter(|&&out| !out).count());
-        Self { left_out, first_member, members, n_kept }
+        let n_kept = masked.map_or(n, |out| out.iter().filter(|&&out| !out).count());
+        Self { masked, first_member, members, n_kept }
     }
 
     fn members(&self, x: usize) -> &[u32] {
@@ -33,8 +33,8 @@ impl<'a> BandNorms<'a> {
         self.members(x)[0] as usize
     }
 
-    pub(crate) fn is_left_out(&self, x: usize) -> bool {
-        self.left_out.is_some_and(|out| out[x])
+    pub(crate) fn is_masked(&self, x: usize) -> bool {
+        self.masked.is_some_and(|out| out[x])
     }
 
     /// Channel `c` of a band.
@@ -61,17 +61,17 @@ impl<'a> BandNorms<'a> {
 
     /// Mean of |value| over the vertices that are not left out.
     pub(crate) fn mean(&self, values: &[f64]) -> f64 {
-        let term = |x: usize| if self.is_left_out(x) { 0.0 } else { values[x].abs() };
-        crate::reduce::sum(values.len(), term) / self.n_kept as f64
+        let term = |x: usize| if self.is_masked(x) { 0.0 } else { values[x].abs() };
+        crate::parallel::sum(values.len(), term) / self.n_kept as f64
     }
 
     /// Largest |value| over the vertices that are not left out.
     pub(crate) fn max(&self, values: &[f64]) -> f64 {
-        crate::reduce::max(values.len(), 0.0, |x| if self.is_left_out(x) { 0.0 } else { values[x].abs() })
+        crate::parallel::max(values.len(), 0.0, |x| if self.is_masked(x) { 0.0 } else { values[x].abs() })
     }
 
     fn map(&self, value: impl Fn(usize) -> f64 + Sync + Send) -> Vec<f64> {
-        let value = |x: usize| if self.is_left_out(x) { f64::NAN } else { value(x) };
+        let value = |x: usize| if self.is_masked(x) { f64::NAN } else { value(x) };
         let n = self.first_member.len() - 1;
         (0..n).into_par_iter().with_min_len(VERTICES_AT_A_TIME).map(value).collect()
     }

@@ -10,7 +10,7 @@ use crate::filter::{Edit, FilterError};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
 use crate::region::surface_distance;
-use crate::shape::{Adjacency, Domain, Health, Shape, health, one_ring, squared_distance};
+use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, one_ring, squared_distance};
 use crate::signal::cloud_border;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -44,7 +44,7 @@ pub struct VertexFunctions {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Decomposer {
-    domain: Domain,
+    geometry: PreparedGeometry,
     diffusion: Diffusion,
     /// Areas of the vertices of the analysis.
     areas: Vec<f64>,
@@ -59,12 +59,12 @@ pub struct Decomposer {
 impl Decomposer {
     /// Welds the shape and builds its walk. O(n log n).
     pub fn new(shape: &Shape, params: &OperatorParams) -> Self {
-        let domain = Domain::new(shape, params.weld);
-        let operator = local_operator(shape, &domain, params);
+        let geometry = PreparedGeometry::new(shape, params.weld);
+        let operator = local_operator(shape, &geometry, params);
         let (areas, mean_length) = (operator.areas.clone(), operator.mean_length);
         let diagonal = shape.diagonal();
         let diffusion = Diffusion::new(operator);
-        Self { domain, diffusion, areas, mean_length, diagonal, mask: None, rings: params.rings }
+        Self { geometry, diffusion, areas, mean_length, diagonal, mask: None, rings: params.rings }
     }
 
     /// The same shape with a walk that leaves out the vertices that are flagged (in the order of the shape), for a signal
@@ -88,51 +88,51 @@ impl Decomposer {
     /// assert!(bands.scaling[1][2].is_nan());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn masked(&self, left_out: &[bool]) -> Result<Self, MaskError> {
-        let mask = Mask::new(left_out, &self.domain.weld)?;
-        let points = &self.domain.points;
+    pub fn masked(&self, masked: &[bool]) -> Result<Self, MaskError> {
+        let mask = Mask::new(masked, &self.geometry.vertex_map)?;
+        let points = &self.geometry.points;
         let squared_length = |x: usize, y: usize| {
             if points.is_empty() { 1.0 } else { squared_distance(&points[x], &points[y]) }
         };
         let diffusion = self.diffusion.restricted(mask.classes(), squared_length);
         let keep = |(x, a): (usize, &f64)| if mask.classes()[x] { 0.0 } else { *a };
         let areas = self.areas.iter().enumerate().map(keep).collect();
-        Ok(Self { diffusion, areas, mask: Some(mask), domain: self.domain.clone(), ..*self })
+        Ok(Self { diffusion, areas, mask: Some(mask), geometry: self.geometry.clone(), ..*self })
     }
 
     /// Which vertices of the analysis are left out of the walk; `None` where all take part.
-    pub fn left_out(&self) -> Option<&[bool]> {
+    pub fn mask_flags(&self) -> Option<&[bool]> {
         self.mask.as_ref().map(Mask::classes)
     }
 
     /// Areas of the vertices of the analysis.
-    pub(crate) fn class_areas(&self) -> &[f64] {
+    pub(crate) fn welded_areas(&self) -> &[f64] {
         &self.areas
     }
 
     /// Whether the shape has positions and no faces.
     pub(crate) fn is_cloud(&self) -> bool {
-        !self.domain.points.is_empty() && self.domain.triangles.is_empty()
+        !self.geometry.points.is_empty() && self.geometry.triangles.is_empty()
     }
 
     /// The vertices of the analysis on the border of a mesh (ends of edges of one triangle) or of a cloud (a gap between its
     /// neighbours), and those next to what is left out of the walk; by rising index.
     pub(crate) fn border(&self) -> Vec<usize> {
         if self.is_cloud() {
-            return cloud_border(&self.domain.points, self.neighbours());
+            return cloud_border(&self.geometry.points, self.neighbours());
         }
-        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * self.domain.triangles.len());
-        for t in self.domain.triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * self.geometry.triangles.len());
+        for t in self.geometry.triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
             edges.extend([(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))));
         }
         edges.par_sort_unstable();
         let single = edges.chunk_by(|e, f| e == f).filter(|same| same.len() == 1);
         let mut border: Vec<usize> =
             single.flat_map(|same| [same[0].0 as usize, same[0].1 as usize]).collect();
-        if let Some(left_out) = self.left_out() {
-            let whole = one_ring(self.domain.n_vertices(), &self.domain.triangles);
-            border.extend((0..left_out.len()).filter(|&x| whole.of(x).iter().any(|&y| left_out[y as usize])));
-            border.retain(|&x| !left_out[x]);
+        if let Some(masked) = self.mask_flags() {
+            let whole = one_ring(self.geometry.n_vertices(), &self.geometry.triangles);
+            border.extend((0..masked.len()).filter(|&x| whole.of(x).iter().any(|&y| masked[y as usize])));
+            border.retain(|&x| !masked[x]);
         }
         border.sort_unstable();
         border.dedup();
@@ -143,39 +143,39 @@ impl Decomposer {
     /// where there is no border.
     pub(crate) fn distance_from_border(&self, reach: f64) -> Vec<f64> {
         let sources: Vec<(usize, f64)> = self.border().into_iter().map(|x| (x, 0.0)).collect();
-        surface_distance(&self.ring(), &self.domain.points, &sources, reach)
+        surface_distance(&self.ring(), &self.geometry.points, &sources, reach)
     }
 
     /// The one-ring of a mesh without the vertices that are left out; of a cloud or graph what one step can reach.
     pub(crate) fn ring(&self) -> Cow<'_, Adjacency> {
-        if self.rings == 1 || self.domain.triangles.is_empty() {
+        if self.rings == 1 || self.geometry.triangles.is_empty() {
             return Cow::Borrowed(self.neighbours());
         }
-        let ring = one_ring(self.domain.n_vertices(), &self.domain.triangles);
-        Cow::Owned(match self.left_out() {
-            Some(left_out) => ring.without(left_out),
+        let ring = one_ring(self.geometry.n_vertices(), &self.geometry.triangles);
+        Cow::Owned(match self.mask_flags() {
+            Some(masked) => ring.without(masked),
             None => ring,
         })
     }
 
     /// The vertices of the analysis and how they belong to those of the shape.
-    pub fn domain(&self) -> &Domain {
-        &self.domain
+    pub fn geometry(&self) -> &PreparedGeometry {
+        &self.geometry
     }
 
-    /// One step of the walk, Φ₁, in the numbering of [`domain`](Self::domain).
+    /// One step of the walk, Φ₁, in the numbering of [`geometry`](Self::geometry).
     pub fn diffusion(&self) -> &Diffusion {
         &self.diffusion
     }
 
-    /// The vertices that one step of the walk can reach, in the numbering of [`domain`](Self::domain).
+    /// The vertices that one step of the walk can reach, in the numbering of [`geometry`](Self::geometry).
     pub fn neighbours(&self) -> &Adjacency {
         self.diffusion.neighbours()
     }
 
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
-        self.domain.weld.n_vertices()
+        self.geometry.vertex_map.n_vertices()
     }
 
     /// Length of the bounding box's diagonal in model units; 0 for a graph.
@@ -190,17 +190,17 @@ impl Decomposer {
 
     /// The area of every vertex of the shape in squared model units; welded vertices share theirs equally.
     pub fn areas(&self) -> Vec<f64> {
-        let mut shares = vec![0_u32; self.domain.n_vertices()];
-        for &class in self.domain.weld.classes() {
+        let mut shares = vec![0_u32; self.geometry.n_vertices()];
+        for &class in self.geometry.vertex_map.as_slice() {
             shares[class as usize] += 1;
         }
         let share: Vec<f64> = self.areas.iter().zip(shares).map(|(a, n)| a / f64::from(n)).collect();
-        self.domain.weld.scatter(&share, 1)
+        self.geometry.vertex_map.scatter(&share, 1)
     }
 
     /// Counts of what the shape consists of.
     pub fn health(&self, shape: &Shape) -> Health {
-        health(shape, &self.domain, self.neighbours())
+        health(shape, &self.geometry, self.neighbours())
     }
 
     /// The number of dyadic levels to take where none is asked for, and why (see
@@ -229,7 +229,7 @@ impl Decomposer {
         let Some(mask) = &self.mask else {
             return decompose(
                 &self.diffusion,
-                &self.domain.weld,
+                &self.geometry.vertex_map,
                 signal,
                 n_channels,
                 schedule,
@@ -237,9 +237,16 @@ impl Decomposer {
                 progress,
             );
         };
-        let filled = mask.fill(signal, n_channels, &self.domain.weld)?;
-        let mut bands =
-            decompose(&self.diffusion, &self.domain.weld, &filled, n_channels, schedule, params, progress)?;
+        let filled = mask.fill(signal, n_channels, &self.geometry.vertex_map)?;
+        let mut bands = decompose(
+            &self.diffusion,
+            &self.geometry.vertex_map,
+            &filled,
+            n_channels,
+            schedule,
+            params,
+            progress,
+        )?;
         bands.scaling.iter_mut().chain(&mut bands.wavelet).for_each(|band| mask.clear(band, n_channels));
         Ok(bands)
     }
@@ -259,14 +266,15 @@ impl Decomposer {
         if vertex >= n_vertices {
             return Err(BasisError::NoVertex { vertex, n_vertices });
         }
-        let class = self.domain.weld.class_of(vertex);
+        let class = self.geometry.vertex_map.welded(vertex);
         check_whole(schedule)?;
         let [.., before, last] = schedule.steps_from_zero()[..] else {
             unreachable!("a schedule has a level")
         };
         let (before, last) = (before as u64, last as u64);
         let functions = one_vertex(&self.diffusion, class, before, last, 0.0, progress)?;
-        let dense = |row: &SparseRow| self.domain.weld.scatter(&row.to_dense(self.domain.n_vertices()), 1);
+        let dense =
+            |row: &SparseRow| self.geometry.vertex_map.scatter(&row.to_dense(self.geometry.n_vertices()), 1);
         Ok(VertexFunctions {
             scaling_function: dense(&functions.scaling),
             wavelet: dense(&functions.wavelet),
@@ -303,7 +311,7 @@ impl Decomposer {
             resolved.push((gains, weights));
         }
         let filled = match &self.mask {
-            Some(mask) => Cow::Owned(mask.fill(signal, n_channels, &self.domain.weld)?),
+            Some(mask) => Cow::Owned(mask.fill(signal, n_channels, &self.geometry.vertex_map)?),
             None => Cow::Borrowed(signal),
         };
         let mut edited = self.filter_layers(&filled, n_channels, schedule, &resolved, params, progress)?;
@@ -328,9 +336,10 @@ impl Decomposer {
         if let [(gains, weights)] = resolved {
             // Γ − 1 = r·(g − 1): the region's weight stands before the sum over the bands, which is one polynomial of Φ₁.
             let factors: Vec<f64> = gains.iter().map(|g| g - 1.0).collect();
-            let (weld, diffusion) = (&self.domain.weld, &self.diffusion);
-            let (change, _) =
-                weighted_bands(diffusion, weld, signal, n_channels, schedule, &factors, params, progress)?;
+            let (vertex_map, diffusion) = (&self.geometry.vertex_map, &self.diffusion);
+            let (change, _) = weighted_bands(
+                diffusion, vertex_map, signal, n_channels, schedule, &factors, params, progress,
+            )?;
             edited.par_chunks_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, row)| {
                 for (value, change) in row.iter_mut().zip(&change[x * n_channels..]) {
                     let change = weights[x] * change;
@@ -341,8 +350,15 @@ impl Decomposer {
             });
             return Ok(edited);
         }
-        let bands =
-            decompose(&self.diffusion, &self.domain.weld, signal, n_channels, schedule, params, progress)?;
+        let bands = decompose(
+            &self.diffusion,
+            &self.geometry.vertex_map,
+            signal,
+            n_channels,
+            schedule,
+            params,
+            progress,
+        )?;
         edited.par_chunks_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, row)| {
             for (j, band) in bands.wavelet.iter().enumerate() {
                 let gamma: f64 = resolved.iter().map(|(gains, r)| 1.0 + r[x] * (gains[j] - 1.0)).product();

@@ -231,6 +231,6 @@ pub fn displacement(before: &[[f64; 3]], after: &[[f64; 3]]) -> Displacement {
     let moved = |x: usize| crate::shape::squared_distance(&before[x], &after[x]);
     let furthest =
         (0..before.len()).max_by(|&x, &y| moved(x).total_cmp(&moved(y))).expect("at least one point");
-    let mean_square = crate::reduce::sum(before.len(), moved) / before.len() as f64;
+    let mean_square = crate::parallel::sum(before.len(), moved) / before.len() as f64;
     Displacement { rms: mean_square.sqrt(), max: moved(furthest).sqrt(), furthest }
 }

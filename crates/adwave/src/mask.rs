@@ -1,7 +1,7 @@
 //! Vertices where a signal is not known: they are left out of the walk.
 
 use crate::bands::BandsError;
-use crate::shape::Weld;
+use crate::shape::VertexMap;
 use thiserror::Error;
 
 /// Why vertices cannot be left out.
@@ -48,19 +48,19 @@ pub(crate) struct Mask {
 }
 
 impl Mask {
-    pub(crate) fn new(left_out: &[bool], weld: &Weld) -> Result<Self, MaskError> {
-        let n_vertices = weld.n_vertices();
-        if left_out.len() != n_vertices {
-            return Err(MaskError::WrongLength { n_flags: left_out.len(), n_vertices });
+    pub(crate) fn new(masked: &[bool], vertex_map: &VertexMap) -> Result<Self, MaskError> {
+        let n_vertices = vertex_map.n_vertices();
+        if masked.len() != n_vertices {
+            return Err(MaskError::WrongLength { n_flags: masked.len(), n_vertices });
         }
-        let mut classes = vec![true; weld.n_classes()];
-        for (&class, &out) in weld.classes().iter().zip(left_out) {
+        let mut classes = vec![true; vertex_map.n_welded()];
+        for (&class, &out) in vertex_map.as_slice().iter().zip(masked) {
             classes[class as usize] &= out;
         }
         if classes.iter().all(|&out| out) {
             return Err(MaskError::NothingLeft { n_vertices });
         }
-        Ok(Self { vertices: left_out.to_vec(), classes })
+        Ok(Self { vertices: masked.to_vec(), classes })
     }
 
     /// The vertices of the analysis that are left out.
@@ -74,24 +74,24 @@ impl Mask {
         &self,
         signal: &[f64],
         n_channels: usize,
-        weld: &Weld,
+        vertex_map: &VertexMap,
     ) -> Result<Vec<f64>, BandsError> {
-        let n_vertices = weld.n_vertices();
+        let n_vertices = vertex_map.n_vertices();
         if n_channels == 0 || n_vertices.checked_mul(n_channels) != Some(signal.len()) {
             return Err(BandsError::WrongLength { n_values: signal.len(), n_vertices, n_channels });
         }
         let mut filled = signal.to_vec();
-        let mut mean = vec![0.0; weld.n_classes() * n_channels];
-        let mut count = vec![0_u32; weld.n_classes()];
+        let mut mean = vec![0.0; vertex_map.n_welded() * n_channels];
+        let mut count = vec![0_u32; vertex_map.n_welded()];
         for (x, row) in signal.chunks_exact(n_channels).enumerate().filter(|(x, _)| !self.vertices[*x]) {
-            let class = weld.class_of(x);
+            let class = vertex_map.welded(x);
             count[class] += 1;
             for (m, value) in mean[class * n_channels..].iter_mut().zip(row) {
                 *m += (value - *m) / f64::from(count[class]);
             }
         }
         for (x, row) in filled.chunks_exact_mut(n_channels).enumerate().filter(|(x, _)| self.vertices[*x]) {
-            row.copy_from_slice(&mean[weld.class_of(x) * n_channels..][..n_channels]);
+            row.copy_from_slice(&mean[vertex_map.welded(x) * n_channels..][..n_channels]);
         }
         Ok(filled)
     }

@@ -166,12 +166,12 @@ pub fn saliency(
     params: &SaliencyParams,
 ) -> Result<Saliency, SaliencyError> {
     let parts = parts(decomposer, bands, params)?;
-    let n = decomposer.domain().n_vertices();
+    let n = decomposer.geometry().n_vertices();
     let mut map = vec![0.0; n];
     map.par_iter_mut().with_min_len(1 << 12).enumerate().for_each(|(x, sum)| {
         *sum = parts.iter().map(|part| part.at(x)).sum();
     });
-    let map = decomposer.domain().weld.scatter(&map, 1);
+    let map = decomposer.geometry().vertex_map.scatter(&map, 1);
     Ok(Saliency { map, levels: parts.into_iter().map(|part| part.level).collect() })
 }
 
@@ -185,10 +185,10 @@ pub fn saliency_per_level(
     bands: &Bands,
     params: &SaliencyParams,
 ) -> Result<Vec<(SaliencyLevel, Vec<f64>)>, SaliencyError> {
-    let n = decomposer.domain().n_vertices();
+    let n = decomposer.geometry().n_vertices();
     let scatter = |part: Part| {
         let map: Vec<f64> = (0..n).map(|x| part.at(x)).collect();
-        (part.level, decomposer.domain().weld.scatter(&map, 1))
+        (part.level, decomposer.geometry().vertex_map.scatter(&map, 1))
     };
     Ok(parts(decomposer, bands, params)?.into_iter().map(scatter).collect())
 }

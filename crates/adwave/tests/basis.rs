@@ -5,7 +5,7 @@ use adwave::basis::{
     Basis, BasisError, BasisParams, CompressedRows, Value, basis, basis_by_squaring, one_vertex,
 };
 use adwave::operator::{CloudGraph, Diffusion, OperatorParams, local_operator};
-use adwave::shape::{Domain, Graph, Mesh, PointCloud, Polygons, Shape, Weld, WeldMode};
+use adwave::shape::{Graph, Mesh, PointCloud, Polygons, PreparedGeometry, Shape, VertexMap, WeldMode};
 use adwave::{Cancelled, Progress};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -21,15 +21,19 @@ const METHODS_DIFFER: f64 = 1e-5;
 const COUNTS_DIFFER: f64 = 0.02;
 
 fn diffusion_of(shape: &Shape) -> Diffusion {
-    let domain = Domain::new(shape, WeldMode::EqualPositions);
-    Diffusion::new(local_operator(shape, &domain, &OperatorParams::default()))
+    let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions);
+    Diffusion::new(local_operator(shape, &geometry, &OperatorParams::default()))
 }
 
 fn walk_on_graph(n_nodes: usize, edges: &[(u32, u32, f64)]) -> Diffusion {
     let shape = Shape::Graph(Graph::new(n_nodes, edges).unwrap());
     // In the order of the nodes, so that tests can name them.
-    let domain = Domain { weld: Weld::identity(n_nodes), points: Vec::new(), triangles: Vec::new() };
-    Diffusion::new(local_operator(&shape, &domain, &OperatorParams::default()))
+    let geometry = PreparedGeometry {
+        vertex_map: VertexMap::identity(n_nodes),
+        points: Vec::new(),
+        triangles: Vec::new(),
+    };
+    Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default()))
 }
 
 /// An octahedron cut in four as often as asked for, with bumps: 4^n·8 triangles, 4^n·4 + 2 vertices.
@@ -404,9 +408,9 @@ fn a_directed_cloud_has_a_basis() {
         })
         .collect();
     let shape = Shape::Cloud(PointCloud::new(points).unwrap());
-    let domain = Domain::new(&shape, WeldMode::EqualPositions);
+    let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions);
     let directed = OperatorParams::default().with_cloud_graph(CloudGraph::Directed);
-    let walk = Diffusion::new(local_operator(&shape, &domain, &directed));
+    let walk = Diffusion::new(local_operator(&shape, &geometry, &directed));
     assert!(!walk.is_reversible());
     let fast = basis(&walk, &params(6), Progress::none()).unwrap();
     let exact = power(&dense(&walk), 32);
@@ -421,21 +425,21 @@ fn a_directed_cloud_has_a_basis() {
 #[test]
 fn the_shape_order_is_a_permutation_or_refused() {
     let shape = bumpy_sphere(2);
-    let domain = Domain::new(&shape, WeldMode::Off);
-    let walk = Diffusion::new(local_operator(&shape, &domain, &OperatorParams::default()));
+    let geometry = PreparedGeometry::new(&shape, WeldMode::Off);
+    let walk = Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default()));
     let inner = basis(&walk, &params(3), Progress::none()).unwrap();
-    let outer = inner.in_shape_order(&domain.weld).unwrap();
+    let outer = inner.in_shape_order(&geometry.vertex_map).unwrap();
     assert_ne!(inner.scaling, outer.scaling, "the numbering of the shape is another");
     for x in 0..shape.n_vertices() {
         for y in 0..shape.n_vertices() {
-            let (class_x, class_y) = (domain.weld.class_of(x), domain.weld.class_of(y));
+            let (class_x, class_y) = (geometry.vertex_map.welded(x), geometry.vertex_map.welded(y));
             assert_eq!(outer.scaling[2].get(x, y), inner.scaling[2].get(class_x, class_y));
         }
     }
     assert_well_formed(&outer.scaling[2], SINGLE_ROUNDING);
-    let welded = Weld::new(&[[0.0; 3], [1.0; 3], [0.0; 3]], WeldMode::EqualPositions);
+    let welded = VertexMap::new(&[[0.0; 3], [1.0; 3], [0.0; 3]], WeldMode::EqualPositions);
     let two: Basis = basis(&walk_on_graph(2, &[(0, 1, 1.0)]), &params(1), Progress::none()).unwrap();
-    assert_eq!(two.in_shape_order(&welded).unwrap_err(), BasisError::Welded { n_vertices: 3, n_classes: 2 });
+    assert_eq!(two.in_shape_order(&welded).unwrap_err(), BasisError::Welded { n_vertices: 3, n_welded: 2 });
 }
 
 #[test]

@@ -7,7 +7,7 @@ use adwave::bands::{
     Bands, BandsError, BandsParams, Engine, Schedule, Transform, decompose, forecast_bytes, weighted_bands,
 };
 use adwave::operator::{CloudGraph, Diffusion, OperatorParams, local_operator};
-use adwave::shape::{Domain, Graph, Mesh, PointCloud, Polygons, Shape, Weld};
+use adwave::shape::{Graph, Mesh, PointCloud, Polygons, PreparedGeometry, Shape, VertexMap};
 use adwave::{Cancelled, Progress};
 use proptest::prelude::*;
 use std::sync::atomic::AtomicBool;
@@ -40,29 +40,33 @@ fn sheet(rows: usize, columns: usize, noise: f64) -> Shape {
     Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles)).expect("a finite mesh"))
 }
 
-fn prepare(shape: &Shape, params: &OperatorParams) -> (Domain, Diffusion) {
-    let domain = Domain::new(shape, params.weld);
-    let diffusion = Diffusion::new(local_operator(shape, &domain, params));
-    (domain, diffusion)
+fn prepare(shape: &Shape, params: &OperatorParams) -> (PreparedGeometry, Diffusion) {
+    let geometry = PreparedGeometry::new(shape, params.weld);
+    let diffusion = Diffusion::new(local_operator(shape, &geometry, params));
+    (geometry, diffusion)
 }
 
 fn cycle(n: u32) -> Diffusion {
     let edges: Vec<_> = (0..n).map(|u| (u, (u + 1) % n, 1.0)).collect();
     let shape = Shape::Graph(Graph::new(n as usize, &edges).expect("a cycle"));
     // In the order of the nodes, in which waves are easy to write down.
-    let domain = Domain { weld: Weld::identity(n as usize), points: Vec::new(), triangles: Vec::new() };
-    Diffusion::new(local_operator(&shape, &domain, &OperatorParams::default()))
+    let geometry = PreparedGeometry {
+        vertex_map: VertexMap::identity(n as usize),
+        points: Vec::new(),
+        triangles: Vec::new(),
+    };
+    Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default()))
 }
 
 fn split(
     diffusion: &Diffusion,
-    weld: &Weld,
+    vertex_map: &VertexMap,
     signal: &[f64],
     d: usize,
     schedule: &Schedule,
     params: &BandsParams,
 ) -> Bands {
-    decompose(diffusion, weld, signal, d, schedule, params, Progress::none()).expect("a valid request")
+    decompose(diffusion, vertex_map, signal, d, schedule, params, Progress::none()).expect("a valid request")
 }
 
 fn norm(values: impl Iterator<Item = f64>) -> f64 {
@@ -83,10 +87,10 @@ fn worst(found: &[Vec<f64>], exact: &[Vec<f64>]) -> f64 {
 }
 
 fn engines_agree(shape: &Shape, operator: &OperatorParams, signal: &[f64], d: usize, schedule: &Schedule) {
-    let (domain, diffusion) = prepare(shape, operator);
+    let (geometry, diffusion) = prepare(shape, operator);
     let powers = split(
         &diffusion,
-        &domain.weld,
+        &geometry.vertex_map,
         signal,
         d,
         schedule,
@@ -95,7 +99,7 @@ fn engines_agree(shape: &Shape, operator: &OperatorParams, signal: &[f64], d: us
     assert_eq!(powers.info.engine, Engine::Powers);
     for accuracy in [1e-2, 1e-5, 1e-9, 1e-13] {
         let params = BandsParams::default().with_accuracy(accuracy).with_engine(Engine::Chebyshev);
-        let bands = split(&diffusion, &domain.weld, signal, d, schedule, &params);
+        let bands = split(&diffusion, &geometry.vertex_map, signal, d, schedule, &params);
         assert_eq!(bands.info.engine, Engine::Chebyshev);
         assert!(bands.info.error_bound <= accuracy, "{} for {accuracy}", bands.info.error_bound);
         // The bound is one of the norm under the stationary law; the plain norm of these shapes differs by less than 10.
@@ -174,7 +178,7 @@ fn on_a_cycle_every_wave_is_damped_by_its_eigenvalue() {
     for wave in [1, 3, 10] {
         let theta = f64::from(wave) * std::f64::consts::TAU / f64::from(n);
         let signal: Vec<f64> = (0..n).map(|x| (theta * f64::from(x)).cos()).collect();
-        let bands = split(&diffusion, &Weld::identity(n as usize), &signal, 1, &schedule, &params);
+        let bands = split(&diffusion, &VertexMap::identity(n as usize), &signal, 1, &schedule, &params);
         let lambda = 0.5 + 0.5 * theta.cos();
         for (j, &steps) in schedule.steps().iter().enumerate() {
             let scale = lambda.powf(steps);
@@ -192,7 +196,7 @@ fn deep_levels_reach_the_mean() {
     let mean = signal.iter().sum::<f64>() / 50.0;
     let bands = split(
         &diffusion,
-        &Weld::identity(50),
+        &VertexMap::identity(50),
         &signal,
         1,
         &Schedule::dyadic(20).expect("valid"),
@@ -205,11 +209,17 @@ fn deep_levels_reach_the_mean() {
 #[test]
 fn constants_have_no_bands_at_all() {
     let shape = sheet(12, 9, 0.2);
-    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     for engine in [Engine::Powers, Engine::Chebyshev] {
         let params = BandsParams::default().with_engine(engine);
-        let bands =
-            split(&diffusion, &domain.weld, &[0.1; 108], 1, &Schedule::dyadic(8).expect("valid"), &params);
+        let bands = split(
+            &diffusion,
+            &geometry.vertex_map,
+            &[0.1; 108],
+            1,
+            &Schedule::dyadic(8).expect("valid"),
+            &params,
+        );
         assert!(bands.wavelet.iter().flatten().all(|&w| w == 0.0));
         assert!(bands.scaling.iter().flatten().all(|&s| s == 0.1));
     }
@@ -219,15 +229,15 @@ fn constants_have_no_bands_at_all() {
 fn several_channels_are_single_ones_within_the_accuracy() {
     // Not to the bit: the degree follows the norm over the channels of a block.
     let shape = sheet(17, 23, 0.3);
-    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let schedule = Schedule::dyadic(7).expect("valid");
     let n = 17 * 23;
     for d in [1, 2, 3, 4, 5, 7, 9] {
         let signal: Vec<f64> = (0..n * d).map(|i| ((i * 31 + i / 7) % 101) as f64).collect();
-        let all = split(&diffusion, &domain.weld, &signal, d, &schedule, &BandsParams::default());
+        let all = split(&diffusion, &geometry.vertex_map, &signal, d, &schedule, &BandsParams::default());
         for c in 0..d {
             let single: Vec<f64> = signal.iter().skip(c).step_by(d).copied().collect();
-            let one = split(&diffusion, &domain.weld, &single, 1, &schedule, &BandsParams::default());
+            let one = split(&diffusion, &geometry.vertex_map, &single, 1, &schedule, &BandsParams::default());
             let channel: Vec<Vec<f64>> =
                 all.wavelet.iter().map(|w| w.iter().skip(c).step_by(d).copied().collect()).collect();
             assert!(worst(&channel, &one.wavelet) <= 10.0 * 1e-9);
@@ -239,14 +249,14 @@ fn several_channels_are_single_ones_within_the_accuracy() {
 fn exact_levels_are_the_same_bits_for_one_channel_and_for_many() {
     // Up to n = 8 all terms are taken whatever the signal.
     let shape = sheet(17, 23, 0.3);
-    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let schedule = Schedule::dyadic(4).expect("valid");
     let params = BandsParams::default().with_accuracy(1e-13);
     let signal = coordinates(&shape);
-    let all = split(&diffusion, &domain.weld, &signal, 3, &schedule, &params);
+    let all = split(&diffusion, &geometry.vertex_map, &signal, 3, &schedule, &params);
     for c in 0..3 {
         let single: Vec<f64> = signal.iter().skip(c).step_by(3).copied().collect();
-        let one = split(&diffusion, &domain.weld, &single, 1, &schedule, &params);
+        let one = split(&diffusion, &geometry.vertex_map, &single, 1, &schedule, &params);
         for (w, one) in all.wavelet.iter().zip(&one.wavelet) {
             assert!(w.iter().skip(c).step_by(3).eq(one));
         }
@@ -256,12 +266,14 @@ fn exact_levels_are_the_same_bits_for_one_channel_and_for_many() {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let shape = sheet(90, 70, 0.3);
-    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let signal = coordinates(&shape);
     let schedule = Schedule::dyadic(9).expect("valid");
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| split(&diffusion, &domain.weld, &signal, 3, &schedule, &BandsParams::default()))
+        pool.install(|| {
+            split(&diffusion, &geometry.vertex_map, &signal, 3, &schedule, &BandsParams::default())
+        })
     };
     let one = run(1);
     assert_eq!(one, run(2));
@@ -273,10 +285,10 @@ fn a_directed_cloud_falls_back_to_powers() {
     let shape = sheet(15, 15, 0.4);
     let cloud = Shape::Cloud(PointCloud::new(shape.points().expect("points").to_vec()).expect("finite"));
     let params = OperatorParams { cloud_graph: CloudGraph::Directed, ..OperatorParams::default() };
-    let (domain, diffusion) = prepare(&cloud, &params);
+    let (geometry, diffusion) = prepare(&cloud, &params);
     let schedule = Schedule::dyadic(5).expect("valid");
     let ask = BandsParams::default().with_engine(Engine::Chebyshev);
-    let bands = split(&diffusion, &domain.weld, &coordinates(&cloud), 3, &schedule, &ask);
+    let bands = split(&diffusion, &geometry.vertex_map, &coordinates(&cloud), 3, &schedule, &ask);
     assert_eq!(bands.info.engine, Engine::Powers);
     assert_eq!(bands.info.products, 16);
     assert!(
@@ -289,11 +301,17 @@ fn one_vertex_and_isolated_vertices_keep_their_values() {
     let graph = Graph::new(4, &[(0, 1, 2.0)]).expect("a graph");
     let (_, diffusion) = prepare(&Shape::Graph(graph), &OperatorParams::default());
     let schedule = Schedule::dyadic(6).expect("valid");
-    let bands =
-        split(&diffusion, &Weld::identity(4), &[1.0, 3.0, 5.0, 7.0], 1, &schedule, &BandsParams::default());
+    let bands = split(
+        &diffusion,
+        &VertexMap::identity(4),
+        &[1.0, 3.0, 5.0, 7.0],
+        1,
+        &schedule,
+        &BandsParams::default(),
+    );
     assert_eq!(bands.scaling[6], [2.0, 2.0, 5.0, 7.0]);
     let (_, single) = prepare(&Shape::Graph(Graph::new(1, &[]).expect("a node")), &OperatorParams::default());
-    let bands = split(&single, &Weld::identity(1), &[4.0, 5.0], 2, &schedule, &BandsParams::default());
+    let bands = split(&single, &VertexMap::identity(1), &[4.0, 5.0], 2, &schedule, &BandsParams::default());
     assert_eq!(bands.scaling[6], [4.0, 5.0]);
     assert!(bands.wavelet.iter().flatten().all(|&w| w == 0.0));
 }
@@ -301,20 +319,20 @@ fn one_vertex_and_isolated_vertices_keep_their_values() {
 #[test]
 fn a_weighted_sum_of_bands_is_the_sum_of_the_weighted_bands() {
     let shape = sheet(21, 34, 0.3);
-    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let schedule = Schedule::dyadic(8).expect("valid");
     let factors = [-1.0, -0.5, 0.0, 2.0, 1.0, 0.25, -1.0, 3.0];
     let signal = coordinates(&shape);
     for engine in [Engine::Powers, Engine::Chebyshev] {
         let params = BandsParams::default().with_engine(engine);
-        let bands = split(&diffusion, &domain.weld, &signal, 3, &schedule, &params);
+        let bands = split(&diffusion, &geometry.vertex_map, &signal, 3, &schedule, &params);
         let mut expected = vec![0.0; signal.len()];
         for (factor, band) in factors.iter().zip(&bands.wavelet) {
             expected.iter_mut().zip(band).for_each(|(e, w)| *e += factor * w);
         }
         let (found, info) = weighted_bands(
             &diffusion,
-            &domain.weld,
+            &geometry.vertex_map,
             &signal,
             3,
             &schedule,
@@ -335,17 +353,17 @@ fn welded_vertices_that_differ_are_summed_back() {
     let corners: Vec<[f64; 3]> = mesh.faces().corners().iter().map(|&c| mesh.points()[c as usize]).collect();
     let soup: Vec<[u32; 3]> = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let shape = Shape::Mesh(Mesh::new(corners, Polygons::from_triangles(&soup)).expect("finite"));
-    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let n = shape.n_vertices();
     let signal: Vec<f64> = (0..n).map(|i| (i * 13 % 29) as f64).collect();
     let schedule = Schedule::dyadic(6).expect("valid");
-    let bands = split(&diffusion, &domain.weld, &signal, 1, &schedule, &BandsParams::default());
+    let bands = split(&diffusion, &geometry.vertex_map, &signal, 1, &schedule, &BandsParams::default());
     for (x, (a, b)) in bands.reconstruct().iter().zip(&signal).enumerate() {
         assert!((a - b).abs() < 1e-12, "vertex {x}: {a} for {b}");
     }
     for x in 0..n {
         for y in 0..x {
-            if domain.weld.class_of(x) == domain.weld.class_of(y) {
+            if geometry.vertex_map.welded(x) == geometry.vertex_map.welded(y) {
                 assert!((1..=6).all(|j| bands.scaling[j][x] == bands.scaling[j][y]));
             }
         }
@@ -353,7 +371,7 @@ fn welded_vertices_that_differ_are_summed_back() {
     let factors = [2.0, 0.0, 1.0, 0.0, 0.0, -1.0];
     let (sum, _) = weighted_bands(
         &diffusion,
-        &domain.weld,
+        &geometry.vertex_map,
         &signal,
         1,
         &schedule,
@@ -374,8 +392,15 @@ fn accuracies_that_cannot_be_promised_are_refused() {
     let schedule = Schedule::dyadic(3).expect("valid");
     for accuracy in [0.0, -1.0, 1e-14, 0.5, f64::NAN, f64::INFINITY] {
         let params = BandsParams::default().with_accuracy(accuracy);
-        let refused =
-            decompose(&diffusion, &Weld::identity(5), &[0.0; 5], 1, &schedule, &params, Progress::none());
+        let refused = decompose(
+            &diffusion,
+            &VertexMap::identity(5),
+            &[0.0; 5],
+            1,
+            &schedule,
+            &params,
+            Progress::none(),
+        );
         assert!(matches!(refused, Err(BandsError::Accuracy { .. })), "{accuracy}");
     }
 }
@@ -383,12 +408,12 @@ fn accuracies_that_cannot_be_promised_are_refused() {
 #[test]
 fn a_request_beyond_memory_is_refused_with_the_forecast() {
     let diffusion = cycle(500);
-    let (weld, schedule) = (Weld::identity(500), Schedule::dyadic(10).expect("valid"));
-    let needed = forecast_bytes(&diffusion, &weld, 3, &schedule);
+    let (vertex_map, schedule) = (VertexMap::identity(500), Schedule::dyadic(10).expect("valid"));
+    let needed = forecast_bytes(&diffusion, &vertex_map, 3, &schedule);
     assert!(needed >= 500 * 3 * 8 * 21);
     let ask = |max_bytes| {
         let params = BandsParams::default().with_max_bytes(max_bytes);
-        decompose(&diffusion, &weld, &[0.0; 1500], 3, &schedule, &params, Progress::none())
+        decompose(&diffusion, &vertex_map, &[0.0; 1500], 3, &schedule, &params, Progress::none())
     };
     assert_eq!(ask(needed - 1).unwrap_err(), BandsError::TooLarge { needed, available: needed - 1 });
     assert!(ask(needed).is_ok());
@@ -408,7 +433,7 @@ fn a_request_to_stop_is_obeyed() {
         };
         let stopped = decompose(
             &diffusion,
-            &Weld::identity(200),
+            &VertexMap::identity(200),
             &signal,
             1,
             &Schedule::dyadic(32).expect("valid"),
@@ -424,10 +449,12 @@ fn signals_near_the_ends_of_double_precision_give_finite_bands() {
     let diffusion = cycle(40);
     let schedule = Schedule::dyadic(7).expect("valid");
     let reference: Vec<f64> = (0..40).map(|x| f64::from(x * x % 23)).collect();
-    let expected = split(&diffusion, &Weld::identity(40), &reference, 1, &schedule, &BandsParams::default());
+    let expected =
+        split(&diffusion, &VertexMap::identity(40), &reference, 1, &schedule, &BandsParams::default());
     for scale in [1e-250, 1e250] {
         let signal: Vec<f64> = reference.iter().map(|v| v * scale).collect();
-        let bands = split(&diffusion, &Weld::identity(40), &signal, 1, &schedule, &BandsParams::default());
+        let bands =
+            split(&diffusion, &VertexMap::identity(40), &signal, 1, &schedule, &BandsParams::default());
         let back: Vec<Vec<f64>> =
             bands.wavelet.iter().map(|w| w.iter().map(|v| v / scale).collect()).collect();
         assert!(worst(&back, &expected.wavelet) <= 1e-8);
@@ -447,10 +474,10 @@ proptest! {
         let (_, diffusion) = prepare(&shape, &OperatorParams::default());
         let steps = gaps.iter().scan(0, |n, gap| { *n += gap; Some(*n) }).collect();
         let schedule = Schedule::new(steps).expect("increasing");
-        let weld = Weld::identity(30);
-        let chebyshev = split(&diffusion, &weld, &signal, 2, &schedule, &BandsParams::default());
+        let vertex_map = VertexMap::identity(30);
+        let chebyshev = split(&diffusion, &vertex_map, &signal, 2, &schedule, &BandsParams::default());
         let params = BandsParams::default().with_engine(Engine::Powers);
-        let powers = split(&diffusion, &weld, &signal, 2, &schedule, &params);
+        let powers = split(&diffusion, &vertex_map, &signal, 2, &schedule, &params);
         let weighted = |values: &[f64]| {
             let square = |(i, v): (usize, &f64)| diffusion.stationary()[i / 2] * v * v;
             values.iter().enumerate().map(square).sum::<f64>().sqrt()
@@ -469,16 +496,16 @@ proptest! {
 #[test]
 fn a_prepared_transform_can_be_used_again() {
     let shape = sheet(20, 20, 0.2);
-    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let transform = Transform::new(&diffusion, &BandsParams::default()).expect("valid");
     let schedule = Schedule::dyadic(6).expect("valid");
     let first = transform
-        .decompose(&domain.weld, &coordinates(&shape), 3, &schedule, Progress::none())
+        .decompose(&geometry.vertex_map, &coordinates(&shape), 3, &schedule, Progress::none())
         .expect("valid");
     let ones = vec![1.0; 400];
-    transform.decompose(&domain.weld, &ones, 1, &schedule, Progress::none()).expect("valid");
+    transform.decompose(&geometry.vertex_map, &ones, 1, &schedule, Progress::none()).expect("valid");
     let again = transform
-        .decompose(&domain.weld, &coordinates(&shape), 3, &schedule, Progress::none())
+        .decompose(&geometry.vertex_map, &coordinates(&shape), 3, &schedule, Progress::none())
         .expect("valid");
     assert_eq!(first, again);
 }
@@ -492,9 +519,9 @@ fn on_a_fine_sphere_every_band_is_accurate_beside_itself() {
     }
     let shape = sphere.into_shape();
     let coordinates = coordinates(&shape);
-    let (domain, diffusion) = prepare(&shape, &OperatorParams::default());
+    let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let schedule = Schedule::dyadic(9).expect("valid");
-    let bands = split(&diffusion, &domain.weld, &coordinates, 3, &schedule, &BandsParams::default());
+    let bands = split(&diffusion, &geometry.vertex_map, &coordinates, 3, &schedule, &BandsParams::default());
     let size = |w: &[f64]| norm(w.iter().copied()) / norm(coordinates.iter().copied());
     assert!(size(&bands.wavelet[0]) < 1e-3, "{}", size(&bands.wavelet[0]));
     engines_agree(&shape, &OperatorParams::default(), &coordinates, 3, &schedule);

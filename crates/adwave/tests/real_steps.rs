@@ -6,7 +6,7 @@ use adwave::bands::{
 };
 use adwave::basis::{BasisError, BasisParams, basis};
 use adwave::operator::{CloudGraph, Diffusion, OperatorParams, local_operator};
-use adwave::shape::{Domain, Graph, Mesh, PointCloud, Polygons, Shape, Weld};
+use adwave::shape::{Graph, Mesh, PointCloud, Polygons, PreparedGeometry, Shape, VertexMap};
 use adwave::{Decomposer, Progress};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use proptest::prelude::*;
@@ -62,14 +62,14 @@ fn checkerboard(rows: u32, columns: u32) -> Shape {
 
 fn walk_of(shape: &Shape, params: &OperatorParams) -> Diffusion {
     // In the order of the shape, in which signals are easy to write down.
-    let given = Domain::new(shape, params.weld);
-    assert_eq!(given.n_vertices(), shape.n_vertices(), "nothing to weld");
+    let given = PreparedGeometry::new(shape, params.weld);
+    assert_eq!(given.n_vertices(), shape.n_vertices(), "nothing to vertex_map");
     Diffusion::new(local_operator(shape, &given, params))
 }
 
 fn split(walk: &Diffusion, signal: &[f64], schedule: &Schedule, params: &BandsParams) -> Bands {
-    let weld = Weld::identity(walk.n_vertices());
-    decompose(walk, &weld, signal, 1, schedule, params, Progress::none()).expect("a valid request")
+    let vertex_map = VertexMap::identity(walk.n_vertices());
+    decompose(walk, &vertex_map, signal, 1, schedule, params, Progress::none()).expect("a valid request")
 }
 
 fn real(steps: &[f64]) -> Schedule {
@@ -294,21 +294,22 @@ fn any_number_of_threads_gives_the_same_bits() {
 fn one_polynomial_is_the_weighted_sum_of_the_bands() {
     let shape = sheet(20, 17);
     let walk = walk_of(&shape, &OperatorParams::default());
-    let weld = Weld::identity(walk.n_vertices());
+    let vertex_map = VertexMap::identity(walk.n_vertices());
     let signal = noise(walk.n_vertices(), 7);
     let schedule = real(&[0.5, 1.3, 2.0, 7.7, 50.5]);
     let factors = [2.0, -1.0, 0.5, 0.0, 3.0];
     let params = BandsParams::default();
     let bands = split(&walk, &signal, &schedule, &params);
     let (sum, info) =
-        weighted_bands(&walk, &weld, &signal, 1, &schedule, &factors, &params, Progress::none()).unwrap();
+        weighted_bands(&walk, &vertex_map, &signal, 1, &schedule, &factors, &params, Progress::none())
+            .unwrap();
     assert!(info.error_bound <= params.accuracy);
     for (x, found) in sum.iter().enumerate() {
         let expected: f64 = bands.wavelet.iter().zip(factors).map(|(w, g)| g * w[x]).sum();
         assert!((found - expected).abs() < 1e-9, "vertex {x}: {found}, {expected}");
     }
-    let more = forecast_bytes(&walk, &weld, 1, &schedule);
-    let less = forecast_bytes(&walk, &weld, 1, &schedule.rounded());
+    let more = forecast_bytes(&walk, &vertex_map, 1, &schedule);
+    let less = forecast_bytes(&walk, &vertex_map, 1, &schedule.rounded());
     assert!(more > less, "the vector that measures the error counts");
 }
 
@@ -418,10 +419,10 @@ fn what_cannot_be_taken_is_refused() {
     let cloud = Shape::Cloud(PointCloud::new(sheet(9, 9).points().unwrap().to_vec()).unwrap());
     let directed = walk_of(&cloud, &OperatorParams::default().with_cloud_graph(CloudGraph::Directed));
     let both_ways = walk_of(&cloud, &OperatorParams::default());
-    let (weld, signal) = (Weld::identity(81), noise(81, 9));
+    let (vertex_map, signal) = (VertexMap::identity(81), noise(81, 9));
     let schedule = real(&[1.0, 2.5]);
     let ask = |walk: &Diffusion, params: &BandsParams| {
-        decompose(walk, &weld, &signal, 1, &schedule, params, Progress::none()).map(|bands| bands.steps)
+        decompose(walk, &vertex_map, &signal, 1, &schedule, params, Progress::none()).map(|bands| bands.steps)
     };
     let refused = Err(BandsError::NotWhole { level: 2, steps: 2.5 });
     assert_eq!(ask(&directed, &BandsParams::default()), refused);
@@ -429,7 +430,8 @@ fn what_cannot_be_taken_is_refused() {
     assert_eq!(ask(&both_ways, &BandsParams::default()), Ok(vec![0.0, 1.0, 2.5]));
     let rounded = schedule.rounded();
     assert!(
-        decompose(&directed, &weld, &signal, 1, &rounded, &BandsParams::default(), Progress::none()).is_ok()
+        decompose(&directed, &vertex_map, &signal, 1, &rounded, &BandsParams::default(), Progress::none())
+            .is_ok()
     );
 
     let refused = BasisError::NotWhole { level: 2, steps: 2.5 };
@@ -448,8 +450,9 @@ fn a_cancelled_call_makes_no_series_of_any_try() {
     let report = |_: u64, _: u64| stop.store(true, Ordering::Relaxed);
     let progress = Progress::none().with_report(&report).with_cancel(&stop);
     let start = Instant::now();
-    let weld = Weld::identity(144);
-    let found = decompose(&walk, &weld, &noise(144, 3), 1, &schedule, &BandsParams::default(), progress);
+    let vertex_map = VertexMap::identity(144);
+    let found =
+        decompose(&walk, &vertex_map, &noise(144, 3), 1, &schedule, &BandsParams::default(), progress);
     assert!(matches!(found, Err(BandsError::Cancelled(_))), "{found:?}");
     assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
 }
@@ -459,10 +462,10 @@ fn an_accuracy_out_of_reach_is_said_with_what_is_reached() {
     // Half a step of a wave that turns round at every step: λ^½ near λ = 0 has no good polynomial.
     let walk = walk_of(&checkerboard(30, 1), &OperatorParams::default());
     let signal = noise(30, 10);
-    let weld = Weld::identity(30);
+    let vertex_map = VertexMap::identity(30);
     let ask = |accuracy| {
         let params = BandsParams::default().with_accuracy(accuracy);
-        decompose(&walk, &weld, &signal, 1, &real(&[1.0, 1.05, 2.0]), &params, Progress::none())
+        decompose(&walk, &vertex_map, &signal, 1, &real(&[1.0, 1.05, 2.0]), &params, Progress::none())
     };
     match ask(1e-10) {
         Err(BandsError::Missed { level: 2, accuracy, reached }) => {
@@ -475,7 +478,7 @@ fn an_accuracy_out_of_reach_is_said_with_what_is_reached() {
     // A wave that one step ends has no later band.
     let wave: Vec<f64> = (0..30).map(|i| f64::from(1 - 2 * (i % 2))).collect();
     let bands = real(&[1.0, 1.05]);
-    match decompose(&walk, &weld, &wave, 1, &bands, &BandsParams::default(), Progress::none()) {
+    match decompose(&walk, &vertex_map, &wave, 1, &bands, &BandsParams::default(), Progress::none()) {
         Err(error @ BandsError::Missed { level: 2, .. }) => {
             assert!(error.to_string().contains("all but vanishes"), "{error}");
         }
@@ -498,9 +501,9 @@ proptest! {
         let walk = walk_of(&shape, &OperatorParams::default());
         let schedule = real(&[start, start * growth, start * growth * growth]);
         let params = BandsParams::default().with_accuracy(1e-6);
-        let weld = Weld::identity(12);
+        let vertex_map = VertexMap::identity(12);
         let spectrum = walk.stationary().iter().all(|&p| p > 0.0).then(|| Spectrum::new(&walk));
-        let bands = match decompose(&walk, &weld, &signal, 1, &schedule, &params, Progress::none()) {
+        let bands = match decompose(&walk, &vertex_map, &signal, 1, &schedule, &params, Progress::none()) {
             Ok(bands) => bands,
             Err(BandsError::Missed { reached, .. }) => {
                 // The last degree but one reaches rounding for all eigenvalues from 1e-4 on.

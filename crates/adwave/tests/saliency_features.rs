@@ -271,7 +271,7 @@ fn a_mask_is_left_out_and_not_spread() {
     let still = bands(&masked, &constant, 1, 6);
     assert!(still.wavelet.iter().flatten().all(|w| w.is_nan() || *w == 0.0));
     // Rows are distributions over what is left.
-    let left_out = masked.left_out().unwrap();
+    let left_out = masked.mask_flags().unwrap();
     for x in 0..left_out.len() {
         let (columns, weights) = masked.diffusion().row(x);
         assert!(columns.iter().all(|&y| !left_out[y as usize] && !left_out[x]));

@@ -9,9 +9,9 @@ fn sample(name: &str, n: usize) -> Shape {
 }
 
 fn euler(shape: &Shape) -> i64 {
-    let domain = Domain::new(shape, WeldMode::default());
-    let ring = one_ring(domain.n_vertices(), &domain.triangles);
-    health(shape, &domain, &ring).euler_characteristic.unwrap()
+    let geometry = PreparedGeometry::new(shape, WeldMode::default());
+    let ring = one_ring(geometry.n_vertices(), &geometry.triangles);
+    health(shape, &geometry, &ring).euler_characteristic.unwrap()
 }
 
 fn alternating_sum(points: &[CriticalPoint]) -> i64 {
@@ -70,8 +70,9 @@ fn heat_takes_critical_points_away_and_keeps_the_mean() {
             && levels[1].points.len() > 4 * levels[2].points.len()
     );
     let laplacian = Laplacian::new(&shape, &LaplacianParams::default()).unwrap();
-    let mean =
-        |f: &[f64]| laplacian.weld.mean(f, 1).iter().zip(&laplacian.mass).map(|(f, m)| f * m).sum::<f64>();
+    let mean = |f: &[f64]| {
+        laplacian.vertex_map.mean(f, 1).iter().zip(&laplacian.mass).map(|(f, m)| f * m).sum::<f64>()
+    };
     assert!((mean(&levels[2].smoothed) / mean(&signal) - 1.0).abs() < 1e-8);
 }
 

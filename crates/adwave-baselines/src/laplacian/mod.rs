@@ -9,7 +9,7 @@ mod intrinsic;
 use crate::linalg::{LinalgError, SymmetricMatrix};
 use adwave::operator::{OperatorParams, local_operator};
 use adwave::shape::MeshArea;
-use adwave::shape::{Domain, Shape, Weld, WeldMode, mesh_areas};
+use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, mesh_areas};
 
 /// On which triangles of a mesh the cotangents are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub struct LaplacianInfo {
     pub n_massless: usize,
 }
 
-/// Stiffness and mass of a shape, in the order of the analysis (`weld` maps the shape's vertices onto it).
+/// Stiffness and mass of a shape, in the order of the analysis (`vertex_map` maps the shape's vertices onto it).
 ///
 /// ```
 /// use adwave::shape::{Mesh, Polygons, Shape};
@@ -85,7 +85,7 @@ pub struct Laplacian {
     /// The diagonal of M, ≥ 0, in squared model units (1 for a graph).
     pub mass: Vec<f64>,
     /// From the shape's vertices to the rows here.
-    pub weld: Weld,
+    pub vertex_map: VertexMap,
     /// What became of the triangles.
     pub info: LaplacianInfo,
 }
@@ -96,19 +96,19 @@ impl Laplacian {
     /// # Errors
     /// [`LinalgError`] where weights overflow.
     pub fn new(shape: &Shape, params: &LaplacianParams) -> Result<Self, LinalgError> {
-        let domain = Domain::new(shape, params.weld);
-        let n = domain.n_vertices();
+        let geometry = PreparedGeometry::new(shape, params.weld);
+        let n = geometry.n_vertices();
         let mut info = LaplacianInfo::default();
         let (entries, mass) = match shape {
             Shape::Mesh(_) => {
-                let (points, unit) = unit_points(&domain.points);
+                let (points, unit) = unit_points(&geometry.points);
                 let (entries, mut mass) = match params.triangulation {
                     Triangulation::AsGiven => {
-                        let entries = cotangent::as_given(&points, &domain.triangles);
-                        (entries, mesh_areas(&points, &domain.triangles, params.area))
+                        let entries = cotangent::as_given(&points, &geometry.triangles);
+                        (entries, mesh_areas(&points, &geometry.triangles, params.area))
                     }
                     Triangulation::IntrinsicDelaunay => {
-                        intrinsic::delaunay(&points, &domain.triangles, unit, &mut info)
+                        intrinsic::delaunay(&points, &geometry.triangles, unit, &mut info)
                     }
                 };
                 for m in &mut mass {
@@ -118,10 +118,10 @@ impl Laplacian {
             }
             Shape::Cloud(_) => {
                 let params = OperatorParams::default().with_weld(params.weld);
-                cloud::heat_kernel(&domain.points, &local_operator(shape, &domain, &params))
+                cloud::heat_kernel(&geometry.points, &local_operator(shape, &geometry, &params))
             }
             Shape::Graph(graph) => {
-                let class = |u: u32| domain.weld.class_of(u as usize) as u32;
+                let class = |u: u32| geometry.vertex_map.welded(u as usize) as u32;
                 let edges = (0..n as u32).flat_map(|u| {
                     let later = graph.neighbours(u as usize).filter(move |&(v, _)| v > u);
                     later.map(move |(v, w)| (class(u), class(v), w))
@@ -132,7 +132,7 @@ impl Laplacian {
         let stiffness = from_weights(n, &entries)?;
         info.n_negative = count_negative(&stiffness);
         info.n_massless = mass.iter().filter(|&&m| m <= 0.0).count();
-        Ok(Self { stiffness, mass, weld: domain.weld, info })
+        Ok(Self { stiffness, mass, vertex_map: geometry.vertex_map, info })
     }
 
     /// Number of rows.

@@ -23,8 +23,8 @@ const ROUNDING: f64 = 1e-11;
 fn masses_sum_to_the_area_and_constants_have_no_energy() {
     for name in ["sphere", "torus", "knot", "creature"] {
         let shape = sample(name, 2000);
-        let domain = Domain::new(&shape, WeldMode::default());
-        let area = surface_area(&domain.points, &domain.triangles);
+        let geometry = PreparedGeometry::new(&shape, WeldMode::default());
+        let area = surface_area(&geometry.points, &geometry.triangles);
         for triangulation in [Triangulation::AsGiven, Triangulation::IntrinsicDelaunay] {
             let l = laplacian(&shape, triangulation);
             assert!((l.mass.iter().sum::<f64>() / area - 1.0).abs() < ROUNDING, "{name}");
@@ -56,11 +56,11 @@ fn linear_functions_are_harmonic_on_a_flat_mesh() {
         let l = laplacian(&shape, triangulation);
         let mut f = vec![0.0; l.n()];
         for (x, p) in points.iter().enumerate() {
-            f[l.weld.class_of(x)] = 2.0 * p[0] - 3.0 * p[1];
+            f[l.vertex_map.welded(x)] = 2.0 * p[0] - 3.0 * p[1];
         }
         let sf = l.stiffness.product(&f);
         for x in (0..n * n).filter(|x| inside(x / n, x % n)) {
-            assert!(sf[l.weld.class_of(x as usize)].abs() < ROUNDING, "{x}");
+            assert!(sf[l.vertex_map.welded(x as usize)].abs() < ROUNDING, "{x}");
         }
     }
     assert!(laplacian(&shape, Triangulation::IntrinsicDelaunay).info.n_flips > 0);
@@ -81,7 +81,7 @@ fn faces_without_area_are_made_proper() {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]];
     let l = laplacian(&mesh(&points, &[[0, 1, 2], [0, 1, 3], [3, 3, 0]]), Triangulation::IntrinsicDelaunay);
     assert!(l.info.lengthened > 0.0 && l.info.lengthened < 1e-3 && l.info.n_massless == 1);
-    assert!((0..4).all(|x| l.mass[l.weld.class_of(x)] > 0.0));
+    assert!((0..4).all(|x| l.mass[l.vertex_map.welded(x)] > 0.0));
 }
 
 #[test]
@@ -89,9 +89,9 @@ fn the_cloud_laplacian_knows_the_plane() {
     let points = (0..40).flat_map(|i| (0..40).map(move |j| [f64::from(i), f64::from(j), 0.0])).collect();
     let cloud = Shape::Cloud(PointCloud::new(points).unwrap());
     let l = laplacian(&cloud, Triangulation::default());
-    let domain = Domain::new(&cloud, WeldMode::default());
-    let square: Vec<f64> = domain.points.iter().map(|p| p[0] * p[0] + p[1] * p[1]).collect();
-    let middle = domain.points.iter().position(|p| p[0] == 20.0 && p[1] == 20.0).unwrap();
+    let geometry = PreparedGeometry::new(&cloud, WeldMode::default());
+    let square: Vec<f64> = geometry.points.iter().map(|p| p[0] * p[0] + p[1] * p[1]).collect();
+    let middle = geometry.points.iter().position(|p| p[0] == 20.0 && p[1] == 20.0).unwrap();
     let laplace = -l.stiffness.product(&square)[middle] / l.mass[middle];
     // Most points are like the middle one.
     assert!((laplace - 4.0).abs() < 1e-9, "{laplace}");

@@ -88,21 +88,21 @@ fn of_all(args: &BasisArgs, global: &GlobalArgs, levels: usize) -> Result<(), Cl
     }
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let decomposer = Decomposer::new(&input.shape, &args.shape.operator());
-    let weld = &decomposer.domain().weld;
+    let vertex_map = &decomposer.geometry().vertex_map;
     let start = Instant::now();
     let mut basis = with_progress(global, "walking", |progress| {
         adwave::basis::basis(decomposer.diffusion(), &params, progress)
     })?;
     let seconds = start.elapsed().as_secs_f64();
-    let welded = weld.n_classes() < weld.n_vertices();
+    let welded = vertex_map.n_welded() < vertex_map.n_vertices();
     let mut files = Vec::new();
     if welded {
         let path = numbered(&args.output, "classes", "npy");
-        adwave_io::write_npy(&path, &[weld.n_vertices()], ArrayValues::U32(weld.classes()))
+        adwave_io::write_npy(&path, &[vertex_map.n_vertices()], ArrayValues::U32(vertex_map.as_slice()))
             .map_err(write_error)?;
         files.push(path);
     } else {
-        basis = basis.in_shape_order(weld)?;
+        basis = basis.in_shape_order(vertex_map)?;
     }
     let extension = if matrix_market { "mtx" } else { "npz" };
     for level in 1..=levels {
@@ -116,7 +116,7 @@ fn of_all(args: &BasisArgs, global: &GlobalArgs, levels: usize) -> Result<(), Cl
     let mut text = format!(
         "{}: functions of {} vertices on {levels} levels in {seconds:.3} s\n\n",
         input.name,
-        weld.n_classes()
+        vertex_map.n_welded()
     );
     text += &table(
         ["level", "entries", "a vertex", "MB"],
@@ -125,7 +125,7 @@ fn of_all(args: &BasisArgs, global: &GlobalArgs, levels: usize) -> Result<(), Cl
             [
                 (j + 1).to_string(),
                 nnz.to_string(),
-                number(nnz as f64 / weld.n_classes() as f64),
+                number(nnz as f64 / vertex_map.n_welded() as f64),
                 number(basis.info.bytes[j] as f64 / 1e6),
             ]
         }),
@@ -136,7 +136,7 @@ fn of_all(args: &BasisArgs, global: &GlobalArgs, levels: usize) -> Result<(), Cl
     }
     let json = json!({
         "shape": input.name,
-        "rows": weld.n_classes(),
+        "rows": vertex_map.n_welded(),
         "levels": levels,
         "entries": basis.info.nnz,
         "bytes": basis.info.bytes,

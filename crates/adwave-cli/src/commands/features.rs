@@ -16,7 +16,7 @@ use std::path::Path;
 use std::time::Instant;
 
 /// How many features are printed.
-const MOST_PRINTED: usize = 40;
+const MAX_PRINTED: usize = 40;
 
 /// The features of one shape.
 struct Found {
@@ -116,7 +116,7 @@ fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) 
         );
         text += &table(
             ["vertex", "other vertex", "level", "other level", "distance"],
-            pairs.iter().take(MOST_PRINTED).map(|m| {
+            pairs.iter().take(MAX_PRINTED).map(|m| {
                 let (a, b) = (&found.features[m.first], &other.features[m.second]);
                 let [av, bv, al, bl] = [a.vertex, b.vertex, a.level, b.level].map(|v| v.to_string());
                 [av, bv, al, bl, number(m.distance)]
@@ -125,17 +125,17 @@ fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) 
     } else if args.output.is_none() {
         text += &table(
             ["vertex", "x", "y", "z", "level", "sigma", "response", "sign"],
-            found.features.iter().take(MOST_PRINTED).map(|f| {
+            found.features.iter().take(MAX_PRINTED).map(|f| {
                 let [x, y, z] = f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(number));
                 let (level, sign) = (f.level.to_string(), if f.sign() > 0 { "+" } else { "-" });
                 [f.vertex.to_string(), x, y, z, level, number(f.sigma), number(f.response), sign.to_owned()]
             }),
         );
-        if found.features.len() > MOST_PRINTED {
+        if found.features.len() > MAX_PRINTED {
             let _ = writeln!(
                 text,
                 "  … {} more; write them with -o FILE.csv",
-                found.features.len() - MOST_PRINTED
+                found.features.len() - MAX_PRINTED
             );
         }
     }

@@ -141,8 +141,8 @@ fn chosen_schedule(
 /// Volume before and after, where the surface encloses one.
 fn volumes(decomposer: &Decomposer, input: &Input, after: &[[f64; 3]]) -> Option<(f64, f64)> {
     let before = decomposer.health(&input.shape).volume?;
-    let domain = decomposer.domain();
-    Some((before, enclosed_volume(&domain.weld.positions(after), &domain.triangles)))
+    let geometry = decomposer.geometry();
+    Some((before, enclosed_volume(&geometry.vertex_map.positions(after), &geometry.triangles)))
 }
 
 fn describe_move(text: &mut String, moved: Displacement, diagonal: f64, volumes: Option<(f64, f64)>) {

@@ -8,7 +8,7 @@ use image::{ImageReader, RgbImage};
 /// No picture is wider or higher.
 const LARGEST_SIDE: u32 = 1 << 16;
 /// No picture takes more bytes when it is unpacked.
-const MOST_BYTES: u64 = 1 << 30;
+const MAX_BYTES: u64 = 1 << 30;
 
 /// A texture.
 pub(super) struct Picture {
@@ -23,7 +23,7 @@ impl Picture {
             .map_err(|e| wrong(e.to_string()))?;
         let mut limits = image::Limits::default();
         (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
-        limits.max_alloc = Some(MOST_BYTES);
+        limits.max_alloc = Some(MAX_BYTES);
         reader.limits(limits);
         let pixels = reader.decode().map_err(|e| wrong(e.to_string()))?.into_rgb8();
         if pixels.width() == 0 || pixels.height() == 0 {

@@ -19,7 +19,7 @@ pub(crate) struct Disc {
 }
 
 /// A disc seen from the side is drawn as if seen at this slant at most, lest it vanishes.
-const LEAST_FACING: f32 = 0.35;
+const MIN_FACING: f32 = 0.35;
 
 impl Disc {
     /// The pixels that it may touch.
@@ -41,7 +41,7 @@ impl Disc {
         match self.normal {
             None => (flat <= 1.0).then(|| (1.0 - flat).sqrt()),
             Some(n) => {
-                let facing = n[2].max(LEAST_FACING);
+                let facing = n[2].max(MIN_FACING);
                 // y is down in the picture and up for the normal.
                 let height = -(n[0] * u - n[1] * v) / facing;
                 (flat + height * height <= 1.0).then_some(height)

@@ -6,11 +6,11 @@ use crate::table::Table;
 use std::fmt::Write as _;
 
 /// Tables with more rows are saved, not shown.
-const MOST_ROWS: usize = 24;
+const MAX_ROWS: usize = 24;
 /// Cells up to so many letters are not broken.
 const SHORT_CELL: usize = 28;
 /// With more sections the table of contents is a list in place of a line.
-const MOST_IN_A_LINE: usize = 9;
+const MAX_IN_A_LINE: usize = 9;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -57,7 +57,7 @@ fn contents(sections: &[Section]) -> String {
     if sections.len() < 2 {
         return String::new();
     }
-    let class = if sections.len() > MOST_IN_A_LINE { " class=\"long\"" } else { "" };
+    let class = if sections.len() > MAX_IN_A_LINE { " class=\"long\"" } else { "" };
     let mut text = format!("<nav aria-label=\"Contents\"{class}>\n<ul>\n");
     for one in sections {
         let verdict = one.blocks.iter().find_map(|block| match block {
@@ -190,7 +190,7 @@ fn numbers(table: &Table, link: &str) -> String {
         prose(&table.caption),
         escaped(&table.name)
     );
-    if table.rows.len() <= MOST_ROWS {
+    if table.rows.len() <= MAX_ROWS {
         let cells = |k: usize| table.rows.iter().filter_map(move |row| row.get(k));
         let class = |k: usize| {
             if cells(k).all(|cell| is_number(cell)) {

@@ -25,11 +25,11 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let shown = (3..=N_LEVELS).find(|&j| sigma(j) >= WIDTH * size).unwrap_or(N_LEVELS);
     let vertex = facing_vertex(&model);
     let centre = model.points()[vertex];
-    let classes = walk.domain().weld.classes();
+    let classes = walk.geometry().vertex_map.as_slice();
     let areas = walk.areas();
     // Sums are over the vertices of the analysis: of welded vertices the first counts.
     let mut first = vec![true; model.points().len()];
-    let mut seen = vec![false; walk.domain().n_vertices()];
+    let mut seen = vec![false; walk.geometry().n_vertices()];
     for (x, &class) in classes.iter().enumerate() {
         first[x] = !std::mem::replace(&mut seen[class as usize], true);
     }

@@ -10,7 +10,7 @@ use adwave_render::value_range;
 
 const N_VERTICES: usize = 14_000;
 /// As many levels as it takes until the walk forgets where it began: 2^23 steps.
-const MOST_LEVELS: usize = 24;
+const MAX_LEVELS: usize = 24;
 /// The levels that are shown, beside the coarsest.
 const SHOWN: [usize; 4] = [0, 6, 9, 12];
 /// What counts as constant: the spread of a component, relative to that of the signal there.
@@ -150,9 +150,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 /// Levels until σ is three diagonals: a walker is then anywhere with the chance that the stationary law gives.
 fn levels(walk: &Decomposer, size: f64) -> usize {
     let step = walk.diffusion().step_length();
-    (SHOWN[3] + 1..MOST_LEVELS)
+    (SHOWN[3] + 1..MAX_LEVELS)
         .find(|&j| step * ((j as f64 - 1.0) / 2.0).exp2() >= 3.0 * size)
-        .unwrap_or(MOST_LEVELS)
+        .unwrap_or(MAX_LEVELS)
 }
 
 /// A signal at the coarsest level.
@@ -179,7 +179,7 @@ impl Case {
     /// One for every component with more than one vertex.
     fn limits(&self) -> Vec<Limit> {
         let neighbours = self.walk.neighbours();
-        let n = self.walk.domain().n_vertices();
+        let n = self.walk.geometry().n_vertices();
         let mut component = vec![usize::MAX; n];
         let mut n_components = 0;
         for start in 0..n {
@@ -198,10 +198,10 @@ impl Case {
             }
             n_components += 1;
         }
-        let weld = &self.walk.domain().weld;
-        let (signal, coarsest) = (weld.mean(&self.signal, 1), weld.mean(&self.coarsest, 1));
+        let vertex_map = &self.walk.geometry().vertex_map;
+        let (signal, coarsest) = (vertex_map.mean(&self.signal, 1), vertex_map.mean(&self.coarsest, 1));
         let mut areas = vec![0.0; n];
-        for (&class, area) in weld.classes().iter().zip(self.walk.areas()) {
+        for (&class, area) in vertex_map.as_slice().iter().zip(self.walk.areas()) {
             areas[class as usize] += area;
         }
         let law = self.walk.diffusion().stationary();

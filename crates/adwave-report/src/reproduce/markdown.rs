@@ -10,13 +10,13 @@ use std::path::Path;
 /// Pictures are no wider than this, in pixels.
 const WIDEST: u32 = 960;
 /// Nor do they have more pixels than this.
-const MOST_PIXELS: f64 = 560_000.0;
+const MAX_PIXELS: f64 = 560_000.0;
 /// A picture that is no larger as PNG stays one, in bytes: charts, which JPEG would blur.
-const MOST_PNG_BYTES: usize = 60_000;
+const MAX_PNG_BYTES: usize = 60_000;
 /// Quality of JPEG: shading without visible blocks.
 const QUALITY: u8 = 82;
 /// Tables with more rows are in the files only.
-const MOST_ROWS: usize = 20;
+const MAX_ROWS: usize = 20;
 
 /// Writes the Markdown file, and its pictures to a folder beside it that is named after it.
 pub(super) fn write(path: &Path, made: &[Made]) -> Result<(), ReproduceError> {
@@ -86,7 +86,7 @@ fn section(one: &Made, pictures: &[(String, &str)]) -> String {
     }
     let _ = writeln!(text, "**{}.** {}", outcome.verdict.headline(), outcome.verdict.sentence());
     for table in &outcome.tables {
-        if table.rows.len() <= MOST_ROWS {
+        if table.rows.len() <= MAX_ROWS {
             text += &rows(table);
         } else {
             let _ = writeln!(
@@ -118,7 +118,7 @@ fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(Stri
     let name = if stem == folder { folder.to_owned() } else { format!("{folder}-{stem}") };
     let mut image = image::load_from_memory(&picture.bytes)?;
     let (width, height) = (f64::from(image.width()), f64::from(image.height()));
-    let scale = (f64::from(WIDEST) / width).min((MOST_PIXELS / (width * height)).sqrt());
+    let scale = (f64::from(WIDEST) / width).min((MAX_PIXELS / (width * height)).sqrt());
     if scale < 1.0 {
         let [width, height] = [width, height].map(|side| (scale * side).round().max(1.0) as u32);
         image = image.resize_exact(width, height, imageops::FilterType::Lanczos3);
@@ -130,7 +130,7 @@ fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(Stri
         CompressionType::Best,
         FilterType::Adaptive,
     ))?;
-    if png.len() <= MOST_PNG_BYTES {
+    if png.len() <= MAX_PNG_BYTES {
         return Ok(Some((format!("{name}.png"), png)));
     }
     let mut jpeg = Vec::new();

@@ -30,7 +30,7 @@ pub const MODELS: [(&str, &[&str]); 15] = [
 /// Folders below folders that are looked into.
 const DEEPEST: usize = 12;
 /// Files and folders that are looked at.
-const MOST_ENTRIES: usize = 200_000;
+const MAX_ENTRIES: usize = 200_000;
 
 /// Why the models cannot be used.
 #[derive(Debug, Error)]
@@ -187,7 +187,7 @@ impl Models {
             let (first, mut n_entries) = (files.len(), 0);
             while let Some((path, depth)) = stack.pop() {
                 n_entries += 1;
-                if n_entries > MOST_ENTRIES {
+                if n_entries > MAX_ENTRIES {
                     break;
                 }
                 // A link to a folder is not followed: it may lead back.

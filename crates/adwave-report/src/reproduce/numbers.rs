@@ -25,7 +25,7 @@ pub(super) fn bands(
 
 /// The mean curvature of a mesh or cloud, in 1/model unit.
 pub(super) fn mean_curvature(model: &Model, walk: &Decomposer) -> Result<Vec<f64>, FigureError> {
-    Ok(surface_signal(&model.shape, walk.domain(), SurfaceSignal::MeanCurvature)?)
+    Ok(surface_signal(&model.shape, walk.geometry(), SurfaceSignal::MeanCurvature)?)
 }
 
 /// Pearson's correlation; 0 where either is constant.

@@ -7,7 +7,7 @@ use crate::table::{NONE, Table, column, digits};
 use adwave_render::plot::{Axis, Chart, Mark, Series};
 
 /// At how many levels the shape is shown.
-const MOST_SHOWN: usize = 4;
+const MAX_SHOWN: usize = 4;
 /// Sides of a chart, pixels: its letters can still be read where a phone shows it at five sixths of that.
 const CHART: (u32, u32) = (420, 300);
 
@@ -60,7 +60,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
 
 /// The levels that are shown, spread evenly from the first to the last.
 fn shown(n_levels: usize) -> Vec<usize> {
-    let n = n_levels.min(MOST_SHOWN);
+    let n = n_levels.min(MAX_SHOWN);
     (0..n).map(|k| 1 + (2 * k * (n_levels - 1) + n - 1) / (2 * (n - 1)).max(1)).collect()
 }
 

@@ -18,9 +18,9 @@ const SIDE: u32 = 560;
 /// Empty rows that stay above and below.
 const MARGIN: u32 = 10;
 /// A picture is at least so high.
-const LEAST_HEIGHT: u32 = 160;
+const MIN_HEIGHT: u32 = 160;
 /// Shapes of more vertices are thinned out before they are drawn.
-const MOST_VERTICES: usize = 250_000;
+const MAX_VERTICES: usize = 250_000;
 /// Cells along the diagonal of which one vertex each is kept: as wide as a pixel where the shape fills the picture.
 const CELLS: f64 = 800.0;
 /// Colours of a legend's bar; a browser mixes those between.
@@ -153,7 +153,7 @@ impl<'a> Studio<'a> {
             _ => Vec::new(),
         };
         let start = Instant::now();
-        let (kept, triangles) = if points.len() > MOST_VERTICES {
+        let (kept, triangles) = if points.len() > MAX_VERTICES {
             let (kept, triangles) = thinned(points, &triangles, subject.walk.diagonal() / CELLS);
             (Some(kept), triangles)
         } else {
@@ -321,7 +321,7 @@ fn used_rows(pictures: &[Picture]) -> Range<u32> {
     let first = used().map(|(y, _)| y as u32).min().unwrap_or(0);
     let last = used().map(|(y, _)| y as u32).max().unwrap_or(SIDE - 1);
     // A flat shape seen from its edge still gets a picture that is wide, not a line.
-    let room = MARGIN.max(LEAST_HEIGHT.saturating_sub(last + 1 - first) / 2);
+    let room = MARGIN.max(MIN_HEIGHT.saturating_sub(last + 1 - first) / 2);
     first.saturating_sub(room)..(last + 1 + room).min(SIDE)
 }
 
@@ -388,7 +388,7 @@ mod tests {
         let other = Picture::filled(SIDE, SIDE, [0; 4]).unwrap();
         let rows = used_rows(&[other.clone(), picture.clone()]);
         assert!(
-            rows.contains(&100) && (LEAST_HEIGHT - 1..=LEAST_HEIGHT).contains(&(rows.len() as u32)),
+            rows.contains(&100) && (MIN_HEIGHT - 1..=MIN_HEIGHT).contains(&(rows.len() as u32)),
             "{rows:?}"
         );
         picture.place(&Picture::filled(1, 1, [9, 9, 9, 255]).unwrap(), 3, 500);

@@ -10,7 +10,7 @@ use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
 
 /// Features that are listed.
-const MOST_LISTED: usize = 15;
+const MAX_LISTED: usize = 15;
 
 /// The features in short.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,7 +82,7 @@ fn strongest(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> T
     let places = Places::new(subject, studio.up());
     let caption = format!(
         "The strongest features{}. The strength is |W_j| by its mean over the level{}.",
-        if found.len() > MOST_LISTED { format!(", {MOST_LISTED} of {}", found.len()) } else { String::new() },
+        if found.len() > MAX_LISTED { format!(", {MAX_LISTED} of {}", found.len()) } else { String::new() },
         if signed { "; the sign is that of W_j: + where the signal is above its surroundings" } else { "" },
     );
     let mut table = Table::new(
@@ -98,7 +98,7 @@ fn strongest(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> T
             "x, y, z",
         ],
     );
-    for f in found.iter().take(MOST_LISTED) {
+    for f in found.iter().take(MAX_LISTED) {
         let none = || NONE.to_owned();
         table.push([
             f.vertex.to_string(),

@@ -23,7 +23,7 @@ fn fact(name: &str, value: impl Into<String>, meaning: &str) -> Fact {
 
 /// Counts that are 0 when all is well: how many, of what, and what it means.
 fn oddities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
-    let vertices_left_out = subject.walk.left_out().map_or(0, |out| out.iter().filter(|&&out| out).count());
+    let vertices_left_out = subject.walk.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
     let counts = [
         (
             "Edges on a border",

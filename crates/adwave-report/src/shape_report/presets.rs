@@ -96,9 +96,9 @@ fn volume_ratio(subject: &Subject<'_>, values: &[f64]) -> Option<f64> {
         return None;
     }
     let before = subject.walk.health(subject.shape).volume.filter(|v| *v != 0.0)?;
-    let domain = subject.walk.domain();
-    let points = domain.weld.positions(values.as_chunks().0);
-    Some(enclosed_volume(&points, &domain.triangles) / before)
+    let geometry = subject.walk.geometry();
+    let points = geometry.vertex_map.positions(values.as_chunks().0);
+    Some(enclosed_volume(&points, &geometry.triangles) / before)
 }
 
 fn pictures(

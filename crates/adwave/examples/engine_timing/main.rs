@@ -10,7 +10,7 @@ mod shapes;
 use adwave::Progress;
 use adwave::bands::{BandsParams, Engine, Schedule, Transform, decompose, smooth, weighted_bands};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
-use adwave::shape::{Domain, Shape};
+use adwave::shape::{PreparedGeometry, Shape};
 use adwave::sparse::apply;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -66,20 +66,20 @@ fn wavelets_into(
 
 struct Subject {
     shape: Shape,
-    domain: Domain,
+    geometry: PreparedGeometry,
     diffusion: Diffusion,
 }
 
 impl Subject {
     fn new(triangles: shapes::Triangles) -> Self {
         let (shape, params) = (triangles.into_shape(), OperatorParams::default());
-        let domain = Domain::new(&shape, params.weld);
-        let diffusion = Diffusion::new(local_operator(&shape, &domain, &params));
-        Self { shape, domain, diffusion }
+        let geometry = PreparedGeometry::new(&shape, params.weld);
+        let diffusion = Diffusion::new(local_operator(&shape, &geometry, &params));
+        Self { shape, geometry, diffusion }
     }
 
     fn signal(&self) -> &[f64] {
-        self.domain.points.as_flattened()
+        self.geometry.points.as_flattened()
     }
 
     fn transform(&self, accuracy: f64) -> Transform<'_> {
@@ -155,14 +155,15 @@ fn one_off(subject: &Subject, levels: usize) {
     let signal = subject.shape.points().expect("a mesh has points").as_flattened();
     let schedule = Schedule::dyadic(levels).expect("a valid number of levels");
     let params = BandsParams::default().with_accuracy(ACCURACY);
-    let (diffusion, weld) = (&subject.diffusion, &subject.domain.weld);
+    let (diffusion, vertex_map) = (&subject.diffusion, &subject.geometry.vertex_map);
     let (least, median) = time(5, || {
-        decompose(diffusion, weld, signal, 3, &schedule, &params, Progress::none()).expect("a valid request");
+        decompose(diffusion, vertex_map, signal, 3, &schedule, &params, Progress::none())
+            .expect("a valid request");
     });
     println!(r#"{{"name":"decompose","levels":{levels},"min":{least},"median":{median}}}"#);
     let factors = vec![0.5; levels];
     let (least, median) = time(5, || {
-        weighted_bands(diffusion, weld, signal, 3, &schedule, &factors, &params, Progress::none())
+        weighted_bands(diffusion, vertex_map, signal, 3, &schedule, &factors, &params, Progress::none())
             .expect("a valid request");
     });
     println!(r#"{{"name":"weighted_bands","levels":{levels},"min":{least},"median":{median}}}"#);

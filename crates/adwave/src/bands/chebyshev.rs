@@ -2,7 +2,7 @@
 
 use super::series::{Growth, Rest, Series};
 use crate::operator::Diffusion;
-use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, Walk, Weighing, zeros};
+use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, zeros};
 use crate::{Cancelled, Progress};
 
 /// What an evaluation took and what it promises.
@@ -27,7 +27,7 @@ const ROUNDING: f64 = 1e-15;
 /// A walk prepared for the recurrence.
 #[derive(Debug)]
 pub(crate) struct Prepared<'a> {
-    pub(crate) walk: Walk<'a>,
+    pub(crate) walk: TiledDiffusion<'a>,
     /// μ of the norm in which errors are bounded.
     weights: Vec<f64>,
     pub(crate) growth: Growth,
@@ -67,7 +67,7 @@ fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
 impl<'a> Prepared<'a> {
     pub(crate) fn new(diffusion: &'a Diffusion) -> Self {
         let (weights, growth) = norm_weights(diffusion);
-        Self { walk: Walk::new(diffusion), weights, growth }
+        Self { walk: TiledDiffusion::new(diffusion), weights, growth }
     }
 
     /// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most

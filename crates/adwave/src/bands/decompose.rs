@@ -2,7 +2,7 @@
 
 use super::{BandsInfo, BandsParams, Schedule, Transform};
 use crate::operator::Diffusion;
-use crate::shape::Weld;
+use crate::shape::VertexMap;
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 use thiserror::Error;
@@ -131,12 +131,12 @@ impl Bands {
     /// When there is not one weight a vertex.
     pub fn energy(&self, weights: &[f64]) -> Vec<f64> {
         assert_eq!(weights.len(), self.n_vertices, "one weight a vertex");
-        let total = crate::reduce::sum(weights.len(), |x| weights[x]);
+        let total = crate::parallel::sum(weights.len(), |x| weights[x]);
         let weight = |x: usize| if total > 0.0 { weights[x] / total } else { 1.0 / self.n_vertices as f64 };
         self.wavelet
             .iter()
             .map(|band| {
-                crate::reduce::sum(self.n_vertices, |x| {
+                crate::parallel::sum(self.n_vertices, |x| {
                     let row = &band[x * self.n_channels..][..self.n_channels];
                     // Vertices that are left out of the walk have no area, and NaN in the bands.
                     let square = || row.iter().map(|w| w * w).sum::<f64>();
@@ -160,9 +160,14 @@ pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize)
 }
 
 /// Bytes of memory that [`decompose`] will take, the bands included and the signal and the diffusion not.
-pub fn forecast_bytes(diffusion: &Diffusion, weld: &Weld, n_channels: usize, schedule: &Schedule) -> u64 {
-    let result = (2 * schedule.n_levels() as u64 + 1) * (weld.n_vertices() * n_channels * 8) as u64;
-    let welded = (weld.n_classes() * n_channels * 8) as u64;
+pub fn forecast_bytes(
+    diffusion: &Diffusion,
+    vertex_map: &VertexMap,
+    n_channels: usize,
+    schedule: &Schedule,
+) -> u64 {
+    let result = (2 * schedule.n_levels() as u64 + 1) * (vertex_map.n_vertices() * n_channels * 8) as u64;
+    let welded = (vertex_map.n_welded() * n_channels * 8) as u64;
     // Steps that are not whole have one more vector, by which their error is measured.
     let guard = if schedule.first_real().is_some() { welded } else { 0 };
     result + welded + guard + Transform::forecast_bytes(diffusion, n_channels)
@@ -182,7 +187,7 @@ pub fn forecast_bytes(diffusion: &Diffusion, weld: &Weld, n_channels: usize, sch
 /// steps that are not whole are asked of a walk that is not reversible, the memory does not suffice, or when cancelled.
 pub fn decompose(
     diffusion: &Diffusion,
-    weld: &Weld,
+    vertex_map: &VertexMap,
     signal: &[f64],
     n_channels: usize,
     schedule: &Schedule,
@@ -190,9 +195,9 @@ pub fn decompose(
     progress: Progress<'_>,
 ) -> Result<Bands, BandsError> {
     params.check()?;
-    check_signal(signal, weld.n_vertices(), n_channels)?;
-    check_memory(forecast_bytes(diffusion, weld, n_channels, schedule), params)?;
-    Transform::new(diffusion, params)?.decompose(weld, signal, n_channels, schedule, progress)
+    check_signal(signal, vertex_map.n_vertices(), n_channels)?;
+    check_memory(forecast_bytes(diffusion, vertex_map, n_channels, schedule), params)?;
+    Transform::new(diffusion, params)?.decompose(vertex_map, signal, n_channels, schedule, progress)
 }
 
 /// `Σ_j factors[j−1]·W_f(j)` (n_vertices × n_channels, in the order of the shape) by a single polynomial of Φ₁: much
@@ -208,7 +213,7 @@ pub fn decompose(
 #[expect(clippy::too_many_arguments, reason = "the arguments of `decompose` and the factors")]
 pub fn weighted_bands(
     diffusion: &Diffusion,
-    weld: &Weld,
+    vertex_map: &VertexMap,
     signal: &[f64],
     n_channels: usize,
     schedule: &Schedule,
@@ -217,22 +222,22 @@ pub fn weighted_bands(
     progress: Progress<'_>,
 ) -> Result<(Vec<f64>, BandsInfo), BandsError> {
     params.check()?;
-    check_signal(signal, weld.n_vertices(), n_channels)?;
+    check_signal(signal, vertex_map.n_vertices(), n_channels)?;
     let n_vectors = if schedule.first_real().is_some() { 4 } else { 3 };
-    let needed = (weld.n_vertices() * n_channels * n_vectors * 8) as u64
+    let needed = (vertex_map.n_vertices() * n_channels * n_vectors * 8) as u64
         + Transform::forecast_bytes(diffusion, n_channels);
     check_memory(needed, params)?;
     let transform = Transform::new(diffusion, params)?;
-    let mean = weld.mean(signal, n_channels);
+    let mean = vertex_map.mean(signal, n_channels);
     let mut out = vec![0.0; mean.len()];
     let info = transform.weighted_into(&mean, n_channels, schedule, factors, &mut out, progress)?;
-    let mut sum = weld.scatter(&out, n_channels);
-    if weld.n_classes() < weld.n_vertices() {
+    let mut sum = vertex_map.scatter(&out, n_channels);
+    if vertex_map.n_welded() < vertex_map.n_vertices() {
         // What differs from the mean at welded vertices is part of W_f(1).
         let first = factors[0];
         sum.par_chunks_exact_mut(n_channels).zip(signal.par_chunks_exact(n_channels)).enumerate().for_each(
             |(x, (sum, signal))| {
-                let mean = &mean[weld.class_of(x) * n_channels..][..n_channels];
+                let mean = &mean[vertex_map.welded(x) * n_channels..][..n_channels];
                 for ((sum, f), m) in sum.iter_mut().zip(signal).zip(mean) {
                     *sum += first * (f - m);
                 }

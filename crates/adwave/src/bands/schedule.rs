@@ -9,7 +9,7 @@ pub const MAX_STEPS: u64 = 1 << 31;
 pub const MIN_STEPS: f64 = 1.0 / 64.0;
 
 /// The most levels to an octave.
-const MOST_VOICES: usize = 64;
+const MAX_VOICES: usize = 64;
 
 /// How far from whole, relative to itself, rounding leaves a number of steps that comes from a length.
 const WHOLE: f64 = 1e-12;
@@ -45,7 +45,7 @@ pub enum ScheduleError {
         level: usize,
     },
     /// A number of voices that is 0 or beyond all use.
-    #[error("an octave of {n_voices} voices makes no sense; ask for 1 to {MOST_VOICES}")]
+    #[error("an octave of {n_voices} voices makes no sense; ask for 1 to {MAX_VOICES}")]
     Voices {
         /// The number asked for.
         n_voices: usize,
@@ -63,6 +63,12 @@ pub enum ScheduleError {
         /// Root mean square length of one step in model units.
         step_length: f64,
     },
+}
+
+impl crate::ClassifiedError for ScheduleError {
+    fn kind(&self) -> crate::ErrorKind {
+        crate::ErrorKind::Input
+    }
 }
 
 /// A number in few digits, however large or small it is.
@@ -143,7 +149,7 @@ impl Schedule {
     /// [`ScheduleError`] as for [`dyadic`](Self::dyadic), or when there is no voice or more than 64 of them.
     pub fn voices(n_levels: usize, n_voices: usize) -> Result<Self, ScheduleError> {
         let octaves = Self::dyadic(n_levels)?.n_levels() - 1;
-        if !(1..=MOST_VOICES).contains(&n_voices) {
+        if !(1..=MAX_VOICES).contains(&n_voices) {
             return Err(ScheduleError::Voices { n_voices });
         }
         let level = |k: usize| {

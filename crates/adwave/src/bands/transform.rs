@@ -5,8 +5,8 @@ use super::real_series::{self, LADDER, Rung};
 use super::series::{Growth, Series};
 use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
 use crate::operator::Diffusion;
-use crate::shape::Weld;
-use crate::sparse::{MAX_CHANNELS, Walk, apply, difference, zeros};
+use crate::shape::VertexMap;
+use crate::sparse::{MAX_CHANNELS, TiledDiffusion, apply, difference, zeros};
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -146,31 +146,31 @@ impl<'a> Transform<'a> {
     /// As for [`wavelets_into`](Self::wavelets_into).
     pub fn decompose(
         &self,
-        weld: &Weld,
+        vertex_map: &VertexMap,
         signal: &[f64],
         n_channels: usize,
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Bands, BandsError> {
-        let (n_vertices, n_levels) = (weld.n_vertices(), schedule.n_levels());
+        let (n_vertices, n_levels) = (vertex_map.n_vertices(), schedule.n_levels());
         super::decompose::check_signal(signal, n_vertices, n_channels)?;
-        let mean = weld.mean(signal, n_channels);
+        let mean = vertex_map.mean(signal, n_channels);
         let mut scaling: Vec<Vec<f64>> = (0..=n_levels).map(|_| zeros(signal.len())).collect();
         scaling[0].par_iter_mut().zip(signal).with_min_len(1 << 14).for_each(|(s, f)| *s = *f);
         // The wavelets come in the order of the analysis into what will hold the scaling coefficients.
         let mut outs: Vec<&mut [f64]> = scaling[1..].iter_mut().map(|s| &mut s[..mean.len()]).collect();
         let info = self.wavelets_into(&mean, n_channels, schedule, &mut outs, progress)?;
-        let is_welded = weld.n_classes() < n_vertices;
+        let is_welded = vertex_map.n_welded() < n_vertices;
         let mut wavelet = Vec::with_capacity(n_levels);
         for level in 1..=n_levels {
             let (finer, rest) = scaling.split_at_mut(level);
             let (fine, coarse) = (&finer[level - 1], &mut rest[0]);
             let mut band = zeros(signal.len());
             band.par_chunks_exact_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, band)| {
-                band.copy_from_slice(&coarse[weld.class_of(x) * n_channels..][..n_channels]);
+                band.copy_from_slice(&coarse[vertex_map.welded(x) * n_channels..][..n_channels]);
             });
             if level == 1 && is_welded {
-                finish_welded(weld, &mean, signal, n_channels, coarse, &mut band);
+                finish_welded(vertex_map, &mean, signal, n_channels, coarse, &mut band);
             } else {
                 coarse
                     .par_iter_mut()
@@ -285,7 +285,9 @@ impl<'a> Transform<'a> {
     pub fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
         let n = diffusion.n_vertices() as u64;
         if diffusion.is_reversible() {
-            Walk::forecast_bytes(diffusion) + 8 * n + 4 * 8 * n * n_channels.min(MAX_CHANNELS) as u64
+            TiledDiffusion::forecast_bytes(diffusion)
+                + 8 * n
+                + 4 * 8 * n * n_channels.min(MAX_CHANNELS) as u64
         } else {
             2 * 8 * n * n_channels as u64
         }
@@ -322,7 +324,7 @@ fn add(factor: f64, now: &[f64], out: &mut [f64]) {
 /// S_f(1) and W_f(1) where vertices are welded: S_f(1) is one value for all of them, and what tells them apart is in
 /// W_f(1).
 fn finish_welded(
-    weld: &Weld,
+    vertex_map: &VertexMap,
     mean: &[f64],
     signal: &[f64],
     n_channels: usize,
@@ -336,7 +338,7 @@ fn finish_welded(
         .with_min_len(1 << 12)
         .enumerate()
         .for_each(|(x, ((scaling, wavelet), signal))| {
-            let mean = &mean[weld.class_of(x) * n_channels..][..n_channels];
+            let mean = &mean[vertex_map.welded(x) * n_channels..][..n_channels];
             for (((s, w), f), m) in scaling.iter_mut().zip(wavelet).zip(signal).zip(mean) {
                 *s = m - *w;
                 *w += f - m;

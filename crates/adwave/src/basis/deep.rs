@@ -4,10 +4,10 @@
 //! `((1+y)/2)^(n−n₀)`: some `4√(n−n₀)` products serve all levels. The terms reach one ring further at every product where
 //! the walk itself hardly moves on, so for few steps walking is cheaper.
 
-use super::arriving::Group;
 use super::binomial::chebyshev_of_power;
 use super::local_columns::{LANES, Lanes, LocalColumns, row_times};
 use super::sweep::Walk;
+use super::transpose::Group;
 use super::{BasisError, BasisParams};
 use crate::operator::Diffusion;
 
@@ -16,7 +16,7 @@ const SHALLOW_STEPS: u64 = 64;
 
 /// The fewest steps for which a recurrence is worth while. On the Stanford bunny it takes 1.4 times as long as walking
 /// for 64 steps, 1.1 times for 192, and less than half for 448.
-const FEWEST_STEPS: u64 = 256;
+const MIN_STEPS: u64 = 256;
 
 /// Where π varies by more, errors of a recurrence in Φ₁ᵀ, which is symmetric only in the weights 1/π, could grow by more
 /// than the root of this.
@@ -29,7 +29,7 @@ const STRETCH: u64 = 8;
 pub(super) fn n_shallow(diffusion: &Diffusion, steps: &[u64]) -> usize {
     let n_shallow = steps.partition_point(|&n| n <= SHALLOW_STEPS);
     let start = if n_shallow == 0 { 0 } else { steps[n_shallow - 1] };
-    let worth_while = steps.last().is_some_and(|&last| last - start >= FEWEST_STEPS);
+    let worth_while = steps.last().is_some_and(|&last| last - start >= MIN_STEPS);
     if worth_while && diffusion.is_reversible() && is_even(diffusion.stationary()) {
         n_shallow
     } else {

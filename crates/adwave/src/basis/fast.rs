@@ -1,11 +1,11 @@
 //! All levels of the basis in one sweep over blocks of neighbouring vertices.
 
-use super::arriving::Arriving;
 use super::forecast::forecast;
 use super::local_columns::{LANES, LocalColumns};
 use super::pack::{PackedRows, pack};
 use super::rows::CompressedRows;
 use super::sweep::{Next, Walk};
+use super::transpose::Transpose;
 use super::{Basis, BasisError, BasisInfo, BasisParams};
 use crate::Progress;
 use crate::operator::Diffusion;
@@ -102,8 +102,8 @@ pub fn basis(
     let n = diffusion.n_vertices();
     let n_blocks = n.div_ceil(LANES);
     progress.step(0, n_blocks as u64)?;
-    let arriving = Arriving::new(diffusion);
-    let walk = Walk::new(diffusion, &arriving, params, progress);
+    let transpose = Transpose::new(diffusion);
+    let walk = Walk::new(diffusion, &transpose, params, progress);
     let workers = Workers::new(n);
     let forecast = forecast::<f32>(&walk, &workers, 1)?;
 

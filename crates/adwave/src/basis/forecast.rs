@@ -4,7 +4,7 @@ use super::fast::Workers;
 use super::local_columns::LANES;
 use super::rows::{Value, bytes};
 use super::sweep::{Next, Walk};
-use super::{BasisError, arriving::Arriving};
+use super::{BasisError, transpose::Transpose};
 use rayon::prelude::*;
 
 /// Blocks that are looked at, spread evenly. On a mesh one in a hundred tells the size within a few per cent.
@@ -63,7 +63,7 @@ pub(super) fn forecast<V: Value>(
         .map(|level| of_block.iter().map(|nnz| nnz[level]).sum::<u64>() / samples.max(1) as u64)
         .collect();
     let stored: u64 = nnz.iter().map(|&nnz| bytes::<V>(n, nnz)).sum();
-    let work = Arriving::bytes(n, walk.diffusion.nnz()) + Workers::bytes(n, &nnz);
+    let work = Transpose::bytes(n, walk.diffusion.nnz()) + Workers::bytes(n, &nnz);
     let needed = stored.saturating_mul(copies).saturating_add(work);
     if needed > limit {
         return Err(BasisError::TooLarge { n_levels: steps.len(), n_vertices: n, needed, limit });

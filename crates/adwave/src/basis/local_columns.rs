@@ -5,8 +5,8 @@
 //! lanes of a vector. Once in a few products the list is built anew: vertices where every lane is small are left out,
 //! and those within a few steps of the rest are taken in.
 
-use super::arriving::{Arriving, Group};
-use super::marks::Marks;
+use super::sparse_accumulator::SparseAccumulator;
+use super::transpose::{Group, Transpose};
 use crate::operator::Diffusion;
 
 /// Rows that are computed side by side.
@@ -35,7 +35,7 @@ pub(super) struct LocalColumns {
     groups: Vec<Group>,
     /// Local number of each vertex of the shape.
     number: Vec<u32>,
-    marks: Marks,
+    marks: SparseAccumulator,
     front: Vec<u32>,
     next_front: Vec<u32>,
     before: Vec<u32>,
@@ -56,7 +56,7 @@ impl LocalColumns {
             starts: Vec::new(),
             groups: Vec::new(),
             number: vec![ABSENT; n],
-            marks: Marks::new(n),
+            marks: SparseAccumulator::new(n),
             front: Vec::new(),
             next_front: Vec::new(),
             before: Vec::new(),
@@ -91,7 +91,7 @@ impl LocalColumns {
     pub(super) fn regrow(
         &mut self,
         diffusion: &Diffusion,
-        arriving: &Arriving,
+        transpose: &Transpose,
         arch: pulp::Arch,
         floor: f32,
         rings: u64,
@@ -127,7 +127,7 @@ impl LocalColumns {
         self.active.clear();
         self.marks.drain_sorted(&mut self.active);
         self.carry_over(arch);
-        self.build_matrix(arriving);
+        self.build_matrix(transpose);
     }
 
     /// Moves the values from the old list of active vertices to the new one.
@@ -153,7 +153,7 @@ impl LocalColumns {
         }
     }
 
-    fn build_matrix(&mut self, arriving: &Arriving) {
+    fn build_matrix(&mut self, transpose: &Transpose) {
         for (&x, k) in self.active.iter().zip(0..) {
             self.number[x as usize] = k;
         }
@@ -161,7 +161,7 @@ impl LocalColumns {
         self.starts.push(0);
         self.groups.clear();
         for (&y, k) in self.active.iter().zip(0_u32..) {
-            for group in arriving.column(y) {
+            for group in transpose.column(y) {
                 // Vertices that are not active have nothing to give. No branch: at the rim it would be guessed wrongly.
                 self.groups.push(group.map(|(x, w)| {
                     let source = self.number[x as usize];
@@ -213,7 +213,7 @@ impl pulp::NullaryFnOnce for Carry<'_> {
     }
 }
 
-/// Marks the rows in which the magnitude of some lane exceeds `floor`.
+/// SparseAccumulator the rows in which the magnitude of some lane exceeds `floor`.
 struct FindLarge<'a> {
     columns: &'a [Lanes],
     floor: f32,

@@ -10,23 +10,23 @@
 //! * [`one_vertex`]: φ and ψ of one vertex at any level, without a matrix.
 //!
 //! All of it counts vertices as [`Diffusion`](crate::operator::Diffusion) does: in the numbering of the
-//! [`Domain`](crate::shape::Domain). [`Basis::in_shape_order`] renumbers where that is a permutation of the shape's vertices.
+//! [`PreparedGeometry`](crate::shape::PreparedGeometry). [`Basis::in_shape_order`] renumbers where that is a permutation of the shape's vertices.
 
 // Code that is compiled for several instruction sets is only so where it is inlined into the place that picks one.
 #![allow(clippy::inline_always)]
 
-mod arriving;
 mod binomial;
 mod deep;
 mod fast;
 mod forecast;
 mod local_columns;
-mod marks;
 mod one_vertex;
 mod pack;
 mod rows;
+mod sparse_accumulator;
 mod squaring;
 mod sweep;
+mod transpose;
 
 pub use fast::basis;
 pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
@@ -35,7 +35,7 @@ pub use squaring::basis_by_squaring;
 
 use crate::Cancelled;
 use crate::bands::Schedule;
-use crate::shape::Weld;
+use crate::shape::VertexMap;
 use thiserror::Error;
 
 /// What to compute.
@@ -165,13 +165,13 @@ pub enum BasisError {
     },
     /// Welded vertices share a row, so no permutation leads to the shape's order.
     #[error(
-        "{n_vertices} vertices of the shape are {n_classes} of the walk; row and column of vertex x are those of its class `weld.class_of(x)`"
+        "{n_vertices} vertices of the shape are {n_welded} of the walk; row and column of vertex x are those of its class `vertex_map.welded(x)`"
     )]
     Welded {
         /// Number of vertices of the shape.
         n_vertices: usize,
         /// Number of vertices of the walk.
-        n_classes: usize,
+        n_welded: usize,
     },
     /// The call was told to stop.
     #[error(transparent)]
@@ -253,17 +253,17 @@ impl<V: Value> Basis<V> {
     /// Rows are functions and columns are where they are evaluated; both are vertices of the walk. Where several
     /// vertices of the shape were welded into one, the matrix over the welded vertices is the mathematical object: a
     /// larger one with repeated columns would have rows that do not sum to 1, and so would not be a diffusion. Such a
-    /// basis stays as it is, and `weld.classes()` is the map that belongs to it.
+    /// basis stays as it is, and `vertex_map.as_slice()` is the map that belongs to it.
     ///
     /// # Errors
     /// [`BasisError::Welded`] when vertices were welded.
-    pub fn in_shape_order(&self, weld: &Weld) -> Result<Self, BasisError> {
-        let (n_vertices, n_classes) = (weld.n_vertices(), weld.n_classes());
-        if n_vertices != n_classes {
-            return Err(BasisError::Welded { n_vertices, n_classes });
+    pub fn in_shape_order(&self, vertex_map: &VertexMap) -> Result<Self, BasisError> {
+        let (n_vertices, n_welded) = (vertex_map.n_vertices(), vertex_map.n_welded());
+        if n_vertices != n_welded {
+            return Err(BasisError::Welded { n_vertices, n_welded });
         }
-        let mut vertex_of = vec![0; n_classes];
-        for (&class, x) in weld.classes().iter().zip(0..) {
+        let mut vertex_of = vec![0; n_welded];
+        for (&class, x) in vertex_map.as_slice().iter().zip(0..) {
             vertex_of[class as usize] = x;
         }
         let scaling = self.scaling.iter().map(|level| level.permuted(&vertex_of)).collect();

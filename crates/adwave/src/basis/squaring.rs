@@ -2,10 +2,10 @@
 
 use super::fast::Workers;
 use super::forecast::forecast;
-use super::marks::Marks;
 use super::rows::CompressedRows;
+use super::sparse_accumulator::SparseAccumulator;
 use super::sweep::Walk;
-use super::{Basis, BasisError, BasisInfo, BasisParams, arriving::Arriving};
+use super::{Basis, BasisError, BasisInfo, BasisParams, transpose::Transpose};
 use crate::operator::Diffusion;
 use crate::{Cancelled, Progress};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -32,8 +32,8 @@ pub fn basis_by_squaring(
     let n_levels = steps.len();
     progress.step(0, n_levels as u64)?;
     let needed = {
-        let arriving = Arriving::new(diffusion);
-        let walk = Walk::new(diffusion, &arriving, params, progress);
+        let transpose = Transpose::new(diffusion);
+        let walk = Walk::new(diffusion, &transpose, params, progress);
         // A level lies in memory twice while its parts are put together; to count all of them twice is on the safe side.
         forecast::<f64>(&walk, &Workers::new(diffusion.n_vertices()), 2)?.bytes
     };
@@ -86,7 +86,7 @@ fn square(
     let largest_dropped = AtomicU64::new(0);
     let squared = CompressedRows::from_rows(
         n,
-        || (vec![0.0_f64; n], Marks::new(n), Vec::new()),
+        || (vec![0.0_f64; n], SparseAccumulator::new(n), Vec::new()),
         |(sums, marks, found), x, columns, values| {
             if progress.is_cancelled() {
                 return;

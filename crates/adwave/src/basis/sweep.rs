@@ -1,8 +1,8 @@
 //! The walk of one block through all levels: when the active set is built anew, and how far it reaches.
 
-use super::arriving::Arriving;
 use super::local_columns::{LANES, Lanes, LocalColumns};
 use super::pack::{Columns, Kept, kept};
+use super::transpose::Transpose;
 use super::{BasisError, BasisParams, deep};
 use crate::operator::Diffusion;
 use crate::{Cancelled, Progress};
@@ -12,7 +12,7 @@ const FLOOR_OF_TOLERANCE: f32 = 0.03;
 
 /// The most that may be missing from a lane's sum of 1 because of vertices left out; what is missing there could
 /// matter by as much elsewhere. A tenth of the difference that is allowed between this method and squaring.
-const MOST_LOST: f64 = 1e-6;
+const MAX_LOST: f64 = 1e-6;
 
 /// What rounding to single precision may do to a lane's sum in one step.
 const ROUNDING_OF_A_STEP: f64 = 1e-7;
@@ -37,7 +37,7 @@ const REACHES: [Reach; 3] = [Reach::Measured { pace: 1.7 }, Reach::Measured { pa
 #[derive(Clone, Debug)]
 pub(super) struct Walk<'a> {
     pub(super) diffusion: &'a Diffusion,
-    pub(super) arriving: &'a Arriving,
+    pub(super) transpose: &'a Transpose,
     pub(super) params: &'a BasisParams,
     /// The steps of the levels.
     pub(super) steps: Vec<u64>,
@@ -64,7 +64,7 @@ struct Lost;
 impl<'a> Walk<'a> {
     pub(super) fn new(
         diffusion: &'a Diffusion,
-        arriving: &'a Arriving,
+        transpose: &'a Transpose,
         params: &'a BasisParams,
         progress: Progress<'a>,
     ) -> Self {
@@ -73,7 +73,7 @@ impl<'a> Walk<'a> {
         let n_columns = 4 + params.schedule.n_levels() - n_shallow;
         let bytes_an_active = (rayon::current_num_threads() * n_columns * size_of::<Lanes>()) as u64;
         let arch = pulp::Arch::new();
-        Self { diffusion, arriving, params, steps, arch, progress, n_shallow, bytes_an_active }
+        Self { diffusion, transpose, params, steps, arch, progress, n_shallow, bytes_an_active }
     }
 
     /// Builds the active set anew.
@@ -86,7 +86,7 @@ impl<'a> Walk<'a> {
         if self.progress.is_cancelled() {
             return Err(Cancelled.into());
         }
-        columns.regrow(self.diffusion, self.arriving, self.arch, floor, rings);
+        columns.regrow(self.diffusion, self.transpose, self.arch, floor, rings);
         let needed = columns.active.len() as u64 * self.bytes_an_active;
         let limit = self.params.memory_limit;
         if needed > limit {
@@ -134,7 +134,7 @@ impl<'a> Walk<'a> {
         let (shallow, deep) = self.steps.split_at(self.n_shallow);
         let mut show = |level: usize, n: u64, active: &[u32], rows: &[Lanes]| {
             let kept = kept(self.arch, rows, tolerance);
-            let allowed = MOST_LOST + ROUNDING_OF_A_STEP * n as f64;
+            let allowed = MAX_LOST + ROUNDING_OF_A_STEP * n as f64;
             for lane in 0..end - first {
                 if reach != Reach::Complete && kept.masses[lane] < 1.0 - allowed {
                     return Ok(Err(Lost));

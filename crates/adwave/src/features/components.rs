@@ -50,7 +50,7 @@ impl Means {
     pub(super) fn of(&self, reader: &BandNorms<'_>, values: &[f64]) -> Vec<f64> {
         let Some(component) = &self.component else { return vec![reader.mean(values)] };
         let (mut sum, mut count) = (vec![0.0; self.n_components], vec![0_u32; self.n_components]);
-        for (x, r) in values.iter().enumerate().filter(|(x, _)| !reader.is_left_out(*x)) {
+        for (x, r) in values.iter().enumerate().filter(|(x, _)| !reader.is_masked(*x)) {
             sum[component[x] as usize] += r.abs();
             count[component[x] as usize] += 1;
         }

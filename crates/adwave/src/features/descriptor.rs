@@ -39,12 +39,12 @@ pub fn describe(decomposer: &Decomposer, bands: &Bands, features: &[Feature]) ->
     let reader = BandNorms::new(decomposer);
     let layers = layers(&reader, bands, Response::Normalised);
     let levels = &layers[0].levels;
-    let areas = decomposer.class_areas();
+    let areas = decomposer.welded_areas();
     features.par_iter().map(|feature| descriptor(decomposer, levels, areas, feature)).collect()
 }
 
 fn descriptor(decomposer: &Decomposer, levels: &[Vec<f64>], areas: &[f64], feature: &Feature) -> Descriptor {
-    let x = decomposer.domain().weld.class_of(feature.vertex);
+    let x = decomposer.geometry().vertex_map.welded(feature.vertex);
     let mut numbers = [0.0; DESCRIPTOR_LENGTH];
     let mut ring_areas = [0.0; RINGS];
     let first = feature.level as isize - LEVELS_BESIDE as isize;
@@ -79,7 +79,7 @@ fn descriptor(decomposer: &Decomposer, levels: &[Vec<f64>], areas: &[f64], featu
 
 /// The vertices that are connected with `x` within the outermost ring, and their rings.
 fn within(decomposer: &Decomposer, x: usize, sigma: f64) -> Vec<(usize, usize)> {
-    let points = &decomposer.domain().points;
+    let points = &decomposer.geometry().points;
     let neighbours = decomposer.neighbours();
     let mut seen = HashSet::from([x]);
     let mut found = vec![(x, 0)];

@@ -2,7 +2,7 @@
 
 use crate::Decomposer;
 use crate::sample::add_noise;
-use crate::shape::{Domain, Mesh, PointCloud, Polygons, Shape, nearest_neighbours, vertex_normals};
+use crate::shape::{Mesh, PointCloud, Polygons, PreparedGeometry, Shape, nearest_neighbours, vertex_normals};
 use crate::signal::{FIT_NEIGHBOURS, cloud_normals};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rand_distr::{Distribution, StandardNormal};
@@ -87,7 +87,7 @@ impl Changed {
 /// # Errors
 /// [`ChangeError`] for a graph, a number without meaning, or a result that is too large.
 pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result<Changed, ChangeError> {
-    let domain = decomposer.domain();
+    let geometry = decomposer.geometry();
     let points = shape.points().ok_or(ChangeError::NoPositions)?;
     let number = |what, value: f64, valid: bool, range| {
         if value.is_finite() && valid { Ok(()) } else { Err(ChangeError::Number { what, value, range }) }
@@ -96,7 +96,7 @@ pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result
     let changed = match *change {
         Change::Noise { edges, seed } => {
             number("noise", edges, edges >= 0.0, "of at least 0")?;
-            noisy(shape, domain, edges * decomposer.mean_length(), seed)
+            noisy(shape, geometry, edges * decomposer.mean_length(), seed)
         }
         Change::Rotation { seed } => {
             rotation = random_rotation(seed);
@@ -108,8 +108,8 @@ pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result
             with_points(shape, points.iter().map(|p| p.map(|c| c * f)).collect())
         }
         Change::Resampling { seed } => match shape {
-            Shape::Mesh(_) => subdivided(domain),
-            _ => half(&domain.points, seed),
+            Shape::Mesh(_) => subdivided(geometry),
+            _ => half(&geometry.points, seed),
         },
     };
     let shape = changed.ok_or(ChangeError::TooLarge)?;
@@ -125,15 +125,15 @@ fn with_points(shape: &Shape, points: Vec<[f64; 3]>) -> Option<Shape> {
     .ok()
 }
 
-fn noisy(shape: &Shape, domain: &Domain, sigma: f64, seed: u64) -> Option<Shape> {
+fn noisy(shape: &Shape, geometry: &PreparedGeometry, sigma: f64, seed: u64) -> Option<Shape> {
     // On the welded vertices: what is one place must stay one.
     let normals = match shape {
-        Shape::Mesh(_) => vertex_normals(&domain.points, &domain.triangles),
-        _ => cloud_normals(&domain.points, &nearest_neighbours(&domain.points, FIT_NEIGHBOURS)),
+        Shape::Mesh(_) => vertex_normals(&geometry.points, &geometry.triangles),
+        _ => cloud_normals(&geometry.points, &nearest_neighbours(&geometry.points, FIT_NEIGHBOURS)),
     };
-    let mut points = domain.points.clone();
+    let mut points = geometry.points.clone();
     add_noise(&mut points, &normals, sigma, seed).ok()?;
-    with_points(shape, domain.weld.scatter(&points, 1))
+    with_points(shape, geometry.vertex_map.scatter(&points, 1))
 }
 
 fn random_rotation(seed: u64) -> Rotation3<f64> {
@@ -144,11 +144,11 @@ fn random_rotation(seed: u64) -> Rotation3<f64> {
 }
 
 /// Every triangle of the welded mesh in four.
-fn subdivided(domain: &Domain) -> Option<Shape> {
-    let mut points = domain.points.clone();
+fn subdivided(geometry: &PreparedGeometry) -> Option<Shape> {
+    let mut points = geometry.points.clone();
     let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
-    let mut faces = Vec::with_capacity(4 * domain.triangles.len());
-    for &[a, b, c] in &domain.triangles {
+    let mut faces = Vec::with_capacity(4 * geometry.triangles.len());
+    for &[a, b, c] in &geometry.triangles {
         let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
             *middle.entry((p.min(q), p.max(q))).or_insert_with(|| {
                 let (p, q) = (points[p as usize], points[q as usize]);

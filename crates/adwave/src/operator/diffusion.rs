@@ -81,17 +81,17 @@ impl Diffusion {
         }
         // π(x) ∝ A(x)·Σ_z A(z)k(x,z), in logarithms: where distances differ much the kernel itself underflows.
         let log_pi = |x: usize| areas[x].ln() + log_factor[x] + row_sum[x].ln();
-        let top = crate::reduce::max(n, f64::NEG_INFINITY, log_pi);
+        let top = crate::parallel::max(n, f64::NEG_INFINITY, log_pi);
         let mut stationary: Vec<f64> = if top.is_finite() {
             (0..n).into_par_iter().with_min_len(4096).map(|x| (log_pi(x) - top).exp()).collect()
         } else {
             vec![1.0; n] // nothing moves: every law is stationary, the uniform one as good as any
         };
-        let total = crate::reduce::sum(n, |x| stationary[x]);
+        let total = crate::parallel::sum(n, |x| stationary[x]);
         for p in &mut stationary {
             *p /= total;
         }
-        let step_square = crate::reduce::sum(n, |x| stationary[x] * 0.5 * mean_square[x]);
+        let step_square = crate::parallel::sum(n, |x| stationary[x] * 0.5 * mean_square[x]);
         Self { neighbours, weights, stationary, step_length: step_square.sqrt(), is_reversible }
     }
 
@@ -171,17 +171,17 @@ impl Diffusion {
     /// # Panics
     /// When there is not one flag a vertex.
     #[must_use]
-    pub fn restricted(&self, left_out: &[bool], squared_length: impl Fn(usize, usize) -> f64 + Sync) -> Self {
+    pub fn restricted(&self, masked: &[bool], squared_length: impl Fn(usize, usize) -> f64 + Sync) -> Self {
         let n = self.n_vertices();
-        assert_eq!(left_out.len(), n, "one flag a vertex");
+        assert_eq!(masked.len(), n, "one flag a vertex");
         let mut neighbours = Adjacency { offsets: vec![0], neighbours: Vec::new() };
         let (mut weights, mut stationary) = (Vec::new(), Vec::with_capacity(n));
         for x in 0..n {
             let start = weights.len();
             let (columns, values) = self.row(x);
             let all: f64 = values.iter().sum();
-            if !left_out[x] {
-                for (&y, &w) in columns.iter().zip(values).filter(|(y, _)| !left_out[**y as usize]) {
+            if !masked[x] {
+                for (&y, &w) in columns.iter().zip(values).filter(|(y, _)| !masked[**y as usize]) {
                     neighbours.neighbours.push(y);
                     weights.push(w);
                 }
@@ -193,7 +193,7 @@ impl Diffusion {
             stationary.push(if all > 0.0 { self.stationary[x] * (kept / all) } else { 0.0 });
             neighbours.offsets.push(neighbours.neighbours.len());
         }
-        let total = crate::reduce::sum(n, |x| stationary[x]);
+        let total = crate::parallel::sum(n, |x| stationary[x]);
         if total > 0.0 {
             for p in &mut stationary {
                 *p /= total;
@@ -203,7 +203,7 @@ impl Diffusion {
         }
         let mut walk =
             Self { neighbours, weights, stationary, step_length: 0.0, is_reversible: self.is_reversible };
-        let step_square = crate::reduce::sum(n, |x| {
+        let step_square = crate::parallel::sum(n, |x| {
             let (columns, values) = walk.row(x);
             let square: f64 =
                 columns.iter().zip(values).map(|(&y, w)| w * squared_length(x, y as usize)).sum();

@@ -2,8 +2,8 @@
 
 use super::{CloudGraph, OperatorParams};
 use crate::shape::{
-    Adjacency, Domain, Graph, Shape, Weld, cloud_areas, k_rings, mesh_areas, nearest_neighbours, one_ring,
-    squared_distance,
+    Adjacency, Graph, PreparedGeometry, Shape, VertexMap, cloud_areas, k_rings, mesh_areas,
+    nearest_neighbours, one_ring, squared_distance,
 };
 use rayon::prelude::*;
 
@@ -37,25 +37,25 @@ impl LocalOperator {
     }
 }
 
-/// Builds T for `shape` and its `domain`. O(entries), for clouds O(n log n).
+/// Builds T for `shape` and its `geometry`. O(entries), for clouds O(n log n).
 ///
 /// Vertices without a neighbour that has an area get an empty row: a walk that starts there stays there.
 ///
 /// Source: eq. 1. Where the paper is silent: neighbourhood on a mesh is the one-ring, on a cloud the union of both
 /// directions, and each row is shifted by its smallest d² before `exp`, which leaves the normalised row the same.
-pub fn local_operator(shape: &Shape, domain: &Domain, params: &OperatorParams) -> LocalOperator {
-    let (points, unit) = domain.unit_points();
+pub fn local_operator(shape: &Shape, geometry: &PreparedGeometry, params: &OperatorParams) -> LocalOperator {
+    let (points, unit) = geometry.unit_points();
     match shape {
         Shape::Mesh(_) => {
-            let ring = one_ring(points.len(), &domain.triangles);
+            let ring = one_ring(points.len(), &geometry.triangles);
             let mean_length = crate::shape::mean_edge_length(&points, &ring);
-            let areas = mesh_areas(&points, &domain.triangles, params.mesh_area);
+            let areas = mesh_areas(&points, &geometry.triangles, params.mesh_area);
             let neighbours = if params.rings > 1 { k_rings(&ring, params.rings) } else { ring };
             gaussian(&points, unit, neighbours, areas, mean_length, true)
         }
         Shape::Cloud(_) => {
             let near = nearest_neighbours(&points, params.neighbours);
-            let total = crate::reduce::sum(points.len(), |x| {
+            let total = crate::parallel::sum(points.len(), |x| {
                 near.adjacency
                     .of(x)
                     .iter()
@@ -72,7 +72,7 @@ pub fn local_operator(shape: &Shape, domain: &Domain, params: &OperatorParams) -
                 CloudGraph::Directed => gaussian(&points, unit, near.adjacency, areas, mean_length, false),
             }
         }
-        Shape::Graph(graph) => weighted(graph, &domain.weld),
+        Shape::Graph(graph) => weighted(graph, &geometry.vertex_map),
     }
 }
 
@@ -136,11 +136,11 @@ fn gaussian(
 }
 
 /// Kernel of a graph: the weights themselves, every node of area 1, every edge of length 1. Rows and columns are in the
-/// numbering of `weld`.
-fn weighted(graph: &Graph, weld: &Weld) -> LocalOperator {
+/// numbering of `vertex_map`.
+fn weighted(graph: &Graph, vertex_map: &VertexMap) -> LocalOperator {
     let n = graph.n_nodes();
     let mut node_at = vec![0; n];
-    for (x, &place) in weld.classes().iter().enumerate() {
+    for (x, &place) in vertex_map.as_slice().iter().enumerate() {
         node_at[place as usize] = x;
     }
     let mut neighbours =
@@ -151,7 +151,7 @@ fn weighted(graph: &Graph, weld: &Weld) -> LocalOperator {
     let mut row: Vec<(u32, f64)> = Vec::new();
     for place in 0..n {
         row.clear();
-        row.extend(graph.neighbours(node_at[place]).map(|(y, w)| (weld.class_of(y as usize) as u32, w)));
+        row.extend(graph.neighbours(node_at[place]).map(|(y, w)| (vertex_map.welded(y as usize) as u32, w)));
         row.sort_by_key(|entry| entry.0);
         // Rows are divided by their largest weight: sums of very large weights would overflow.
         let largest = row.iter().map(|entry| entry.1).fold(0.0, f64::max);

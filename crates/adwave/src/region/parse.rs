@@ -60,7 +60,7 @@ pub enum RegionSyntaxError {
 }
 
 /// Brackets and negations within each other: past this a text is an attack, not a region.
-const MOST_NESTED: usize = 64;
+const MAX_NESTED: usize = 64;
 
 /// Reads a region as written on a command line.
 ///
@@ -108,8 +108,8 @@ fn joined(
 }
 
 fn factor(rest: &mut &str, depth: usize) -> Parsed {
-    if depth > MOST_NESTED {
-        return Err(RegionSyntaxError::TooDeep(MOST_NESTED));
+    if depth > MAX_NESTED {
+        return Err(RegionSyntaxError::TooDeep(MAX_NESTED));
     }
     *rest = rest.trim_start();
     if let Some(after) = rest.strip_prefix('!') {
@@ -300,7 +300,7 @@ mod tests {
             let error = parse_region(text).unwrap_err().to_string();
             assert!(error.contains(named), "{text}: {error}");
         }
-        assert_eq!(parse_region(&"!".repeat(1000)), Err(RegionSyntaxError::TooDeep(MOST_NESTED)));
-        assert_eq!(parse_region(&"(".repeat(1000)), Err(RegionSyntaxError::TooDeep(MOST_NESTED)));
+        assert_eq!(parse_region(&"!".repeat(1000)), Err(RegionSyntaxError::TooDeep(MAX_NESTED)));
+        assert_eq!(parse_region(&"(".repeat(1000)), Err(RegionSyntaxError::TooDeep(MAX_NESTED)));
     }
 }

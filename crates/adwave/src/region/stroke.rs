@@ -28,7 +28,7 @@ pub(super) fn stroke_sources(
     let mut line: Vec<(usize, [f64; 3])> = path.first().map(&on_surface).into_iter().collect();
     for ends in path.windows(2) {
         let pieces = (distance(&ends[0], &ends[1]) / spacing.max(f64::MIN_POSITIVE)).ceil();
-        let pieces = pieces.clamp(1.0, MOST_PIECES) as usize;
+        let pieces = pieces.clamp(1.0, MAX_PIECES) as usize;
         for k in 1..=pieces {
             let t = k as f64 / pieces as f64;
             line.push(on_surface(&std::array::from_fn(|c| ends[0][c] + t * (ends[1][c] - ends[0][c]))));
@@ -52,7 +52,7 @@ pub(super) fn stroke_sources(
 }
 
 /// Pieces that a straight part of a stroke is cut into at the most.
-const MOST_PIECES: f64 = 100_000.0;
+const MAX_PIECES: f64 = 100_000.0;
 
 fn squared_distance_to_segment(p: &[f64; 3], a: &[f64; 3], b: &[f64; 3]) -> f64 {
     let along = squared_distance(a, b);

@@ -72,16 +72,19 @@ impl Region {
                 values.into_iter().map(between).collect()
             }
             Self::Vertices { indices, radius } => {
-                let sources = indices.iter().map(|&v| Ok((class_of(decomposer, v)?, 0.0))).collect::<Result<
-                    Vec<_>,
-                    _,
-                >>(
-                )?;
+                let sources = indices
+                    .iter()
+                    .map(|&v| Ok((welded(decomposer, v)?, 0.0)))
+                    .collect::<Result<Vec<_>, _>>()?;
                 let radius = radius.in_units(decomposer.diagonal());
-                let away =
-                    surface_distance(decomposer.neighbours(), &decomposer.domain().points, &sources, radius);
+                let away = surface_distance(
+                    decomposer.neighbours(),
+                    &decomposer.geometry().points,
+                    &sources,
+                    radius,
+                );
                 let rise = |d: f64| if d == 0.0 { 1.0 } else { smooth_rise(1.0 - d / radius) };
-                decomposer.domain().weld.scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1)
+                decomposer.geometry().vertex_map.scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1)
             }
             Self::Not(region) => {
                 let mut weights = region.weights(decomposer, field, field_names)?;
@@ -113,12 +116,12 @@ fn combine(
     Ok(weights)
 }
 
-fn class_of(decomposer: &Decomposer, vertex: u32) -> Result<usize, RegionError> {
+fn welded(decomposer: &Decomposer, vertex: u32) -> Result<usize, RegionError> {
     let n_vertices = decomposer.n_vertices();
     if vertex as usize >= n_vertices {
         return Err(RegionError::NoSuchVertex { vertex, n_vertices });
     }
-    Ok(decomposer.domain().weld.class_of(vertex as usize))
+    Ok(decomposer.geometry().vertex_map.welded(vertex as usize))
 }
 
 /// Weights by distance along the surface from a line, which is a ball where it has one place.
@@ -137,11 +140,11 @@ fn line_weights(
     if path.is_empty() {
         return Err(RegionError::EmptyStroke);
     }
-    let domain = decomposer.domain();
-    let sources = if domain.points.is_empty() {
+    let geometry = decomposer.geometry();
+    let sources = if geometry.points.is_empty() {
         path.iter()
             .map(|place| match place {
-                Place::Vertex(v) => Ok((class_of(decomposer, *v)?, 0.0)),
+                Place::Vertex(v) => Ok((welded(decomposer, *v)?, 0.0)),
                 Place::Point(_) => Err(RegionError::NeedsPositions("point")),
             })
             .collect::<Result<Vec<_>, _>>()?
@@ -149,18 +152,18 @@ fn line_weights(
         let places = path
             .iter()
             .map(|place| match place {
-                Place::Vertex(v) => Ok(domain.points[class_of(decomposer, *v)?]),
+                Place::Vertex(v) => Ok(geometry.points[welded(decomposer, *v)?]),
                 Place::Point(p) => check_finite("a point", p).map(|()| *p),
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let normals = vertex_normals(&domain.points, &domain.triangles);
-        stroke_sources(&domain.points, &normals, decomposer.neighbours(), decomposer.mean_length(), &places)
+        let normals = vertex_normals(&geometry.points, &geometry.triangles);
+        stroke_sources(&geometry.points, &normals, decomposer.neighbours(), decomposer.mean_length(), &places)
     };
-    let away = surface_distance(decomposer.neighbours(), &domain.points, &sources, radius);
+    let away = surface_distance(decomposer.neighbours(), &geometry.points, &sources, radius);
     let rise = |d: f64| {
         if falloff > 0.0 { smooth_rise((radius - d) / falloff) } else { f64::from(d <= radius) }
     };
-    Ok(domain.weld.scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1))
+    Ok(geometry.vertex_map.scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1))
 }
 
 /// Weights by depth below the region's boundary.
@@ -170,8 +173,8 @@ fn by_depth(
     falloff: Option<Length>,
     depth: impl Fn(&[f64; 3]) -> f64,
 ) -> Result<Vec<f64>, RegionError> {
-    let domain = decomposer.domain();
-    if domain.points.is_empty() {
+    let geometry = decomposer.geometry();
+    if geometry.points.is_empty() {
         return Err(RegionError::NeedsPositions(what));
     }
     let falloff = falloff.unwrap_or(DEFAULT_FALLOFF).in_units(decomposer.diagonal());
@@ -179,7 +182,7 @@ fn by_depth(
         let depth = depth(p);
         if falloff > 0.0 { smooth_rise(depth / falloff) } else { f64::from(depth >= 0.0) }
     };
-    Ok(domain.weld.scatter(&domain.points.iter().map(rise).collect::<Vec<_>>(), 1))
+    Ok(geometry.vertex_map.scatter(&geometry.points.iter().map(rise).collect::<Vec<_>>(), 1))
 }
 
 fn check_finite<'a>(

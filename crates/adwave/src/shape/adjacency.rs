@@ -62,13 +62,13 @@ impl Adjacency {
     }
 
     /// The same lists without some vertices: they name nobody and are not named.
-    pub(crate) fn without(&self, left_out: &[bool]) -> Self {
+    pub(crate) fn without(&self, masked: &[bool]) -> Self {
         Self::from_rows(
             self.n_vertices(),
             || (),
             |(), x, out| {
-                if !left_out[x] {
-                    out.extend(self.of(x).iter().filter(|&&y| !left_out[y as usize]));
+                if !masked[x] {
+                    out.extend(self.of(x).iter().filter(|&&y| !masked[y as usize]));
                 }
             },
         )

@@ -161,7 +161,7 @@ fn clip(polygon: &[[f64; 2]], q: [f64; 2], half: f64) -> Vec<[f64; 2]> {
 
 /// Mean length of the distinct undirected edges of a symmetric neighbourhood; 0 without edges.
 pub(crate) fn mean_edge_length(points: &[[f64; 3]], edges: &Adjacency) -> f64 {
-    let total = crate::reduce::sum(points.len(), |x| {
+    let total = crate::parallel::sum(points.len(), |x| {
         edges
             .of(x)
             .iter()

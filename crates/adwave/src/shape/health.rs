@@ -1,6 +1,8 @@
 //! What is unusual about a shape: counts that explain a surprising result.
 
-use super::{Adjacency, Domain, MAX_COORDINATE, Shape, enclosed_volume, n_components, surface_area};
+use super::{
+    Adjacency, MAX_COORDINATE, PreparedGeometry, Shape, enclosed_volume, n_components, surface_area,
+};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -43,8 +45,8 @@ pub struct Health {
     pub euler_characteristic: Option<i64>,
 }
 
-/// Counts what `shape` consists of, given its [`Domain`] and the neighbours that its walk steps to. O(n log n).
-pub fn health(shape: &Shape, domain: &Domain, neighbours: &Adjacency) -> Health {
+/// Counts what `shape` consists of, given its [`PreparedGeometry`] and the neighbours that its walk steps to. O(n log n).
+pub fn health(shape: &Shape, geometry: &PreparedGeometry, neighbours: &Adjacency) -> Health {
     let mut health = Health {
         n_vertices: shape.n_vertices(),
         n_faces: 0,
@@ -56,8 +58,8 @@ pub fn health(shape: &Shape, domain: &Domain, neighbours: &Adjacency) -> Health 
         n_misoriented_edges: 0,
         n_zero_area_faces: 0,
         n_repeated_faces: 0,
-        n_welded: shape.n_vertices() - domain.n_vertices(),
-        n_isolated: (0..domain.n_vertices()).filter(|&x| neighbours.of(x).is_empty()).count(),
+        n_welded: shape.n_vertices() - geometry.n_vertices(),
+        n_isolated: (0..geometry.n_vertices()).filter(|&x| neighbours.of(x).is_empty()).count(),
         n_unreferenced: 0,
         area: 0.0,
         volume: None,
@@ -75,7 +77,7 @@ pub fn health(shape: &Shape, domain: &Domain, neighbours: &Adjacency) -> Health 
     }
     health.n_unreferenced = referenced.iter().filter(|&&r| !r).count();
 
-    let class = |corner: u32| domain.weld.class_of(corner as usize) as u32;
+    let class = |corner: u32| geometry.vertex_map.welded(corner as usize) as u32;
     health.n_zero_area_faces = (0..faces.len())
         .into_par_iter()
         .filter(|&f| has_no_area(faces.get(f).iter().map(|&c| &mesh.points()[c as usize])))
@@ -115,13 +117,13 @@ pub fn health(shape: &Shape, domain: &Domain, neighbours: &Adjacency) -> Health 
     }
     health.n_edges = n_edges;
 
-    health.area = surface_area(&domain.points, &domain.triangles);
+    health.area = surface_area(&geometry.points, &geometry.triangles);
     let closed = health.n_boundary_edges == 0 && health.n_non_manifold_edges == 0 && !half_edges.is_empty();
     if closed && health.n_misoriented_edges == 0 {
-        health.volume = Some(enclosed_volume(&domain.points, &domain.triangles));
+        health.volume = Some(enclosed_volume(&geometry.points, &geometry.triangles));
     }
     if !faces.is_empty() {
-        let mut used = vec![false; domain.n_vertices()];
+        let mut used = vec![false; geometry.n_vertices()];
         for &corner in faces.corners() {
             used[class(corner) as usize] = true;
         }

@@ -1,37 +1,37 @@
 //! The shapes that adwave works on: polygon meshes, point clouds, weighted graphs, and what is measured on them.
 //!
-//! A [`Shape`] holds what the file held, in the file's order. Everything that is computed works on a [`Domain`]: the
+//! A [`Shape`] holds what the file held, in the file's order. Everything that is computed works on a [`PreparedGeometry`]: the
 //! same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered so that
 //! neighbours on the shape are neighbours in memory: along a space-filling curve, or for graphs by breadth-first search.
 
 mod adjacency;
 mod area;
 mod cloud;
-mod domain;
 mod graph;
 mod health;
 mod mesh;
 mod nearest;
 mod order;
 mod polygons;
+mod prepared_geometry;
 mod surface;
 mod triangulate;
-mod weld;
+mod vertex_map;
 
 pub(crate) use adjacency::triangles_at_vertices;
 pub use adjacency::{Adjacency, k_rings, n_components, one_ring};
 pub(crate) use area::mean_edge_length;
 pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
 pub use cloud::PointCloud;
-pub use domain::Domain;
 pub use graph::{Graph, GraphError};
 pub use health::{Health, health};
 pub use mesh::Mesh;
 pub use nearest::{Neighbourhoods, nearest_neighbours};
 pub use polygons::Polygons;
+pub use prepared_geometry::PreparedGeometry;
 pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
 pub use triangulate::triangulate;
-pub use weld::{Weld, WeldMode};
+pub use vertex_map::{VertexMap, WeldMode};
 
 use thiserror::Error;
 

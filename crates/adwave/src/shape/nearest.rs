@@ -1,6 +1,6 @@
 //! The nearest points of every point of a cloud.
 
-use super::{Adjacency, Weld, WeldMode};
+use super::{Adjacency, VertexMap, WeldMode};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 use std::num::NonZeroUsize;
@@ -21,7 +21,7 @@ pub struct Neighbourhoods {
 const TIE: f64 = 1e-9;
 
 /// How many neighbours beyond k a tie may add; past that the first in the order of `points` are taken.
-const MOST_TIED: usize = 54;
+const MAX_TIED: usize = 54;
 
 /// The `k` nearest neighbours of every point, and those at the same distance as the k-th (see below). O(n log n).
 ///
@@ -45,12 +45,12 @@ pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbourhoods {
         return Neighbourhoods { adjacency, radius: vec![0.0; n], k };
     };
     // The tree holds each position once: a search among many equal points would look at all of them.
-    let weld = Weld::new(points, WeldMode::EqualPositions);
-    let positions = weld.positions(points);
-    let (first_member, members) = weld.members();
+    let vertex_map = VertexMap::new(points, WeldMode::EqualPositions);
+    let positions = vertex_map.positions(points);
+    let (first_member, members) = vertex_map.members();
     let tree: ImmutableKdTree<f64, 3> =
         ImmutableKdTree::new_from_slice(&positions).expect("the tree of finitely many finite points");
-    let most = k + MOST_TIED;
+    let most = k + MAX_TIED;
     let search = |x: usize, count: NonZeroUsize| {
         let mut hits = tree.query(&points[x]).nearest_n::<SquaredEuclidean<f64>>(count).execute();
         hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.item.cmp(&b.item)));
@@ -77,7 +77,7 @@ pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbourhoods {
             let kth = found[k - 1].0;
             let limit = kth * (1.0 + TIE) * (1.0 + TIE);
             if !all_seen && found.len() <= most && found[found.len() - 1].0 <= limit {
-                found = search(x, wanted.saturating_add(MOST_TIED)).0;
+                found = search(x, wanted.saturating_add(MAX_TIED)).0;
             }
             let tied = found.partition_point(|&(d, _)| d <= limit).min(most);
             (kth.sqrt(), found[..tied].iter().map(|&(_, y)| y).collect())
@@ -111,7 +111,7 @@ mod tests {
                     .filter(|&y| y != x && distance(p, &points[y]) <= radius)
                     .map(|y| y as u32)
                     .collect();
-                if expected.len() <= near.k + MOST_TIED {
+                if expected.len() <= near.k + MAX_TIED {
                     prop_assert_eq!(near.adjacency.of(x), &expected[..]);
                 }
             }
@@ -121,6 +121,6 @@ mod tests {
     #[test]
     fn a_hundred_thousand_equal_points_neither_hang_nor_blow_up() {
         let near = nearest_neighbours(&vec![[1.0, 2.0, 3.0]; 100_000], 10);
-        assert!((0..100_000).all(|x| near.adjacency.of(x).len() <= 10 + MOST_TIED && near.radius[x] == 0.0));
+        assert!((0..100_000).all(|x| near.adjacency.of(x).len() <= 10 + MAX_TIED && near.radius[x] == 0.0));
     }
 }

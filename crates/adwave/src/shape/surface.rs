@@ -43,7 +43,7 @@ pub fn vertex_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 
 
 /// Area of the surface in squared units of `points`. O(triangles).
 pub fn surface_area(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
-    crate::reduce::sum(triangles.len(), |f| {
+    crate::parallel::sum(triangles.len(), |f| {
         let [a, b, c] = triangles[f].map(|v| &points[v as usize]);
         triangle_area(a, b, c)
     })
@@ -61,7 +61,7 @@ pub fn surface_area(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
 pub fn enclosed_volume(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     // Measured from a point of the surface: far from the origin the terms would cancel.
     let Some(origin) = points.first().map(|p| Vector3::from(*p)) else { return 0.0 };
-    crate::reduce::sum(triangles.len(), |f| {
+    crate::parallel::sum(triangles.len(), |f| {
         let [a, b, c] = triangles[f].map(|v| Vector3::from(points[v as usize]) - origin);
         a.dot(&b.cross(&c)) / 6.0
     })

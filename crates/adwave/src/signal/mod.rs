@@ -20,7 +20,7 @@ pub use mesh_curvature::mesh_curvature;
 pub use quadric::cloud_curvature;
 pub(crate) use quadric::{Frame, fit_quadric};
 
-use crate::shape::{CloudArea, Domain, Shape, cloud_areas, nearest_neighbours, vertex_normals};
+use crate::shape::{CloudArea, PreparedGeometry, Shape, cloud_areas, nearest_neighbours, vertex_normals};
 use thiserror::Error;
 
 /// How many nearest points a normal or a curvature of a cloud is fitted to, where nothing else is said: three times what
@@ -103,7 +103,7 @@ pub enum SignalError {
 }
 
 /// The signal `kind` of `shape`, n_vertices × [`n_channels`](SurfaceSignal::n_channels), in the order of the shape; always
-/// finite. `domain` is the shape's own. O(n) on a mesh, O(n log n) on a cloud.
+/// finite. `geometry` is the shape's own. O(n) on a mesh, O(n log n) on a cloud.
 ///
 /// On a cloud normals and curvatures come from a quadric that is fitted to each point and its [`FIT_NEIGHBOURS`] nearest;
 /// their sign from orienting neighbouring normals alike (see [`cloud_normals`]).
@@ -112,34 +112,38 @@ pub enum SignalError {
 /// [`SignalError`] where the shape is a graph, or a density is asked for on a mesh.
 ///
 /// ```
-/// use adwave::shape::{Domain, PointCloud, Shape, WeldMode};
+/// use adwave::shape::{PreparedGeometry, PointCloud, Shape, WeldMode};
 /// use adwave::signal::{SurfaceSignal, surface_signal};
 /// // A square grid of step 0.5: 4 points a unit area. The 10th nearest point is two steps away, and π·1²·density = 10
 /// // neighbours give 3.2: the disc reaches half-way to the next points.
 /// let grid = (0..400).map(|i| [0.5 * f64::from(i % 20), 0.5 * f64::from(i / 20), 0.0]).collect();
 /// let shape = Shape::Cloud(PointCloud::new(grid)?);
-/// let domain = Domain::new(&shape, WeldMode::EqualPositions);
+/// let domain = PreparedGeometry::new(&shape, WeldMode::EqualPositions);
 /// let density = surface_signal(&shape, &domain, SurfaceSignal::Density)?;
 /// assert!((density[210] - 10.0 / std::f64::consts::PI).abs() < 1e-12);
 /// assert!(surface_signal(&shape, &domain, SurfaceSignal::MeanCurvature)?.iter().all(|h| h.abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn surface_signal(shape: &Shape, domain: &Domain, kind: SurfaceSignal) -> Result<Vec<f64>, SignalError> {
+pub fn surface_signal(
+    shape: &Shape,
+    geometry: &PreparedGeometry,
+    kind: SurfaceSignal,
+) -> Result<Vec<f64>, SignalError> {
     let is_mesh = match shape {
         Shape::Mesh(_) => true,
         Shape::Cloud(_) => false,
         Shape::Graph(_) => return Err(SignalError::NoPositions { kind }),
     };
-    let (points, unit) = domain.unit_points();
+    let (points, unit) = geometry.unit_points();
     let curvature = || {
         if is_mesh {
-            mesh_curvature(&points, &domain.triangles)
+            mesh_curvature(&points, &geometry.triangles)
         } else {
             cloud_curvature(&points, &nearest_neighbours(&points, FIT_NEIGHBOURS))
         }
     };
     let values = match kind {
-        SurfaceSignal::Normals if is_mesh => vertex_normals(&points, &domain.triangles).into_flattened(),
+        SurfaceSignal::Normals if is_mesh => vertex_normals(&points, &geometry.triangles).into_flattened(),
         SurfaceSignal::Normals => {
             cloud_normals(&points, &nearest_neighbours(&points, FIT_NEIGHBOURS)).into_flattened()
         }
@@ -155,7 +159,7 @@ pub fn surface_signal(shape: &Shape, domain: &Domain, kind: SurfaceSignal) -> Re
             areas.into_iter().map(|a| if a > 0.0 { 1.0 / (a * unit * unit) } else { 0.0 }).collect()
         }
     };
-    Ok(domain.weld.scatter(&values, kind.n_channels()))
+    Ok(geometry.vertex_map.scatter(&values, kind.n_channels()))
 }
 
 #[cfg(test)]

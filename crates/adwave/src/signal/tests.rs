@@ -17,7 +17,7 @@ fn mesh(points: Vec<[f64; 3]>, faces: Polygons) -> Shape {
 }
 
 fn signal(shape: &Shape, kind: SurfaceSignal) -> Vec<f64> {
-    surface_signal(shape, &Domain::new(shape, WeldMode::EqualPositions), kind).unwrap()
+    surface_signal(shape, &PreparedGeometry::new(shape, WeldMode::EqualPositions), kind).unwrap()
 }
 
 fn median_error(values: &[f64], expected: impl Fn(usize) -> f64) -> f64 {
@@ -68,10 +68,13 @@ fn gaussian_curvature_integrates_to_four_pi_on_a_sphere_and_to_zero_on_a_torus()
     for (name, expected) in [("sphere", 4.0 * std::f64::consts::PI), ("torus", 0.0)] {
         let sample = Sample::by_name(name, Some(3000)).unwrap();
         let shape = mesh(sample.points, sample.faces);
-        let domain = Domain::new(&shape, WeldMode::EqualPositions);
-        let curvature = mesh_curvature(&domain.points, &domain.triangles);
-        let areas =
-            crate::shape::mesh_areas(&domain.points, &domain.triangles, crate::shape::MeshArea::MixedVoronoi);
+        let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions);
+        let curvature = mesh_curvature(&geometry.points, &geometry.triangles);
+        let areas = crate::shape::mesh_areas(
+            &geometry.points,
+            &geometry.triangles,
+            crate::shape::MeshArea::MixedVoronoi,
+        );
         let total: f64 = curvature.gaussian.iter().zip(areas).map(|(k, a)| k * a).sum();
         assert!((total - expected).abs() < ROUNDING, "{name}: {total}");
     }
@@ -160,8 +163,8 @@ fn degenerate_shapes_give_finite_signals_and_graphs_an_error() {
         for kind in [SurfaceSignal::MeanCurvature, SurfaceSignal::GaussianCurvature] {
             assert!(signal(&mesh, kind).iter().all(|v| v.is_finite()), "{kind:?}");
         }
-        let domain = Domain::new(&mesh, WeldMode::EqualPositions);
-        let error = surface_signal(&mesh, &domain, SurfaceSignal::Density).unwrap_err();
+        let geometry = PreparedGeometry::new(&mesh, WeldMode::EqualPositions);
+        let error = surface_signal(&mesh, &geometry, SurfaceSignal::Density).unwrap_err();
         assert!(error.to_string().contains("cloud"));
     }
 }

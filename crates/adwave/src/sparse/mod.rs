@@ -3,10 +3,10 @@
 mod kernel;
 mod product;
 mod recurrence;
+mod tiled_diffusion;
 mod tiles;
-mod walk;
 
 pub(crate) use kernel::{with_capacity, zeros};
 pub use product::apply;
 pub(crate) use recurrence::{Next, Recurrence, Sum, Weighing};
-pub(crate) use walk::{MAX_CHANNELS, Walk, difference};
+pub(crate) use tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};

@@ -1,8 +1,8 @@
 //! Chebyshev polynomials of the walk applied to a block of channels, and sums of them.
 
 use super::kernel::{self, Pass, Term};
+use super::tiled_diffusion::{MAX_CHANNELS, Pool, TiledDiffusion, difference};
 use super::tiles::{Index, Tile, Tiles};
-use super::walk::{MAX_CHANNELS, Pool, Walk, difference};
 use rayon::prelude::*;
 
 /// A sum `Σ_k a_k T_k(Y)u` that is being added up.
@@ -37,7 +37,7 @@ pub(crate) enum Next {
 
 /// `T_k(Y)u` for rising k, `Y = 2Φ₁ − I`, for up to four channels.
 pub(crate) struct Recurrence<'a> {
-    walk: &'a Walk<'a>,
+    walk: &'a TiledDiffusion<'a>,
     now: Vec<f64>,
     before: Vec<f64>,
     next_now: Vec<f64>,
@@ -58,7 +58,7 @@ impl<'a> Recurrence<'a> {
     /// Starts at `T_0 u = u = (I − Φ₁)f` for the channels `at .. at + width` of `signal`, which has `n_channels`. Norms are
     /// weighted by `weights`.
     pub(crate) fn new(
-        walk: &'a Walk<'a>,
+        walk: &'a TiledDiffusion<'a>,
         weights: &'a [f64],
         signal: &[f64],
         n_channels: usize,

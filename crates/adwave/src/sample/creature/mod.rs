@@ -32,7 +32,7 @@ const FILLET_DEPTH: f64 = 0.03;
 /// Room round the bones for fillets and skin, model units.
 const MARGIN: f64 = 0.03;
 /// The body has fewer parts than this.
-const MOST_PARTS: usize = 32;
+const MAX_PARTS: usize = 32;
 /// The soles are cut flat at y = 0 with this rounding, model units.
 const SOLE_ROUNDING: f64 = 0.02;
 
@@ -47,7 +47,7 @@ pub(super) struct Creature {
 impl Creature {
     pub(super) fn new() -> Self {
         let parts = body::parts();
-        assert!(parts.len() <= MOST_PARTS);
+        assert!(parts.len() <= MAX_PARTS);
         let mut low = V3::repeat(f64::INFINITY);
         let mut high = V3::repeat(f64::NEG_INFINITY);
         for (centre, radius) in parts.iter().flat_map(Part::balls) {
@@ -77,7 +77,7 @@ impl Creature {
 
 impl Implicit for Creature {
     fn value(&self, p: V3) -> f64 {
-        let mut near = [(0, 0.0); MOST_PARTS];
+        let mut near = [(0, 0.0); MAX_PARTS];
         let (mut n_near, mut highest) = (0, 0.0_f64);
         let total = self.joined(p, 0.0, |i, distance| {
             near[n_near] = (i, distance);

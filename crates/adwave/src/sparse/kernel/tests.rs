@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::operator::{Diffusion, OperatorParams, local_operator};
-use crate::shape::{Domain, Graph, Shape};
+use crate::shape::{Graph, PreparedGeometry, Shape};
 use crate::sparse::tiles::Tiles;
 
 /// A graph with rows of 1 to 13 entries.
@@ -12,7 +12,7 @@ fn diffusion(n: u32) -> Diffusion {
         .collect();
     let shape = Shape::Graph(Graph::new(n as usize, &edges).expect("edges of the graph"));
     let params = OperatorParams::default();
-    Diffusion::new(local_operator(&shape, &Domain::new(&shape, params.weld), &params))
+    Diffusion::new(local_operator(&shape, &PreparedGeometry::new(&shape, params.weld), &params))
 }
 
 struct Outcome {

@@ -17,25 +17,25 @@ pub enum WeldMode {
     Off,
 }
 
-/// Which vertices of the shape are one vertex of the analysis: a map from `0..n_vertices()` onto `0..n_classes()`.
+/// Which vertices of the shape are one vertex of the analysis: a map from `0..n_vertices()` onto `0..n_welded()`.
 #[derive(Clone, Debug)]
-pub struct Weld {
-    class_of: Vec<u32>,
-    n_classes: usize,
+pub struct VertexMap {
+    welded: Vec<u32>,
+    n_welded: usize,
 }
 
-impl Weld {
+impl VertexMap {
     /// Groups `points` (finite) by position. O(n log n).
     ///
     /// ```
-    /// use adwave::shape::{Weld, WeldMode};
-    /// let weld = Weld::new(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-0.0, 0.0, 0.0]], WeldMode::EqualPositions);
-    /// assert_eq!(weld.n_classes(), 2);
-    /// assert_eq!(weld.class_of(0), weld.class_of(2));
+    /// use adwave::shape::{VertexMap, WeldMode};
+    /// let vertex_map = VertexMap::new(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-0.0, 0.0, 0.0]], WeldMode::EqualPositions);
+    /// assert_eq!(vertex_map.n_welded(), 2);
+    /// assert_eq!(vertex_map.welded(0), vertex_map.welded(2));
     /// ```
     pub fn new(points: &[[f64; 3]], mode: WeldMode) -> Self {
         let Some((lo, hi)) = super::bounding_box(points) else {
-            return Self { class_of: Vec::new(), n_classes: 0 };
+            return Self { welded: Vec::new(), n_welded: 0 };
         };
         let extent = (0..3).map(|c| hi[c] - lo[c]).fold(0.0, f64::max);
         let cells = f64::from((1_u32 << HILBERT_BITS) - 1);
@@ -57,60 +57,57 @@ impl Weld {
                 })
                 .then(a.1.cmp(&b.1))
         });
-        let mut class_of = vec![0_u32; points.len()];
+        let mut welded = vec![0_u32; points.len()];
         let mut class = 0_u32;
         for k in 0..order.len() {
             let i = order[k].1 as usize;
             if k > 0 && (mode == WeldMode::Off || points[i] != points[order[k - 1].1 as usize]) {
                 class += 1;
             }
-            class_of[i] = class;
+            welded[i] = class;
         }
-        Self { class_of, n_classes: class as usize + 1 }
+        Self { welded, n_welded: class as usize + 1 }
     }
 
-    /// Every vertex stands for itself, at the given places: `class_of(x) == place[x]`, each place once.
+    /// Every vertex stands for itself, at the given places: `welded(x) == place[x]`, each place once.
     pub(crate) fn from_places(place: Vec<u32>) -> Self {
-        Self { n_classes: place.len(), class_of: place }
+        Self { n_welded: place.len(), welded: place }
     }
 
-    /// Every vertex stands for itself, in the given order: `class_of(x) == x`.
+    /// Every vertex stands for itself, in the given order: `welded(x) == x`.
     pub fn identity(n_vertices: usize) -> Self {
-        Self { class_of: (0..n_vertices as u32).collect(), n_classes: n_vertices }
+        Self { welded: (0..n_vertices as u32).collect(), n_welded: n_vertices }
     }
 
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
-        self.class_of.len()
+        self.welded.len()
     }
 
     /// Number of vertices of the analysis.
-    pub fn n_classes(&self) -> usize {
-        self.n_classes
+    pub fn n_welded(&self) -> usize {
+        self.n_welded
     }
 
     /// The vertex of the analysis that vertex `x` of the shape belongs to.
-    pub fn class_of(&self, x: usize) -> usize {
-        self.class_of[x] as usize
+    pub fn welded(&self, x: usize) -> usize {
+        self.welded[x] as usize
     }
 
-    /// [`class_of`](Self::class_of) for all vertices.
-    pub fn classes(&self) -> &[u32] {
-        &self.class_of
+    /// [`welded`](Self::welded) for all vertices.
+    pub fn as_slice(&self) -> &[u32] {
+        &self.welded
     }
 
     /// The vertices of each class, by rising index: where each class starts (and the end of the last), and the vertices.
     pub(crate) fn members(&self) -> (Vec<usize>, Vec<u32>) {
-        super::adjacency::incidence(
-            self.n_classes,
-            self.class_of.iter().zip(0..).map(|(&class, x)| (class, x)),
-        )
+        super::adjacency::incidence(self.n_welded, self.welded.iter().zip(0..).map(|(&class, x)| (class, x)))
     }
 
     /// The positions of the analysis' vertices.
     pub fn positions(&self, points: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut positions = vec![[0.0; 3]; self.n_classes];
-        for (&class, p) in self.class_of.iter().zip(points) {
+        let mut positions = vec![[0.0; 3]; self.n_welded];
+        for (&class, p) in self.welded.iter().zip(points) {
             positions[class as usize] = p.map(|c| c + 0.0); // −0 becomes 0, whichever of the two comes last
         }
         positions
@@ -120,15 +117,15 @@ impl Weld {
     ///
     /// Where a class has one value only, however often, the mean is that value to the last bit.
     pub fn mean(&self, signal: &[f64], n_channels: usize) -> Vec<f64> {
-        let mut mean = vec![0.0; self.n_classes * n_channels];
-        if self.n_classes == self.class_of.len() {
-            for (&class, row) in self.class_of.iter().zip(signal.chunks_exact(n_channels)) {
+        let mut mean = vec![0.0; self.n_welded * n_channels];
+        if self.n_welded == self.welded.len() {
+            for (&class, row) in self.welded.iter().zip(signal.chunks_exact(n_channels)) {
                 mean[class as usize * n_channels..][..n_channels].copy_from_slice(row);
             }
             return mean;
         }
-        let mut count = vec![0_u32; self.n_classes];
-        for (&class, row) in self.class_of.iter().zip(signal.chunks_exact(n_channels)) {
+        let mut count = vec![0_u32; self.n_welded];
+        for (&class, row) in self.welded.iter().zip(signal.chunks_exact(n_channels)) {
             count[class as usize] += 1;
             let n = f64::from(count[class as usize]);
             for (m, value) in mean[class as usize * n_channels..][..n_channels].iter_mut().zip(row) {
@@ -138,10 +135,10 @@ impl Weld {
         mean
     }
 
-    /// Gives every vertex of the shape the value of its class: n_classes × n_channels → n_vertices × n_channels.
+    /// Gives every vertex of the shape the value of its class: n_welded × n_channels → n_vertices × n_channels.
     pub fn scatter<T: Copy + Send + Sync>(&self, values: &[T], n_channels: usize) -> Vec<T> {
-        let mut scattered = Vec::with_capacity(self.class_of.len() * n_channels);
-        for &class in &self.class_of {
+        let mut scattered = Vec::with_capacity(self.welded.len() * n_channels);
+        for &class in &self.welded {
             scattered.extend_from_slice(&values[class as usize * n_channels..][..n_channels]);
         }
         scattered
@@ -214,19 +211,19 @@ mod tests {
     #[test]
     fn the_order_of_the_points_does_not_change_the_classes() {
         let points = [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0], [0.0, -0.0, 0.0], [0.2, 0.9, 1e-300]];
-        let forward = Weld::new(&points, WeldMode::EqualPositions);
+        let forward = VertexMap::new(&points, WeldMode::EqualPositions);
         let reversed: Vec<_> = points.iter().rev().copied().collect();
-        let backward = Weld::new(&reversed, WeldMode::EqualPositions);
+        let backward = VertexMap::new(&reversed, WeldMode::EqualPositions);
         assert_eq!(forward.positions(&points), backward.positions(&reversed));
-        assert_eq!(forward.n_classes(), 3);
-        assert_eq!(Weld::new(&points, WeldMode::Off).n_classes(), 4);
+        assert_eq!(forward.n_welded(), 3);
+        assert_eq!(VertexMap::new(&points, WeldMode::Off).n_welded(), 4);
     }
 
     #[test]
     fn the_mean_of_equal_values_is_that_value() {
-        let weld = Weld { class_of: vec![0, 1, 0, 0], n_classes: 2 };
-        assert_eq!(weld.mean(&[0.1, 7.0, 0.1, 0.1], 1), [0.1, 7.0]);
-        assert_eq!(weld.mean(&[1.0, 0.0, 2.0, 3.0], 1)[0], 2.0);
-        assert_eq!(weld.scatter(&[5, 6], 1), [5, 6, 5, 5]);
+        let vertex_map = VertexMap { welded: vec![0, 1, 0, 0], n_welded: 2 };
+        assert_eq!(vertex_map.mean(&[0.1, 7.0, 0.1, 0.1], 1), [0.1, 7.0]);
+        assert_eq!(vertex_map.mean(&[1.0, 0.0, 2.0, 3.0], 1)[0], 2.0);
+        assert_eq!(vertex_map.scatter(&[5, 6], 1), [5, 6, 5, 5]);
     }
 }

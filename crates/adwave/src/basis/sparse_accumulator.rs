@@ -2,12 +2,12 @@
 
 /// A bit for each vertex, and a bit for each word of those that is not empty.
 #[derive(Debug, Default)]
-pub(super) struct Marks {
+pub(super) struct SparseAccumulator {
     words: Vec<u64>,
     summary: Vec<u64>,
 }
 
-impl Marks {
+impl SparseAccumulator {
     /// The empty set of vertices below `n`.
     pub(super) fn new(n: usize) -> Self {
         let n_words = n.div_ceil(64);

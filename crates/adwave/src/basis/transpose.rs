@@ -10,12 +10,12 @@ pub(super) type Group = [(u32, f32); GROUP];
 
 /// The columns of Φ₁: the entries of column `y`, its diagonal first, are the groups `starts[y]..starts[y + 1]`.
 #[derive(Debug)]
-pub(super) struct Arriving {
+pub(super) struct Transpose {
     starts: Vec<usize>,
     groups: Vec<Group>,
 }
 
-impl Arriving {
+impl Transpose {
     /// Transposes Φ₁. O(entries).
     pub(super) fn new(diffusion: &Diffusion) -> Self {
         let n = diffusion.n_vertices();

@@ -15,7 +15,7 @@ const OWN: usize = 8192;
 
 /// A walk cut into tiles.
 #[derive(Debug)]
-pub(crate) struct Walk<'a> {
+pub(crate) struct TiledDiffusion<'a> {
     diffusion: &'a Diffusion,
     pub(super) tiles: Tiles,
     pub(super) own: usize,
@@ -25,7 +25,7 @@ pub(crate) struct Walk<'a> {
     spare: Mutex<Vec<Vec<f64>>>,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> TiledDiffusion<'a> {
     pub(crate) fn new(diffusion: &'a Diffusion) -> Self {
         let n = diffusion.n_vertices();
         let own = OWN.min(n / 16).max(512);

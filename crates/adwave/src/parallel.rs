@@ -1,0 +1,178 @@
+//! Loops over the vertices of a shape: by all threads of the pool on a large one, by the calling thread alone on a small one.
+//!
+//! All results are the same bits on any number of threads: work is cut into chunks whose size does not depend on their
+//! number, and partial results are put together in the order of the chunks. Up to [`SERIAL`] rows no thread pool is asked or
+//! started. Every loop asks its [`Progress`] before each chunk, so that a call stops within the time of one.
+
+use crate::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Up to this many rows the calling thread does the work itself: handing it over would take longer, and a process that only
+/// ever treats small shapes starts no threads.
+pub(crate) const SERIAL: usize = 4096;
+
+/// Terms that one thread sums before partial sums are added in order.
+const TERMS_AT_A_TIME: usize = 8192;
+
+/// Σ term(i) for i in `0..n`, the same bits on any number of threads.
+pub(crate) fn sum(n: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let chunk = |range: Range<usize>| range.map(&term).sum::<f64>();
+    map_chunks(n, TERMS_AT_A_TIME, chunk).into_iter().sum()
+}
+
+/// The largest term(i) for i in `0..n`, or `floor` where no term is larger.
+pub(crate) fn max(n: usize, floor: f64, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let chunk = |range: Range<usize>| range.map(&term).fold(floor, f64::max);
+    map_chunks(n, TERMS_AT_A_TIME, chunk).into_iter().fold(floor, f64::max)
+}
+
+/// The chunks of `0..n` by turn.
+fn chunks(n: usize, at_a_time: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
+    (0..n.div_ceil(at_a_time)).into_par_iter().map(move |chunk| nth(n, at_a_time, chunk))
+}
+
+fn nth(n: usize, at_a_time: usize, chunk: usize) -> Range<usize> {
+    chunk * at_a_time..((chunk + 1) * at_a_time).min(n)
+}
+
+/// `work(rows)` for each chunk of the rows `0..n`, in their order.
+pub(crate) fn map_chunks<R: Send>(
+    n: usize,
+    at_a_time: usize,
+    work: impl Fn(Range<usize>) -> R + Sync + Send,
+) -> Vec<R> {
+    if n <= SERIAL {
+        return (0..n.div_ceil(at_a_time)).map(|chunk| work(nth(n, at_a_time, chunk))).collect();
+    }
+    chunks(n, at_a_time).map(work).collect()
+}
+
+/// [`map_chunks`] with scratch that each thread makes once, stopped when the call is.
+pub(crate) fn try_map_chunks<S, R: Send>(
+    n: usize,
+    at_a_time: usize,
+    progress: Progress<'_>,
+    scratch: impl Fn() -> S + Sync + Send,
+    work: impl Fn(&mut S, Range<usize>) -> R + Sync + Send,
+) -> Result<Vec<R>, Cancelled> {
+    let asked = |scratch: &mut S, range| progress.check().map(|()| work(scratch, range));
+    if n <= SERIAL {
+        let mut own = scratch();
+        return (0..n.div_ceil(at_a_time)).map(|chunk| asked(&mut own, nth(n, at_a_time, chunk))).collect();
+    }
+    chunks(n, at_a_time).map_init(scratch, asked).collect()
+}
+
+/// `work(first row, rows)` for each chunk of the rows of `values`, each row `width` values long.
+pub(crate) fn for_rows<T: Send>(
+    values: &mut [T],
+    width: usize,
+    at_a_time: usize,
+    work: impl Fn(usize, &mut [T]) + Sync + Send,
+) {
+    let done = try_for_rows(values, width, at_a_time, Progress::none(), work);
+    debug_assert!(done.is_ok(), "nobody can stop this");
+}
+
+/// [`for_rows`], stopped when the call is.
+pub(crate) fn try_for_rows<T: Send>(
+    values: &mut [T],
+    width: usize,
+    at_a_time: usize,
+    progress: Progress<'_>,
+    work: impl Fn(usize, &mut [T]) + Sync + Send,
+) -> Result<(), Cancelled> {
+    let is_small = values.len() <= SERIAL * width;
+    let len = (at_a_time * width).max(1);
+    let asked = |(chunk, rows): (usize, &mut [T])| progress.check().map(|()| work(chunk * at_a_time, rows));
+    if is_small {
+        return values.chunks_mut(len).enumerate().try_for_each(asked);
+    }
+    values.par_chunks_mut(len).enumerate().try_for_each(asked)
+}
+
+/// The values of `0..n`, by chunks of rows.
+pub(crate) fn collect<T: Clone + Default + Send>(
+    n: usize,
+    value: impl Fn(usize) -> T + Sync + Send,
+) -> Vec<T> {
+    let mut values = vec![T::default(); n];
+    for_rows(&mut values, 1, SERIAL, |first, rows| {
+        for (x, slot) in (first..).zip(rows) {
+            *slot = value(x);
+        }
+    });
+    values
+}
+
+/// Sorts by an order without ties that matter; a call that is told to stop leaves any order.
+pub(crate) fn sort_unstable_by<T: Send>(
+    values: &mut [T],
+    progress: Progress<'_>,
+    compare: impl Fn(&T, &T) -> std::cmp::Ordering + Sync,
+) -> Result<(), Cancelled> {
+    if values.len() <= SERIAL {
+        values.sort_unstable_by(compare);
+    } else {
+        // Once the call is to stop all count as equal, which ends any sort in one more look at each.
+        let compare =
+            |a: &T, b: &T| if progress.is_cancelled() { std::cmp::Ordering::Equal } else { compare(a, b) };
+        values.par_sort_unstable_by(compare);
+    }
+    progress.check()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+    #[test]
+    fn small_and_large_loops_give_each_row_once_and_in_order() {
+        for n in [0, 1, SERIAL, SERIAL + 1, 100_000] {
+            assert_eq!(collect(n, |x| 2 * x), (0..n).map(|x| 2 * x).collect::<Vec<_>>());
+            assert_eq!(map_chunks(n, 1000, |range| range).concat_len(), n);
+            let mut pairs = vec![0_usize; 2 * n];
+            for_rows(&mut pairs, 2, 777, |first, rows| {
+                for (x, row) in (first..).zip(rows.chunks_exact_mut(2)) {
+                    row.copy_from_slice(&[x, x + 1]);
+                }
+            });
+            assert!(pairs.chunks_exact(2).enumerate().all(|(x, row)| row == [x, x + 1]));
+            let mut values: Vec<usize> = (0..n).rev().collect();
+            assert_eq!(sort_unstable_by(&mut values, Progress::none(), Ord::cmp), Ok(()));
+            assert!(values.is_sorted());
+        }
+    }
+
+    trait ConcatLen {
+        fn concat_len(&self) -> usize;
+    }
+
+    impl ConcatLen for Vec<Range<usize>> {
+        fn concat_len(&self) -> usize {
+            let mut end = 0;
+            for range in self {
+                assert_eq!(range.start, end);
+                end = range.end;
+            }
+            end
+        }
+    }
+
+    #[test]
+    fn loops_stop_when_told_to() {
+        let (stop, done) = (AtomicBool::new(false), AtomicUsize::new(0));
+        let progress = Progress::none().with_cancel(&stop);
+        let mut values = vec![0_u8; 1_000_000];
+        let stopped = try_for_rows(&mut values, 1, 1000, progress, |_, _| {
+            done.fetch_add(1, Ordering::Relaxed);
+            stop.store(true, Ordering::Relaxed);
+        });
+        assert_eq!(stopped, Err(Cancelled));
+        assert!(done.load(Ordering::Relaxed) < 100, "{done:?} of 1000 chunks");
+        assert_eq!(try_map_chunks(1_000_000, 1000, progress, || (), |(), _| ()), Err(Cancelled));
+        assert_eq!(sort_unstable_by(&mut values, progress, Ord::cmp), Err(Cancelled));
+    }
+}
