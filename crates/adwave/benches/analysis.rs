@@ -2,9 +2,8 @@
 //!
 //! `cargo bench -p adwave --bench analysis`.
 
-use adwave::bands::{BandsParams, Schedule};
+use adwave::bands::Schedule;
 use adwave::features::{FeatureParams, Refinement, Response, describe, features};
-use adwave::operator::OperatorParams;
 use adwave::saliency::{SaliencyParams, saliency};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
@@ -20,13 +19,14 @@ fn analysis(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("creature of 50000 vertices");
     group.sample_size(20);
     for (kind, shape) in [("mesh", &mesh), ("cloud", &cloud)] {
-        let walk = Decomposer::new(shape, &OperatorParams::default());
+        let walk = Decomposer::new(shape);
         let points = shape.points().expect("a shape with points").as_flattened();
-        let bands = walk
-            .decompose(points, 3, &schedule, &BandsParams::default(), Progress::none())
-            .expect("a valid request");
+        let bands = walk.request(points, 3, &schedule).wavelets().expect("a valid request");
         group.bench_function(format!("{kind}: saliency, 6 levels"), |b| {
-            b.iter(|| saliency(&walk, &bands, &SaliencyParams::default()).expect("a valid request"));
+            b.iter(|| {
+                saliency(&walk, &bands, &SaliencyParams::default(), Progress::none())
+                    .expect("a valid request")
+            });
         });
         let default = FeatureParams::default();
         for (name, params) in [
@@ -35,10 +35,10 @@ fn analysis(criterion: &mut Criterion) {
             ("features, refined", default.with_refinement(Refinement::Quadratic).with_max_edge_ratio(10.0)),
         ] {
             group.bench_function(format!("{kind}: {name}"), |b| {
-                b.iter(|| features(&walk, &bands, &params).expect("a valid request"));
+                b.iter(|| features(&walk, &bands, &params, Progress::none()).expect("a valid request"));
             });
         }
-        let found = features(&walk, &bands, &default).expect("a valid request");
+        let found = features(&walk, &bands, &default, Progress::none()).expect("a valid request");
         group.bench_function(format!("{kind}: {} descriptors", found.len()), |b| {
             b.iter(|| describe(&walk, &bands, &found));
         });

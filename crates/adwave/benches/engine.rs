@@ -12,6 +12,7 @@ use adwave::operator::{Diffusion, OperatorParams, local_operator};
 use adwave::shape::PreparedGeometry;
 use adwave::sparse::apply;
 use criterion::{Criterion, criterion_group, criterion_main};
+use std::sync::Arc;
 
 fn engine(criterion: &mut Criterion) {
     let mut sphere = shapes::Triangles::octahedron();
@@ -21,7 +22,7 @@ fn engine(criterion: &mut Criterion) {
     let params = OperatorParams::default();
     let shape = sphere.into_shape();
     let geometry = PreparedGeometry::new(&shape, params.weld);
-    let diffusion = Diffusion::new(local_operator(&shape, &geometry, &params));
+    let diffusion = Arc::new(Diffusion::new(local_operator(&shape, &geometry, &params)));
     let signal = geometry.points.as_flattened();
     let mut group = criterion.benchmark_group("sphere of 262146 vertices");
     group.sample_size(10);
@@ -33,9 +34,12 @@ fn engine(criterion: &mut Criterion) {
     });
     let accurate = BandsParams::default().with_accuracy(1e-5);
     group.bench_function("prepare", |b| {
-        b.iter(|| Transform::new(&diffusion, &accurate).expect("a valid accuracy"));
+        b.iter(|| {
+            let transform = Transform::new(Arc::clone(&diffusion), &accurate).expect("a valid accuracy");
+            transform.prepare(Progress::none())
+        });
     });
-    let transform = Transform::new(&diffusion, &accurate).expect("a valid accuracy");
+    let transform = Transform::new(diffusion, &accurate).expect("a valid accuracy");
     for levels in [8, 16] {
         let schedule = Schedule::dyadic(levels).expect("a valid number of levels");
         let mut wavelets = vec![vec![0.0; signal.len()]; levels];

@@ -19,7 +19,7 @@
 //! was used before it.
 
 use adwave::Progress;
-use adwave::bands::{BandsParams, Engine, Schedule, Transform, decompose, weighted_bands};
+use adwave::bands::{BandsParams, Engine, Schedule, Transform};
 use adwave::basis::{BasisParams, basis, one_vertex};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
 use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
@@ -29,6 +29,7 @@ use std::collections::HashMap;
 use std::error::Error;
 use std::io::{BufRead, Write};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 type Answer = Result<String, Box<dyn Error>>;
@@ -36,7 +37,7 @@ type Answer = Result<String, Box<dyn Error>>;
 struct Subject {
     shape: Shape,
     geometry: PreparedGeometry,
-    diffusion: Diffusion,
+    diffusion: Arc<Diffusion>,
 }
 
 impl Subject {
@@ -48,7 +49,8 @@ impl Subject {
         let start = Instant::now();
         // A row for each vertex, so that all programs see matrices of one size.
         let geometry = PreparedGeometry::new(&shape, WeldMode::Off);
-        let diffusion = Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default()));
+        let diffusion =
+            Arc::new(Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default())));
         Ok((Self { shape, geometry, diffusion }, start.elapsed().as_secs_f64()))
     }
 
@@ -60,7 +62,7 @@ impl Subject {
         self.diffusion.n_vertices()
     }
 
-    fn wavelets(&self, transform: &Transform<'_>, levels: usize, outs: &mut [Vec<f64>]) -> Answer {
+    fn wavelets(&self, transform: &Transform, levels: usize, outs: &mut [Vec<f64>]) -> Answer {
         let mut outs: Vec<&mut [f64]> = outs.iter_mut().map(Vec::as_mut_slice).collect();
         let (schedule, start) = (Schedule::dyadic(levels)?, Instant::now());
         let info = transform.wavelets_into(self.signal(), 3, &schedule, &mut outs, Progress::none())?;
@@ -141,12 +143,13 @@ fn one_call(subject: &Subject, levels: usize, accuracy: f64, folder: Option<&str
     let (vertex_map, schedule) = (&subject.geometry.vertex_map, Schedule::dyadic(levels)?);
     let start = Instant::now();
     let params = params(accuracy);
-    let bands = decompose(&subject.diffusion, vertex_map, signal, 3, &schedule, &params, Progress::none())?;
+    let transform = Transform::new(Arc::clone(&subject.diffusion), &params)?;
+    let bands = transform.bands(vertex_map, signal, 3, &schedule, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(folder) = folder {
         std::fs::create_dir_all(folder)?;
         let path = Path::new(folder).join("wavelets.f64");
-        write_all(&path, bands.wavelet.iter().flatten().map(|w| w.to_le_bytes()))?;
+        write_all(&path, bands.wavelets().flatten().map(|w| w.to_le_bytes()))?;
     }
     Ok(format!(r#"{{"seconds":{seconds}}}"#))
 }
@@ -157,17 +160,8 @@ fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
     let factors: Vec<f64> = (1..=levels).map(|j| if j % 2 == 0 { -1.0 } else { 0.5 }).collect();
     let start = Instant::now();
     let params = params(accuracy);
-    let added = weighted_bands(
-        &subject.diffusion,
-        vertex_map,
-        signal,
-        3,
-        &schedule,
-        &factors,
-        &params,
-        Progress::none(),
-    )?
-    .0;
+    let transform = Transform::new(Arc::clone(&subject.diffusion), &params)?;
+    let added = transform.weighted(vertex_map, signal, 3, &schedule, &factors, Progress::none())?.0;
     let filtered: Vec<f64> = signal.iter().zip(&added).map(|(f, w)| f + w).collect();
     let seconds = start.elapsed().as_secs_f64();
     Ok(format!(r#"{{"seconds":{seconds},"n":{}}}"#, filtered.len()))
@@ -240,7 +234,7 @@ fn memory(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> A
     let (mut wavelets, schedule) = (outputs(levels, signal.len()), Schedule::dyadic(levels)?);
     let mut outs: Vec<&mut [f64]> = wavelets.iter_mut().map(Vec::as_mut_slice).collect();
     let before = reset_peak();
-    let transform = Transform::new(&subject.diffusion, &params(accuracy))?;
+    let transform = Transform::new(Arc::clone(&subject.diffusion), &params(accuracy))?;
     let info = transform.wavelets_into(&signal, channels, &schedule, &mut outs, Progress::none())?;
     let walk = subject.diffusion.bytes();
     let seen = before.zip(status("VmHWM:")).map(|(before, peak)| peak.saturating_sub(before) + walk);
@@ -249,10 +243,14 @@ fn memory(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> A
 }
 
 /// `max ‖w − e‖ / ‖e‖` by band, norms plain and weighted by π: the larger.
-fn errors(subject: &Subject, levels: usize, accuracy: f64, reference: &Transform<'_>) -> Answer {
+fn errors(subject: &Subject, levels: usize, accuracy: f64, reference: &Transform) -> Answer {
     let (mut ours, mut exact) =
         (outputs(levels, subject.signal().len()), outputs(levels, subject.signal().len()));
-    subject.wavelets(&Transform::new(&subject.diffusion, &params(accuracy))?, levels, &mut ours)?;
+    subject.wavelets(
+        &Transform::new(Arc::clone(&subject.diffusion), &params(accuracy))?,
+        levels,
+        &mut ours,
+    )?;
     subject.wavelets(reference, levels, &mut exact)?;
     let pi = subject.diffusion.stationary();
     let relative = |w: &[f64], e: &[f64], weight: &dyn Fn(usize) -> f64| {
@@ -272,13 +270,13 @@ fn errors(subject: &Subject, levels: usize, accuracy: f64, reference: &Transform
 }
 
 /// What is kept between requests: transforms by the bits of their accuracy, and outputs.
-struct Kept<'a> {
-    transforms: HashMap<u64, Transform<'a>>,
+struct Kept {
+    transforms: HashMap<u64, Transform>,
     outs: Vec<Vec<f64>>,
     product: Vec<f64>,
 }
 
-fn answer<'a>(subject: &'a Subject, kept: &mut Kept<'a>, words: &[&str]) -> Answer {
+fn answer<'a>(subject: &'a Subject, kept: &mut Kept, words: &[&str]) -> Answer {
     match *words {
         ["operator", folder] => operator(subject, folder),
         ["basis", levels] => explicit(subject, levels.parse()?, None),
@@ -287,7 +285,7 @@ fn answer<'a>(subject: &'a Subject, kept: &mut Kept<'a>, words: &[&str]) -> Answ
             let (levels, accuracy): (usize, f64) = (levels.parse()?, accuracy.parse()?);
             if let std::collections::hash_map::Entry::Vacant(free) = kept.transforms.entry(accuracy.to_bits())
             {
-                free.insert(Transform::new(&subject.diffusion, &params(accuracy))?);
+                free.insert(Transform::new(Arc::clone(&subject.diffusion), &params(accuracy))?);
             }
             if kept.outs.len() != levels {
                 kept.outs = outputs(levels, subject.signal().len());
@@ -309,10 +307,15 @@ fn answer<'a>(subject: &'a Subject, kept: &mut Kept<'a>, words: &[&str]) -> Answ
         }
         ["against_powers", levels, accuracy] => {
             let powers = BandsParams::default().with_engine(Engine::Powers);
-            errors(subject, levels.parse()?, accuracy.parse()?, &Transform::new(&subject.diffusion, &powers)?)
+            errors(
+                subject,
+                levels.parse()?,
+                accuracy.parse()?,
+                &Transform::new(Arc::clone(&subject.diffusion), &powers)?,
+            )
         }
         ["against", levels, accuracy, reference] => {
-            let finer = Transform::new(&subject.diffusion, &params(reference.parse()?))?;
+            let finer = Transform::new(Arc::clone(&subject.diffusion), &params(reference.parse()?))?;
             errors(subject, levels.parse()?, accuracy.parse()?, &finer)
         }
         _ => Err(format!("no such request: {}", words.join(" ")).into()),

@@ -1,10 +1,10 @@
 //! Wavelets for shapes: split the geometry of a mesh, a point cloud or a graph, or any signal on it, into bands
 //! from fine to coarse, measure and edit the bands, and put the shape back together without loss.
 
-mod band_norms;
 pub mod bands;
 pub mod basis;
 mod decomposer;
+mod editor;
 mod error;
 pub mod features;
 pub mod filter;
@@ -12,6 +12,7 @@ pub mod mask;
 pub mod measure;
 pub mod operator;
 mod parallel;
+mod population;
 mod progress;
 pub mod region;
 pub mod saliency;
@@ -20,6 +21,7 @@ pub mod shape;
 pub mod signal;
 pub mod sparse;
 
-pub use decomposer::Decomposer;
+pub use decomposer::{BandsRequest, Decomposer, VertexFunctions};
+pub use editor::{Editor, Touched};
 pub use error::{ClassifiedError, ErrorKind};
 pub use progress::{Cancelled, Progress, ProgressCounter};

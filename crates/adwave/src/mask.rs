@@ -44,7 +44,7 @@ pub fn missing(signal: &[f64], n_channels: usize) -> Option<Vec<bool>> {
 #[derive(Clone, Debug)]
 pub(crate) struct Mask {
     vertices: Vec<bool>,
-    classes: Vec<bool>,
+    welded: Vec<bool>,
 }
 
 impl Mask {
@@ -53,19 +53,24 @@ impl Mask {
         if masked.len() != n_vertices {
             return Err(MaskError::WrongLength { n_flags: masked.len(), n_vertices });
         }
-        let mut classes = vec![true; vertex_map.n_welded()];
-        for (&class, &out) in vertex_map.as_slice().iter().zip(masked) {
-            classes[class as usize] &= out;
+        let mut welded = vec![true; vertex_map.n_welded()];
+        for (&x, &out) in vertex_map.as_slice().iter().zip(masked) {
+            welded[x as usize] &= out;
         }
-        if classes.iter().all(|&out| out) {
+        if welded.iter().all(|&out| out) {
             return Err(MaskError::NothingLeft { n_vertices });
         }
-        Ok(Self { vertices: masked.to_vec(), classes })
+        Ok(Self { vertices: masked.to_vec(), welded })
     }
 
-    /// The vertices of the analysis that are left out.
-    pub(crate) fn classes(&self) -> &[bool] {
-        &self.classes
+    /// Flags of the vertices of the shape.
+    pub(crate) fn vertices(&self) -> &[bool] {
+        &self.vertices
+    }
+
+    /// Flags of the welded vertices.
+    pub(crate) fn welded(&self) -> &[bool] {
+        &self.welded
     }
 
     /// The signal with a value everywhere: 0 at what is left out, and what the other members of a welded vertex have on
@@ -84,10 +89,10 @@ impl Mask {
         let mut mean = vec![0.0; vertex_map.n_welded() * n_channels];
         let mut count = vec![0_u32; vertex_map.n_welded()];
         for (x, row) in signal.chunks_exact(n_channels).enumerate().filter(|(x, _)| !self.vertices[*x]) {
-            let class = vertex_map.welded(x);
-            count[class] += 1;
-            for (m, value) in mean[class * n_channels..].iter_mut().zip(row) {
-                *m += (value - *m) / f64::from(count[class]);
+            let x = vertex_map.welded(x);
+            count[x] += 1;
+            for (m, value) in mean[x * n_channels..].iter_mut().zip(row) {
+                *m += (value - *m) / f64::from(count[x]);
             }
         }
         for (x, row) in filled.chunks_exact_mut(n_channels).enumerate().filter(|(x, _)| self.vertices[*x]) {

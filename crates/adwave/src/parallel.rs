@@ -106,6 +106,18 @@ pub(crate) fn collect<T: Clone + Default + Send>(
     values
 }
 
+/// `work(i)` for a few items `i` that each cost about as much as a look at all of `n_rows` rows, in their order.
+pub(crate) fn map_items<R: Send>(
+    n_rows: usize,
+    n_items: usize,
+    work: impl Fn(usize) -> R + Sync + Send,
+) -> Vec<R> {
+    if n_rows <= SERIAL {
+        return (0..n_items).map(work).collect();
+    }
+    (0..n_items).into_par_iter().map(work).collect()
+}
+
 /// Sorts by an order without ties that matter; a call that is told to stop leaves any order.
 pub(crate) fn sort_unstable_by<T: Send>(
     values: &mut [T],

@@ -2,11 +2,14 @@
 //!
 //! `Λ = Σ_{j > skip} α_j·|W_f(j)|`. A signal of several channels is measured by the Euclidean norm over them.
 
-use crate::Decomposer;
-use crate::band_norms::BandNorms;
-use crate::bands::Bands;
-use rayon::prelude::*;
+use crate::bands::Wavelets;
+use crate::population::Population;
+use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress, parallel};
+use std::borrow::Cow;
 use thiserror::Error;
+
+/// Vertices that a thread treats at a time.
+const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 /// How the levels are weighed against each other: the α_j.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -104,13 +107,22 @@ pub enum SaliencyError {
         sigmas: f64,
     },
     /// The bands are those of another shape.
-    #[error("the bands are those of {n_bands} vertices, the shape has {n_vertices}")]
+    #[error("the bands are those of {n_bands} welded vertices, the shape has {n_vertices}")]
     OtherShape {
-        /// Vertices of the bands.
+        /// Welded vertices of the bands.
         n_bands: usize,
-        /// Vertices of the shape.
+        /// Welded vertices of the shape.
         n_vertices: usize,
     },
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl ClassifiedError for SaliencyError {
+    fn kind(&self) -> ErrorKind {
+        if matches!(self, Self::Cancelled(_)) { ErrorKind::Cancelled } else { ErrorKind::Input }
+    }
 }
 
 /// One level's share of the map.
@@ -137,40 +149,41 @@ pub struct Saliency {
     pub levels: Vec<SaliencyLevel>,
 }
 
-/// The saliency map of a signal's bands on the shape that they were computed on. O(n × levels × channels).
+/// The saliency map `Λ(x) = Σ_{j > skip} α_j·|W_f(j,x)|` (eq. 17) of a signal on a shape, from its wavelets or their norms
+/// ([`BandsRequest::norms`](crate::BandsRequest::norms)). O(n × levels × channels).
 ///
-/// Means and maxima run over the vertices of the analysis, so that a vertex that the file repeats counts once.
+/// Means and maxima run over the welded vertices, so that a vertex that the file repeats counts once.
 ///
 /// Source: eq. 17, whose α lost a bar in print: read literally it would give the strongest response the weight 0.
 ///
 /// # Errors
-/// [`SaliencyError`] when no level is left, a parameter has no meaning, or the bands are another shape's.
+/// [`SaliencyError`] when no level is left, a parameter has no meaning, the bands are another shape's, or when cancelled.
 ///
 /// ```
-/// use adwave::bands::{BandsParams, Schedule};
 /// use adwave::saliency::{SaliencyParams, saliency};
-/// use adwave::{Decomposer, Progress, operator::OperatorParams, shape::{Graph, Shape}};
+/// use adwave::{Decomposer, Progress, bands::Schedule, shape::{Graph, Shape}};
 /// let edges: Vec<_> = (1..60).map(|i| (i - 1, i, 1.0)).collect();
-/// let path = Shape::Graph(Graph::new(60, &edges)?);
-/// let walk = Decomposer::new(&path, &OperatorParams::default());
+/// let path = Decomposer::new(&Shape::Graph(Graph::new(60, &edges)?));
 /// let mut signal = [0.0; 60];
 /// signal[30] = 1.0;
-/// let bands = walk.decompose(&signal, 1, &Schedule::dyadic(5)?, &BandsParams::default(), Progress::none())?;
-/// let map = saliency(&walk, &bands, &SaliencyParams::default())?.map;
+/// let wavelets = path.request(&signal, 1, &Schedule::dyadic(5)?).norms()?;
+/// let map = saliency(&path, &wavelets, &SaliencyParams::default(), Progress::none())?.map;
 /// assert_eq!((0..60).max_by(|&a, &b| map[a].total_cmp(&map[b])), Some(30));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn saliency(
     decomposer: &Decomposer,
-    bands: &Bands,
+    wavelets: &Wavelets,
     params: &SaliencyParams,
+    progress: Progress<'_>,
 ) -> Result<Saliency, SaliencyError> {
-    let parts = parts(decomposer, bands, params)?;
-    let n = decomposer.geometry().n_vertices();
-    let mut map = vec![0.0; n];
-    map.par_iter_mut().with_min_len(1 << 12).enumerate().for_each(|(x, sum)| {
-        *sum = parts.iter().map(|part| part.at(x)).sum();
-    });
+    let parts = parts(decomposer, wavelets, params, progress)?;
+    let mut map = vec![0.0; decomposer.geometry().n_vertices()];
+    parallel::try_for_rows(&mut map, 1, VERTICES_AT_A_TIME, progress, |first, map| {
+        for (x, sum) in (first..).zip(map) {
+            *sum = parts.iter().map(|part| part.at(x)).sum();
+        }
+    })?;
     let map = decomposer.geometry().vertex_map.scatter(&map, 1);
     Ok(Saliency { map, levels: parts.into_iter().map(|part| part.level).collect() })
 }
@@ -182,57 +195,64 @@ pub fn saliency(
 /// As for [`saliency`].
 pub fn saliency_per_level(
     decomposer: &Decomposer,
-    bands: &Bands,
+    wavelets: &Wavelets,
     params: &SaliencyParams,
+    progress: Progress<'_>,
 ) -> Result<Vec<(SaliencyLevel, Vec<f64>)>, SaliencyError> {
     let n = decomposer.geometry().n_vertices();
-    let scatter = |part: Part| {
-        let map: Vec<f64> = (0..n).map(|x| part.at(x)).collect();
+    let scatter = |part: Part<'_>| {
+        let map = parallel::collect(n, |x| part.at(x));
         (part.level, decomposer.geometry().vertex_map.scatter(&map, 1))
     };
-    Ok(parts(decomposer, bands, params)?.into_iter().map(scatter).collect())
+    Ok(parts(decomposer, wavelets, params, progress)?.into_iter().map(scatter).collect())
 }
 
-/// A level, and |W_f(j)| at the vertices of the analysis.
-struct Part {
+/// A level, and W_f(j) or its norm at the welded vertices.
+struct Part<'a> {
     level: SaliencyLevel,
-    norms: Vec<f64>,
+    norms: Cow<'a, [f64]>,
 }
 
-impl Part {
+impl Part<'_> {
+    /// `α_j·|W_f(j,x)|`.
     #[inline]
     fn at(&self, x: usize) -> f64 {
-        let (w, alpha) = (self.norms[x], self.level.alpha);
+        let (w, alpha) = (self.norms[x].abs(), self.level.alpha);
         let alpha = if alpha.is_nan() { (self.level.max - w).powi(2) } else { alpha };
         alpha * w
     }
 }
 
-fn parts(
+fn parts<'a>(
     decomposer: &Decomposer,
-    bands: &Bands,
+    wavelets: &'a Wavelets,
     params: &SaliencyParams,
-) -> Result<Vec<Part>, SaliencyError> {
+    progress: Progress<'_>,
+) -> Result<Vec<Part<'a>>, SaliencyError> {
     params.check()?;
-    let (n_levels, skip) = (bands.n_levels(), params.skip);
-    if bands.n_vertices != decomposer.n_vertices() {
-        return Err(SaliencyError::OtherShape {
-            n_bands: bands.n_vertices,
-            n_vertices: decomposer.n_vertices(),
-        });
+    let (n_levels, skip) = (wavelets.n_levels(), params.skip);
+    let (n_bands, n_vertices) = (wavelets.n_welded(), decomposer.geometry().n_vertices());
+    if n_bands != n_vertices {
+        return Err(SaliencyError::OtherShape { n_bands, n_vertices });
     }
     if skip >= n_levels {
         return Err(SaliencyError::NoLevelLeft { skip, n_levels });
     }
-    let reader = BandNorms::new(decomposer);
-    let border = params.border_sigmas.map(|sigmas| Border::new(decomposer, sigmas, bands.sigma[n_levels]));
+    let population = Population::new(decomposer);
+    let border = match params.border_sigmas {
+        Some(sigmas) => Some(Border::new(decomposer, sigmas, wavelets.sigma[n_levels], progress)?),
+        None => None,
+    };
     let part = |level: usize| {
-        let mut norms = reader.norms(&bands.wavelet[level - 1], bands.n_channels);
-        let left = border.as_ref().map(|border| border.fade(&mut norms, bands.sigma[level]));
-        let share = left.as_ref().map_or(1.0, |left| reader.mean(left));
-        let mean = if share > 0.0 { reader.mean(&norms) / share } else { 0.0 };
-        let max = reader.max(&norms);
+        progress.step((level - skip - 1) as u64, (n_levels - skip) as u64)?;
+        let sigma = wavelets.sigma[level];
+        let mut norms = wavelets.norms_of(level);
+        let left = border.as_ref().map(|border| border.fade(norms.to_mut(), sigma));
+        let share = left.as_ref().map_or(1.0, |left| population.mean(left));
+        let mean = if share > 0.0 { population.mean(&norms) / share } else { 0.0 };
+        let max = population.max(&norms);
         let alpha = match params.weighting {
+            // α_j = (max|W_f(j)| − mean|W_f(j)|)² (eq. 17)
             Weighting::PerLevel => (max - mean).powi(2),
             Weighting::AsPrinted => f64::NAN,
             // A level without any response adds nothing.
@@ -241,22 +261,27 @@ fn parts(
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         if params.weighting == Weighting::Ranks {
-            ranks(&mut norms, left.as_deref());
+            ranks(norms.to_mut(), left.as_deref(), progress)?;
         }
-        Part { level: SaliencyLevel { level, sigma: bands.sigma[level], mean, max, alpha }, norms }
+        Ok(Part { level: SaliencyLevel { level, sigma, mean, max, alpha }, norms })
     };
-    Ok((skip + 1..=n_levels).map(part).collect())
+    (skip + 1..=n_levels).map(part).collect()
 }
 
-/// How far the vertices of the analysis are from the border.
+/// How far the welded vertices are from the border.
 struct Border {
     distance: Vec<f64>,
     sigmas: f64,
 }
 
 impl Border {
-    fn new(decomposer: &Decomposer, sigmas: f64, widest: f64) -> Self {
-        Self { distance: decomposer.distance_from_border(2.0 * sigmas * widest), sigmas }
+    fn new(
+        decomposer: &Decomposer,
+        sigmas: f64,
+        widest: f64,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        Ok(Self { distance: decomposer.distance_from_border(2.0 * sigmas * widest, progress)?, sigmas })
     }
 
     /// Multiplies a level of width σ by what is left of it, and returns the factors in [0, 1].
@@ -269,19 +294,28 @@ impl Border {
             let t = (d / none - 1.0).min(1.0);
             t * t * (3.0 - 2.0 * t)
         };
-        let left: Vec<f64> = self.distance.par_iter().with_min_len(1 << 13).map(|&d| factor(d)).collect();
-        norms.par_iter_mut().with_min_len(1 << 13).zip(&left).for_each(|(w, left)| *w *= left);
+        let left = parallel::collect(self.distance.len(), |x| factor(self.distance[x]));
+        parallel::for_rows(norms, 1, VERTICES_AT_A_TIME, |first, norms| {
+            for (w, left) in norms.iter_mut().zip(&left[first..]) {
+                *w *= left;
+            }
+        });
         left
     }
 }
 
 /// Replaces each value by the share of the others that are smaller, equal ones counting half; NaN stays, and what is faded
 /// out wholly is 0 and nobody's other.
-fn ranks(values: &mut [f64], left: Option<&[f64]>) {
+fn ranks(values: &mut [f64], left: Option<&[f64]>, progress: Progress<'_>) -> Result<(), Cancelled> {
+    for value in &mut *values {
+        *value = value.abs();
+    }
     let gone = |x: usize| left.is_some_and(|left| left[x] == 0.0);
     let ranked = |x: &u32| !values[*x as usize].is_nan() && !gone(*x as usize);
     let mut order: Vec<u32> = (0..values.len() as u32).filter(ranked).collect();
-    order.par_sort_unstable_by(|&a, &b| values[a as usize].total_cmp(&values[b as usize]));
+    parallel::sort_unstable_by(&mut order, progress, |&a, &b| {
+        values[a as usize].total_cmp(&values[b as usize])
+    })?;
     // One vertex alone stands out from nobody.
     let others = order.len().saturating_sub(1).max(1) as f64;
     let mut share = vec![f64::NAN; values.len()];
@@ -296,4 +330,5 @@ fn ranks(values: &mut [f64], left: Option<&[f64]>) {
     for (value, share) in values.iter_mut().zip(share) {
         *value = if *value == 0.0 { 0.0 } else { share };
     }
+    Ok(())
 }

@@ -4,9 +4,8 @@
 
 mod common;
 
-use adwave::bands::{Bands, BandsParams, Schedule};
+use adwave::bands::{Schedule, Wavelets};
 use adwave::features::{Feature, FeatureParams, Refinement, Response, features};
-use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, Shape};
 use adwave::{Decomposer, Progress};
 use std::f64::consts::PI;
@@ -37,23 +36,23 @@ fn relief(p: &[f64; 3]) -> f64 {
 
 struct Ground {
     walk: Decomposer,
-    bands: Bands,
+    bands: Wavelets,
 }
 
 impl Ground {
     fn new(n: u32, levels: usize, height: &dyn Fn(&[f64; 3]) -> f64) -> Self {
         let (points, faces) = common::plane(n);
         let shape = Shape::Mesh(Mesh::new(points, faces).unwrap());
-        let walk = Decomposer::new(&shape, &OperatorParams::default());
+        let walk = Decomposer::new(&shape);
         let height: Vec<f64> = shape.points().unwrap().iter().map(height).collect();
         let schedule = Schedule::dyadic(levels).unwrap();
-        let bands = walk.decompose(&height, 1, &schedule, &BandsParams::default(), Progress::none()).unwrap();
+        let bands = walk.request(&height, 1, &schedule).wavelets().unwrap();
         Self { walk, bands }
     }
 
     fn features(&self, response: Response) -> Vec<Feature> {
         let params = FeatureParams::default().with_response(response).with_refinement(Refinement::Quadratic);
-        features(&self.walk, &self.bands, &params).unwrap()
+        features(&self.walk, &self.bands, &params, Progress::none()).unwrap()
     }
 
     fn strongest(&self, response: Response) -> Feature {
@@ -100,7 +99,7 @@ fn the_normalised_response_of_a_lone_bump_has_no_size() {
         let top = (n / 2 * (n + 1) + n / 2) as usize;
         let mut before = f64::INFINITY;
         for j in 1..=levels {
-            let (w, sigma) = (&ground.bands.wavelet[j - 1], ground.bands.sigma[j]);
+            let (w, sigma) = (&ground.bands.wavelet(j), ground.bands.sigma[j]);
             let response = w[top] * w.len() as f64 / w.iter().map(|w| w.abs()).sum::<f64>();
             assert!(response < before, "level {j}: {response} after {before}");
             before = response;

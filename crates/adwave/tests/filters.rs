@@ -1,12 +1,11 @@
 //! Edits: what is outside a region stays to the last bit, what is inside follows eq. 18.
 
-use adwave::bands::{BandsParams, Schedule};
+use adwave::Decomposer;
+use adwave::bands::Schedule;
 use adwave::filter::{Edit, FilterError, Gains, Layer, Preset, displacement};
-use adwave::operator::OperatorParams;
 use adwave::region::{Length, Place, Region, RegionError, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape, enclosed_volume, triangulate};
-use adwave::{Decomposer, Progress};
 
 /// What the default accuracy allows each of two ways to the same result, on shapes of about unit size.
 const ACCURACY: f64 = 2e-9;
@@ -22,7 +21,7 @@ fn fixture(name: &str, n_vertices: usize) -> Fixture {
     let Sample { points, faces } = Sample::by_name(name, Some(n_vertices)).unwrap();
     let triangles = triangulate(&points, &faces);
     let shape = Shape::Mesh(Mesh::new(points.clone(), faces).unwrap());
-    let decomposer = Decomposer::new(&shape, &OperatorParams::default());
+    let decomposer = Decomposer::new(&shape);
     Fixture { points, triangles, decomposer, schedule: Schedule::dyadic(6).unwrap() }
 }
 
@@ -32,27 +31,25 @@ impl Fixture {
         let field = |name: &str| (name == "height").then(|| (1, self.points.iter().map(|p| p[1]).collect()));
         let names = ["height".to_owned()];
         self.decomposer
-            .filter(
-                coords,
-                3,
-                &self.schedule,
-                &Edit::new(layers).with_fields(&field, &names),
-                &BandsParams::default(),
-                Progress::none(),
-            )
+            .request(coords, 3, &self.schedule)
+            .filter(&Edit::new(layers).with_fields(&field, &names))
             .map(|edited| edited.as_chunks().0.to_vec())
     }
 
     fn bands(&self) -> adwave::bands::Bands {
         let coords = self.points.as_flattened();
-        self.decomposer
-            .decompose(coords, 3, &self.schedule, &BandsParams::default(), Progress::none())
-            .unwrap()
+        self.decomposer.decompose(coords, 3, &self.schedule).unwrap()
     }
 
     fn weights(&self, region: &str) -> Vec<f64> {
-        parse_region(region).unwrap().weights(&self.decomposer, &|_| None, &[]).unwrap()
+        weights(&self.decomposer, &parse_region(region).unwrap())
     }
+}
+
+/// One weight per vertex of the shape.
+fn weights(decomposer: &Decomposer, region: &Region) -> Vec<f64> {
+    let weights = region.weights(decomposer.metric(), &|_| None, &[]).unwrap();
+    weights.to_vertices(&decomposer.geometry().vertex_map)
 }
 
 fn everywhere(gains: Gains) -> Vec<Layer> {
@@ -66,7 +63,7 @@ fn unit_gains_change_nothing_and_no_gains_leave_the_coarsest_level() {
     assert_eq!(f.filter(&[]).unwrap(), f.points);
     let bands = f.bands();
     let smooth = f.filter(&everywhere(Gains::Preset(Preset::Suppress))).unwrap();
-    for (a, b) in smooth.as_flattened().iter().zip(&bands.scaling[6]) {
+    for (a, b) in smooth.as_flattened().iter().zip(bands.coarsest()) {
         assert!((a - b).abs() < ACCURACY);
     }
 }
@@ -78,7 +75,7 @@ fn gains_weigh_their_bands() {
     let edited = f.filter(&everywhere(Gains::Gains(gains.clone()))).unwrap();
     let bands = f.bands();
     for (i, value) in edited.as_flattened().iter().enumerate() {
-        let expected = bands.scaling[6][i] + (0..6).map(|j| gains[j] * bands.wavelet[j][i]).sum::<f64>();
+        let expected = bands.coarsest()[i] + (0..6).map(|j| gains[j] * bands.wavelet(j + 1)[i]).sum::<f64>();
         assert!((value - expected).abs() < ACCURACY);
     }
 }
@@ -88,7 +85,7 @@ fn an_edit_ends_where_its_region_ends() {
     let f = fixture("sphere", 4000);
     let region =
         Region::Ball { centre: Place::Vertex(7), radius: Length::PercentOfDiagonal(10.0), falloff: None };
-    let weights = region.weights(&f.decomposer, &|_| None, &[]).unwrap();
+    let weights = weights(&f.decomposer, &region);
     assert_eq!(weights[7], 1.0);
     let n_touched = weights.iter().filter(|&&r| r > 0.0).count();
     let radius = 0.1 * f.decomposer.diagonal();

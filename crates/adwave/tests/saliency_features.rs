@@ -2,7 +2,7 @@
 
 mod common;
 
-use adwave::bands::{Bands, BandsParams, Schedule};
+use adwave::bands::{Bands, Schedule, Wavelets};
 use adwave::features::{
     Feature, FeatureError, FeatureParams, Refinement, Response, ThresholdScope, describe, features,
     match_features, spread_best,
@@ -46,18 +46,23 @@ fn potato(n: usize) -> Sample {
 }
 
 fn walk(shape: &Shape) -> Decomposer {
-    Decomposer::new(shape, &OperatorParams::default())
+    Decomposer::new(shape)
 }
 
-fn bands(walk: &Decomposer, signal: &[f64], n_channels: usize, levels: usize) -> Bands {
+fn bands(walk: &Decomposer, signal: &[f64], n_channels: usize, levels: usize) -> Wavelets {
     let schedule = Schedule::dyadic(levels).unwrap();
-    walk.decompose(signal, n_channels, &schedule, &BandsParams::default(), Progress::none()).unwrap()
+    walk.request(signal, n_channels, &schedule).wavelets().unwrap()
+}
+
+/// The bands in the order of the shape.
+fn in_shape_order(walk: &Decomposer, signal: &[f64], n_channels: usize, levels: usize) -> Bands {
+    walk.decompose(signal, n_channels, &Schedule::dyadic(levels).unwrap()).unwrap()
 }
 
 fn coordinate_features(shape: &Shape, levels: usize, params: &FeatureParams) -> Vec<Feature> {
     let walk = walk(shape);
     let bands = bands(&walk, shape.points().unwrap().as_flattened(), 3, levels);
-    features(&walk, &bands, params).unwrap()
+    features(&walk, &bands, params, Progress::none()).unwrap()
 }
 
 #[test]
@@ -71,12 +76,12 @@ fn a_constant_signal_has_no_saliency_and_no_features() {
             let bands = bands(&walk, &vec![0.3; channels * shape.n_vertices()], channels, 7);
             for weighting in WEIGHTINGS {
                 let params = SaliencyParams::default().with_weighting(weighting);
-                let map = saliency(&walk, &bands, &params).unwrap().map;
+                let map = saliency(&walk, &bands, &params, Progress::none()).unwrap().map;
                 assert!(map.iter().all(|&v| v == 0.0), "{weighting:?}");
             }
             for response in RESPONSES {
                 let params = FeatureParams::default().with_response(response).with_theta(1e-9);
-                assert_eq!(features(&walk, &bands, &params).unwrap(), [], "{response:?}");
+                assert_eq!(features(&walk, &bands, &params, Progress::none()).unwrap(), [], "{response:?}");
             }
         }
     }
@@ -131,7 +136,7 @@ fn any_order_of_the_vertices_and_any_number_of_threads_gives_the_same_bits() {
     let map = |shape: &Shape| {
         let walk = walk(shape);
         let bands = bands(&walk, shape.points().unwrap().as_flattened(), 3, 7);
-        saliency(&walk, &bands, &SaliencyParams::default()).unwrap().map
+        saliency(&walk, &bands, &SaliencyParams::default(), Progress::none()).unwrap().map
     };
     let (a, b) = (map(&plain), map(&shuffled));
     assert!((0..n).all(|x| a[x].to_bits() == b[place[x]].to_bits()));
@@ -150,9 +155,10 @@ fn ties_leave_exactly_one_feature() {
     let mut signal = [0.0; 40];
     (signal[19], signal[20]) = (1.0, 1.0);
     let bands = bands(&walk, &signal, 1, 6);
-    assert_eq!(bands.wavelet[3][19], bands.wavelet[3][20]);
+    let map = &walk.geometry().vertex_map;
+    assert_eq!(bands.wavelet(4)[map.welded(19)], bands.wavelet(4)[map.welded(20)]);
     let params = FeatureParams::default().with_response(Response::Literal);
-    let found = features(&walk, &bands, &params).unwrap();
+    let found = features(&walk, &bands, &params, Progress::none()).unwrap();
     let tops: Vec<usize> = found.iter().filter(|f| f.sign() > 0).map(|f| f.vertex).collect();
     // Which of the two comes first is the numbering's to say.
     assert!(tops == [19] || tops == [20], "{tops:?}");
@@ -166,8 +172,8 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
     let bands = bands(&walk, shape.points().unwrap().as_flattened(), 3, 6);
     for weighting in WEIGHTINGS {
         let params = SaliencyParams::default().with_weighting(weighting).with_skip(1);
-        let whole = saliency(&walk, &bands, &params).unwrap();
-        let levels = saliency_per_level(&walk, &bands, &params).unwrap();
+        let whole = saliency(&walk, &bands, &params, Progress::none()).unwrap();
+        let levels = saliency_per_level(&walk, &bands, &params, Progress::none()).unwrap();
         assert_eq!(levels.len(), 5);
         for x in (0..whole.map.len()).step_by(97) {
             let sum: f64 = levels.iter().map(|(_, map)| map[x]).sum();
@@ -175,8 +181,8 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
         }
         let (level, map) = &levels[2];
         assert_eq!((level.level, level.sigma), (4, bands.sigma[4]));
-        let w = &bands.wavelet[3];
-        let norm = |x: usize| w[3 * x..3 * x + 3].iter().map(|v| v * v).sum::<f64>().sqrt();
+        let (w, vertex_map) = (bands.wavelet(4), &walk.geometry().vertex_map);
+        let norm = |x: usize| w[3 * vertex_map.welded(x)..][..3].iter().map(|v| v * v).sum::<f64>().sqrt();
         if weighting == Weighting::Ranks {
             let below = (0..map.len()).filter(|&x| norm(x) < norm(5)).count();
             assert!((map[5] - below as f64 / (map.len() - 1) as f64).abs() < ROUNDING);
@@ -205,17 +211,19 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     let shape = mesh(plane.clone(), faces);
     let walk = walk(&shape);
     let split = bands(&walk, shape.points().unwrap().as_flattened(), 3, 14);
-    let (with, without) =
-        (saliency(&walk, &split, &faded).unwrap(), saliency(&walk, &split, &plain).unwrap());
+    let (with, without) = (
+        saliency(&walk, &split, &faded, Progress::none()).unwrap(),
+        saliency(&walk, &split, &plain, Progress::none()).unwrap(),
+    );
     assert!(largest(&with.map) < LEFT * largest(&without.map), "{}", largest(&with.map));
     let last = with.levels.last().unwrap();
     assert!(last.sigma > 1.0 && (last.mean, last.max) == (0.0, 0.0));
     for weighting in WEIGHTINGS {
-        let map = saliency(&walk, &split, &faded.with_weighting(weighting)).unwrap().map;
+        let map = saliency(&walk, &split, &faded.with_weighting(weighting), Progress::none()).unwrap().map;
         assert!(map.iter().all(|v| v.is_finite() && *v >= 0.0), "{weighting:?}");
     }
     // S = 0 leaves out the border's own vertices.
-    let map = saliency(&walk, &split, &faded.with_border_sigmas(0.0)).unwrap().map;
+    let map = saliency(&walk, &split, &faded.with_border_sigmas(0.0), Progress::none()).unwrap().map;
     for ((p, with), without) in plane.iter().zip(&map).zip(&without.map) {
         let on_border = p[0].abs() == 1.0 || p[1].abs() == 1.0;
         assert_eq!(*with, if on_border { 0.0 } else { *without }, "{p:?}");
@@ -223,7 +231,8 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     // What is far enough from the border keeps its value to the last bit.
     let wave: Vec<f64> = plane.iter().map(|p| (9.0 * p[0]).sin() * (7.0 * p[1]).cos()).collect();
     let split = bands(&walk, &wave, 1, 6);
-    let [with, without] = [&faded, &plain].map(|params| saliency(&walk, &split, params).unwrap().map);
+    let [with, without] =
+        [&faded, &plain].map(|params| saliency(&walk, &split, params, Progress::none()).unwrap().map);
     let far = 1.0 - 2.0 * split.sigma[6];
     let inside = |p: &[f64; 3]| p[0].abs() < far && p[1].abs() < far;
     assert!(plane.iter().filter(|p| inside(p)).count() > 500);
@@ -233,15 +242,15 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     // A closed surface has no border.
     let closed = potato(2000);
     let shape = mesh(closed.points, closed.faces);
-    let walk = Decomposer::new(&shape, &OperatorParams::default());
+    let walk = Decomposer::new(&shape);
     let split = bands(&walk, shape.points().unwrap().as_flattened(), 3, 6);
     for weighting in WEIGHTINGS {
-        let [with, without] =
-            [&faded, &plain].map(|p| saliency(&walk, &split, &p.with_weighting(weighting)).unwrap().map);
+        let [with, without] = [&faded, &plain]
+            .map(|p| saliency(&walk, &split, &p.with_weighting(weighting), Progress::none()).unwrap().map);
         assert!(with == without, "{weighting:?}");
     }
     for sigmas in [-1.0, f64::NAN, f64::INFINITY] {
-        let error = saliency(&walk, &split, &faded.with_border_sigmas(sigmas)).unwrap_err();
+        let error = saliency(&walk, &split, &faded.with_border_sigmas(sigmas), Progress::none()).unwrap_err();
         assert!(error.to_string().contains(&sigmas.to_string()), "{error}");
     }
 }
@@ -260,16 +269,17 @@ fn a_mask_is_left_out_and_not_spread() {
     assert!(flags.iter().any(|&f| f) && !flags.iter().all(|&f| f));
     let masked = whole.masked(&flags).unwrap();
     let split = bands(&masked, &signal, 1, 6);
-    for band in split.scaling.iter().chain(&split.wavelet) {
+    let in_order = in_shape_order(&masked, &signal, 1, 6);
+    for band in in_order.as_slice().chunks_exact(signal.len()) {
         assert!(band.iter().zip(&flags).all(|(v, &out)| v.is_nan() == out));
     }
     // What stands in the gap makes no difference, and constants stay constant up to its rim.
     let filled: Vec<f64> = signal.iter().map(|v| if v.is_nan() { 1e9 } else { *v }).collect();
     let same = bands(&masked, &filled, 1, 6);
-    assert!(same.wavelet[5].iter().zip(&split.wavelet[5]).all(|(a, b)| a == b || (a.is_nan() && b.is_nan())));
+    assert!(same.wavelet(6).iter().zip(split.wavelet(6)).all(|(a, b)| a == b || (a.is_nan() && b.is_nan())));
     let constant: Vec<f64> = signal.iter().map(|v| if v.is_nan() { *v } else { 2.5 }).collect();
     let still = bands(&masked, &constant, 1, 6);
-    assert!(still.wavelet.iter().flatten().all(|w| w.is_nan() || *w == 0.0));
+    assert!(still.levels.iter().flatten().all(|w| w.is_nan() || *w == 0.0));
     // Rows are distributions over what is left.
     let left_out = masked.mask_flags().unwrap();
     for x in 0..left_out.len() {
@@ -278,11 +288,12 @@ fn a_mask_is_left_out_and_not_spread() {
         let sum: f64 = weights.iter().sum();
         assert!(columns.is_empty() || (sum - 0.5).abs() < ROUNDING);
     }
-    let map = saliency(&masked, &split, &SaliencyParams::default()).unwrap().map;
+    let map = saliency(&masked, &split, &SaliencyParams::default(), Progress::none()).unwrap().map;
     assert!(map.iter().zip(&flags).all(|(v, &out)| v.is_nan() == out));
-    let found = features(&masked, &split, &FeatureParams::default().with_theta(1.6)).unwrap();
+    let found =
+        features(&masked, &split, &FeatureParams::default().with_theta(1.6), Progress::none()).unwrap();
     assert!(found.iter().all(|f| !flags[f.vertex]));
-    let energy = split.energy(&masked.areas());
+    let energy = in_order.energy(&masked.areas()).unwrap();
     assert!(energy.iter().all(|e| e.is_finite() && *e > 0.0));
     let nothing = whole.masked(&vec![true; flags.len()]).unwrap_err().to_string();
     assert!(nothing.contains("NaN at all"), "{nothing}");
@@ -296,8 +307,8 @@ fn a_mask_that_is_empty_changes_nothing_beyond_rounding() {
     let masked = whole.masked(&vec![false; shape.n_vertices()]).unwrap();
     let signal: Vec<f64> = shape.points().unwrap().iter().map(|p| p[0]).collect();
     let (a, b) = (bands(&whole, &signal, 1, 5), bands(&masked, &signal, 1, 5));
-    let largest = a.wavelet[4].iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    assert!(a.wavelet[4].iter().zip(&b.wavelet[4]).all(|(x, y)| (x - y).abs() < COMMUTES * largest));
+    let largest = a.wavelet(5).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    assert!(a.wavelet(5).iter().zip(b.wavelet(5)).all(|(x, y)| (x - y).abs() < COMMUTES * largest));
     assert!((whole.diffusion().step_length() / masked.diffusion().step_length() - 1.0).abs() < ROUNDING);
 }
 
@@ -324,15 +335,20 @@ fn options_reject_and_keep_what_they_say() {
     let walk = walk(&shape);
     let default = FeatureParams::default().with_theta(1.2).with_response(Response::Literal);
     let ridge = bands(&walk, &ridge, 1, 8);
-    assert!(!features(&walk, &ridge, &default).unwrap().is_empty());
-    assert_eq!(features(&walk, &ridge, &default.with_max_edge_ratio(10.0)).unwrap(), []);
+    assert!(!features(&walk, &ridge, &default, Progress::none()).unwrap().is_empty());
+    assert_eq!(features(&walk, &ridge, &default.with_max_edge_ratio(10.0), Progress::none()).unwrap(), []);
     let bump = bands(&walk, &bump, 1, 8);
-    let found = features(&walk, &bump, &default.with_max_edge_ratio(10.0).with_border_sigmas(1.0)).unwrap();
+    let found =
+        features(&walk, &bump, &default.with_max_edge_ratio(10.0).with_border_sigmas(1.0), Progress::none())
+            .unwrap();
     assert!(found.iter().any(|f| f.response > 0.0));
-    assert_eq!(features(&walk, &bump, &default.with_border_sigmas(50.0)).unwrap(), []);
-    let all = features(&walk, &bump, &default).unwrap();
+    assert_eq!(features(&walk, &bump, &default.with_border_sigmas(50.0), Progress::none()).unwrap(), []);
+    let all = features(&walk, &bump, &default, Progress::none()).unwrap();
     let strongest = all.iter().max_by(|a, b| a.strength.total_cmp(&b.strength)).unwrap();
-    assert_eq!(features(&walk, &bump, &default.with_best(1)).unwrap(), std::slice::from_ref(strongest));
+    assert_eq!(
+        features(&walk, &bump, &default.with_best(1), Progress::none()).unwrap(),
+        std::slice::from_ref(strongest)
+    );
     assert_eq!(spread_best(&all, usize::MAX), all);
 }
 
@@ -354,7 +370,7 @@ fn a_rough_component_does_not_hide_a_smooth_one_when_each_has_its_threshold() {
     let bands = bands(&walk, &signal, 1, 7);
     let literal = FeatureParams::default().with_response(Response::Literal);
     let smooth = |scope| {
-        let found = features(&walk, &bands, &literal.with_scope(scope)).unwrap();
+        let found = features(&walk, &bands, &literal.with_scope(scope), Progress::none()).unwrap();
         found.iter().filter(|f| f.vertex < n).count()
     };
     assert_eq!(smooth(ThresholdScope::Shape), 0);
@@ -368,13 +384,13 @@ fn features_are_found_again_when_the_shape_is_turned_and_scaled_and_descriptors_
     let reference_walk = walk(&shape);
     let reference_bands = bands(&reference_walk, shape.points().unwrap().as_flattened(), 3, 8);
     let params = FeatureParams::default();
-    let reference = features(&reference_walk, &reference_bands, &params).unwrap();
+    let reference = features(&reference_walk, &reference_bands, &params, Progress::none()).unwrap();
     let descriptors = describe(&reference_walk, &reference_bands, &reference);
     for step in [Change::Rotation { seed: 3 }, Change::Scaling { factor: 7.0 }] {
         let changed = change(&shape, &reference_walk, &step).unwrap();
         let walk = walk(&changed.shape);
         let bands = bands(&walk, changed.shape.points().unwrap().as_flattened(), 3, 8);
-        let found = features(&walk, &bands, &params).unwrap();
+        let found = features(&walk, &bands, &params, Progress::none()).unwrap();
         for level in repeatability(&reference, &found, &changed, &RepeatabilityParams::default()) {
             assert_eq!(level.n_found, level.n_reference, "{step:?}");
         }
@@ -395,22 +411,34 @@ fn bad_parameters_are_named() {
     let walk = walk(&shape);
     let two = bands(&walk, shape.points().unwrap().as_flattened(), 3, 2);
     assert_eq!(
-        features(&walk, &two, &FeatureParams::default()),
+        features(&walk, &two, &FeatureParams::default(), Progress::none()),
         Err(FeatureError::TooFewLevels { n_levels: 2 })
     );
-    let error = saliency(&walk, &two, &SaliencyParams::default()).unwrap_err();
+    let error = saliency(&walk, &two, &SaliencyParams::default(), Progress::none()).unwrap_err();
     assert_eq!(error, SaliencyError::NoLevelLeft { skip: 2, n_levels: 2 });
     let three = bands(&walk, shape.points().unwrap().as_flattened(), 3, 3);
     for theta in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = features(&walk, &three, &FeatureParams::default().with_theta(theta)).unwrap_err();
+        let error = features(&walk, &three, &FeatureParams::default().with_theta(theta), Progress::none())
+            .unwrap_err();
         assert!(error.to_string().contains('θ'));
     }
-    assert!(features(&walk, &three, &FeatureParams::default().with_max_edge_ratio(0.5)).is_err());
-    assert!(features(&walk, &three, &FeatureParams::default().with_border_sigmas(f64::NAN)).is_err());
+    assert!(
+        features(&walk, &three, &FeatureParams::default().with_max_edge_ratio(0.5), Progress::none())
+            .is_err()
+    );
+    assert!(
+        features(&walk, &three, &FeatureParams::default().with_border_sigmas(f64::NAN), Progress::none())
+            .is_err()
+    );
     let other = Shape::Cloud(PointCloud::new(vec![[0.0; 3], [1.0; 3]]).unwrap());
-    let other = Decomposer::new(&other, &OperatorParams::default().with_weld(WeldMode::Off));
+    let other = Decomposer::with_params(
+        &other,
+        &OperatorParams::default().with_weld(WeldMode::Off),
+        Progress::none(),
+    )
+    .expect("nobody can stop this");
     assert!(matches!(
-        features(&other, &three, &FeatureParams::default()),
+        features(&other, &three, &FeatureParams::default(), Progress::none()),
         Err(FeatureError::OtherShape { n_vertices: 2, .. })
     ));
 }

@@ -8,11 +8,12 @@
 mod shapes;
 
 use adwave::Progress;
-use adwave::bands::{BandsParams, Engine, Schedule, Transform, decompose, smooth, weighted_bands};
+use adwave::bands::{BandsParams, Engine, Schedule, Transform, smooth};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
 use adwave::shape::{PreparedGeometry, Shape};
 use adwave::sparse::apply;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Relative error that every band may have.
@@ -54,7 +55,7 @@ fn outputs(levels: usize, len: usize) -> Vec<Vec<f64>> {
 }
 
 fn wavelets_into(
-    transform: &Transform<'_>,
+    transform: &Transform,
     signal: &[f64],
     levels: usize,
     outs: &mut [Vec<f64>],
@@ -67,14 +68,14 @@ fn wavelets_into(
 struct Subject {
     shape: Shape,
     geometry: PreparedGeometry,
-    diffusion: Diffusion,
+    diffusion: Arc<Diffusion>,
 }
 
 impl Subject {
     fn new(triangles: shapes::Triangles) -> Self {
         let (shape, params) = (triangles.into_shape(), OperatorParams::default());
         let geometry = PreparedGeometry::new(&shape, params.weld);
-        let diffusion = Diffusion::new(local_operator(&shape, &geometry, &params));
+        let diffusion = Arc::new(Diffusion::new(local_operator(&shape, &geometry, &params)));
         Self { shape, geometry, diffusion }
     }
 
@@ -82,8 +83,8 @@ impl Subject {
         self.geometry.points.as_flattened()
     }
 
-    fn transform(&self, accuracy: f64) -> Transform<'_> {
-        Transform::new(&self.diffusion, &BandsParams::default().with_accuracy(accuracy))
+    fn transform(&self, accuracy: f64) -> Transform {
+        Transform::new(Arc::clone(&self.diffusion), &BandsParams::default().with_accuracy(accuracy))
             .expect("a valid accuracy")
     }
 }
@@ -135,7 +136,7 @@ fn transform(subject: &Subject, levels: usize, bandwidth: f64, one_product: f64)
 /// Relative error of every band against repeated products.
 fn errors(subject: &Subject, levels: usize, outs: &[Vec<f64>]) {
     let params = BandsParams::default().with_engine(Engine::Powers);
-    let powers = Transform::new(&subject.diffusion, &params).expect("a valid accuracy");
+    let powers = Transform::new(Arc::clone(&subject.diffusion), &params).expect("a valid accuracy");
     let mut exact = outputs(levels, subject.signal().len());
     wavelets_into(&powers, subject.signal(), levels, &mut exact);
     let errors: Vec<String> = outs
@@ -157,13 +158,15 @@ fn one_off(subject: &Subject, levels: usize) {
     let params = BandsParams::default().with_accuracy(ACCURACY);
     let (diffusion, vertex_map) = (&subject.diffusion, &subject.geometry.vertex_map);
     let (least, median) = time(5, || {
-        decompose(diffusion, vertex_map, signal, 3, &schedule, &params, Progress::none())
-            .expect("a valid request");
+        let transform = Transform::new(Arc::clone(diffusion), &params).expect("a valid accuracy");
+        transform.bands(vertex_map, signal, 3, &schedule, Progress::none()).expect("a valid request");
     });
     println!(r#"{{"name":"decompose","levels":{levels},"min":{least},"median":{median}}}"#);
     let factors = vec![0.5; levels];
     let (least, median) = time(5, || {
-        weighted_bands(diffusion, vertex_map, signal, 3, &schedule, &factors, &params, Progress::none())
+        let transform = Transform::new(Arc::clone(diffusion), &params).expect("a valid accuracy");
+        transform
+            .weighted(vertex_map, signal, 3, &schedule, &factors, Progress::none())
             .expect("a valid request");
     });
     println!(r#"{{"name":"weighted_bands","levels":{levels},"min":{least},"median":{median}}}"#);

@@ -1,19 +1,28 @@
-//! Bands of a signal: schedules of levels, scaling and wavelet coefficients, reconstruction.
+//! Bands of a signal: schedules of levels, scaling and wavelet coefficients, reconstruction (eq. 11 and 15).
+//!
+//! [`Transform`] is the diffusion operator prepared for many signals. It gives [`Bands`] in the order of the shape,
+//! [`Wavelets`] in the analysis order, or a weighted sum of bands, each at the cost of its products only.
 
+#[expect(clippy::module_inception, reason = "the file of the type `Bands`")]
+mod bands;
 mod chebyshev;
-mod decompose;
+mod error;
 mod params;
 mod powers;
 mod real_series;
 mod schedule;
 mod series;
+mod shape_order;
 mod transform;
+mod wavelets;
 
-pub(crate) use decompose::check_signal;
-pub use decompose::{Bands, BandsError, decompose, forecast_bytes, weighted_bands};
+pub use bands::Bands;
+pub use error::BandsError;
+pub(crate) use error::check_signal;
 pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
 pub use powers::smooth;
 pub use schedule::{
     DEFAULT_REACH, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
 };
 pub use transform::Transform;
+pub use wavelets::Wavelets;

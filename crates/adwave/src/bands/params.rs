@@ -28,7 +28,7 @@ pub enum Engine {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandsParams {
-    /// The largest relative error `‖error of W_f(j)‖ / ‖W_f(j)‖` of each band, norms weighted by the stationary law;
+    /// The largest relative error `‖error of W_f(j)‖ / ‖W_f(j)‖` of each band, norms weighted by the stationary distribution;
     /// 1e-13 … 0.1. What rounding the signal itself to double precision costs comes on top.
     pub accuracy: f64,
     /// The method; for tests and benchmarks.
@@ -60,6 +60,11 @@ impl BandsParams {
     #[must_use]
     pub fn with_max_bytes(self, max_bytes: u64) -> Self {
         Self { max_bytes: Some(max_bytes), ..self }
+    }
+
+    /// The parameters, if the accuracy can be promised.
+    pub(super) fn checked(&self) -> Result<Self, BandsError> {
+        self.check().map(|()| *self)
     }
 
     /// Checks that the accuracy can be promised.

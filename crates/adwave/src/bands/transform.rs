@@ -1,56 +1,89 @@
-//! The walk prepared once, for the bands of many signals.
+//! The diffusion operator prepared once, for the bands of many signals.
 
 use super::chebyshev::{Outcome, Prepared};
+use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, LADDER, Rung};
 use super::series::{Growth, Series};
-use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
+use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule};
 use crate::operator::Diffusion;
-use crate::shape::VertexMap;
-use crate::sparse::{MAX_CHANNELS, TiledDiffusion, apply, difference, zeros};
+use crate::parallel;
+use crate::sparse::{apply, difference};
 use crate::{Cancelled, Progress};
-use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
 
-/// A walk made ready to split signals into bands, in the order of the analysis (the order of the diffusion's rows).
+/// A diffusion operator made ready to split signals into bands, in the analysis order (the order of its rows).
+///
+/// It owns all that it needs and is cheap to clone: clones share the operator and the tiles that its products run on, which the
+/// first call by Chebyshev series makes.
 ///
 /// ```
 /// use adwave::bands::{BandsParams, Schedule, Transform};
 /// use adwave::{Progress, operator::Diffusion};
-/// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.5, 0.5])?;
-/// let transform = Transform::new(&walk, &BandsParams::default())?;
+/// let diffusion = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.5, 0.5])?;
+/// let transform = Transform::new(diffusion, &BandsParams::default())?;
 /// let (mut first, mut second) = ([0.0; 2], [0.0; 2]);
 /// let schedule = Schedule::dyadic(2)?;
 /// transform.wavelets_into(&[1.0, 3.0], 1, &schedule, &mut [&mut first, &mut second], Progress::none())?;
 /// assert_eq!((first, second), ([-1.0, 1.0], [0.0, 0.0])); // one step already takes the mean
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
-pub struct Transform<'a> {
-    diffusion: &'a Diffusion,
+#[derive(Clone, Debug)]
+pub struct Transform {
+    diffusion: Arc<Diffusion>,
     params: BandsParams,
     engine: Engine,
-    /// What the Chebyshev recurrence needs; none where powers are used.
-    prepared: Option<Prepared<'a>>,
+    /// What the Chebyshev recurrence needs; made by the first call that runs it.
+    prepared: Arc<OnceLock<Prepared>>,
 }
 
-impl<'a> Transform<'a> {
-    /// Prepares `diffusion`. O(entries).
+impl Transform {
+    /// Takes `diffusion` over. O(1); the first call prepares its tiles, in O(entries).
     ///
     /// # Errors
     /// [`BandsError::Accuracy`] when the accuracy cannot be promised.
-    pub fn new(diffusion: &'a Diffusion, params: &BandsParams) -> Result<Self, BandsError> {
-        params.check()?;
-        let engine = if diffusion.is_reversible() && params.engine != Engine::Powers {
-            Engine::Chebyshev
-        } else {
-            Engine::Powers
-        };
-        let prepared = (engine == Engine::Chebyshev).then(|| Prepared::new(diffusion));
-        Ok(Self { diffusion, params: *params, engine, prepared })
+    pub fn new(diffusion: impl Into<Arc<Diffusion>>, params: &BandsParams) -> Result<Self, BandsError> {
+        let diffusion = diffusion.into();
+        let (params, engine) = (params.checked()?, engine(&diffusion, params));
+        Ok(Self { diffusion, params, engine, prepared: Arc::default() })
     }
 
-    /// The walk.
-    pub fn diffusion(&self) -> &'a Diffusion {
-        self.diffusion
+    /// The same operator, its tiles shared, for other parameters. O(1).
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn with_params(&self, params: &BandsParams) -> Result<Self, BandsError> {
+        let (params, engine) = (params.checked()?, engine(&self.diffusion, params));
+        Ok(Self { params, engine, ..self.clone() })
+    }
+
+    /// Makes what the first call would make. O(entries).
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn prepare(&self, progress: Progress<'_>) -> Result<(), Cancelled> {
+        if self.engine == Engine::Chebyshev {
+            self.prepared(progress)?;
+        }
+        Ok(())
+    }
+
+    fn prepared(&self, progress: Progress<'_>) -> Result<&Prepared, Cancelled> {
+        if let Some(prepared) = self.prepared.get() {
+            return Ok(prepared);
+        }
+        // Of two threads that come here at once one does the work for nothing.
+        let prepared = Prepared::new(Arc::clone(&self.diffusion), progress)?;
+        Ok(self.prepared.get_or_init(|| prepared))
+    }
+
+    /// The diffusion operator.
+    pub fn diffusion(&self) -> &Arc<Diffusion> {
+        &self.diffusion
+    }
+
+    /// How accurately, and within which memory.
+    pub fn params(&self) -> &BandsParams {
+        &self.params
     }
 
     /// `W_f(j) = (Φ₁^{n_{j−1}} − Φ₁^{n_j}) f`, j = 1 … J, into `wavelets[j − 1]`; all n_vertices × n_channels, row-major.
@@ -58,11 +91,8 @@ impl<'a> Transform<'a> {
     /// Each within [`BandsParams::accuracy`] of its own norm. Constants give exact zeros.
     ///
     /// # Errors
-    /// [`BandsError`] when the signal has the wrong length or a value that is not finite, when steps that are not whole are
-    /// asked of a walk that is not reversible or miss the accuracy, or when cancelled.
-    ///
-    /// # Panics
-    /// Unless there is one output of the signal's length a level.
+    /// [`BandsError`] when the signal or an output has the wrong length, a value is not finite, fractional powers are asked of a
+    /// diffusion operator that is not reversible or miss the accuracy, or when cancelled.
     pub fn wavelets_into(
         &self,
         signal: &[f64],
@@ -71,13 +101,15 @@ impl<'a> Transform<'a> {
         wavelets: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<BandsInfo, BandsError> {
-        super::decompose::check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
-        assert_eq!(wavelets.len(), schedule.n_levels(), "one output a level");
-        assert!(wavelets.iter().all(|w| w.len() == signal.len()), "outputs as long as the signal");
+        check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
+        let len = wavelets.len() * signal.len();
+        let wrong = wavelets.iter().find(|w| w.len() != signal.len());
+        check_buffer(wrong.map_or(len, |w| w.len() * wavelets.len()), schedule.n_levels() * signal.len())?;
         let steps = schedule.steps_from_zero();
-        let outcome = if let Some(prepared) = &self.prepared {
+        let outcome = if self.engine == Engine::Chebyshev {
+            let prepared = self.prepared(progress)?;
             let series = |level: usize, rung| self.band(&steps[level..level + 2], rung, prepared.growth);
-            self.climb(prepared, signal, n_channels, series, wavelets, progress)?
+            self.escalate(prepared, signal, n_channels, series, wavelets, progress)?
         } else {
             let steps = whole(schedule)?;
             for wavelet in &mut *wavelets {
@@ -97,9 +129,6 @@ impl<'a> Transform<'a> {
     ///
     /// # Errors
     /// As for [`wavelets_into`](Self::wavelets_into).
-    ///
-    /// # Panics
-    /// Unless there is one finite factor a level and `out` is as long as the signal.
     pub fn weighted_into(
         &self,
         signal: &[f64],
@@ -109,18 +138,18 @@ impl<'a> Transform<'a> {
         out: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<BandsInfo, BandsError> {
-        super::decompose::check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
-        assert_eq!(factors.len(), schedule.n_levels(), "one factor a level");
-        assert!(factors.iter().all(|g| g.is_finite()), "finite factors");
-        assert_eq!(out.len(), signal.len(), "an output as long as the signal");
+        check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
+        check_factors(factors, schedule)?;
+        check_buffer(out.len(), signal.len())?;
         let steps = schedule.steps_from_zero();
-        let outcome = if let Some(prepared) = &self.prepared {
+        let outcome = if self.engine == Engine::Chebyshev {
+            let prepared = self.prepared(progress)?;
             let series = |_, rung| {
-                let bands: Vec<Series> =
-                    steps.par_windows(2).map(|pair| self.band(pair, rung, prepared.growth)).collect();
+                let band = |level: usize| self.band(&steps[level..level + 2], rung, prepared.growth);
+                let bands = parallel::map_items(self.diffusion.n_vertices(), steps.len() - 1, band);
                 Series::combination(&bands, factors, prepared.growth)
             };
-            self.climb(prepared, signal, n_channels, series, &mut [out], progress).map_err(|error| {
+            self.escalate(prepared, signal, n_channels, series, &mut [out], progress).map_err(|error| {
                 match error {
                     BandsError::Missed { level, accuracy, reached } => BandsError::Missed {
                         level: schedule.first_real().unwrap_or(level),
@@ -140,68 +169,16 @@ impl<'a> Transform<'a> {
         Ok(self.info(&outcome, n_channels))
     }
 
-    /// All bands of a signal in the order of the shape; see [`decompose`](super::decompose())
-    ///
-    /// # Errors
-    /// As for [`wavelets_into`](Self::wavelets_into).
-    pub fn decompose(
-        &self,
-        vertex_map: &VertexMap,
-        signal: &[f64],
-        n_channels: usize,
-        schedule: &Schedule,
-        progress: Progress<'_>,
-    ) -> Result<Bands, BandsError> {
-        let (n_vertices, n_levels) = (vertex_map.n_vertices(), schedule.n_levels());
-        super::decompose::check_signal(signal, n_vertices, n_channels)?;
-        let mean = vertex_map.mean(signal, n_channels);
-        let mut scaling: Vec<Vec<f64>> = (0..=n_levels).map(|_| zeros(signal.len())).collect();
-        scaling[0].par_iter_mut().zip(signal).with_min_len(1 << 14).for_each(|(s, f)| *s = *f);
-        // The wavelets come in the order of the analysis into what will hold the scaling coefficients.
-        let mut outs: Vec<&mut [f64]> = scaling[1..].iter_mut().map(|s| &mut s[..mean.len()]).collect();
-        let info = self.wavelets_into(&mean, n_channels, schedule, &mut outs, progress)?;
-        let is_welded = vertex_map.n_welded() < n_vertices;
-        let mut wavelet = Vec::with_capacity(n_levels);
-        for level in 1..=n_levels {
-            let (finer, rest) = scaling.split_at_mut(level);
-            let (fine, coarse) = (&finer[level - 1], &mut rest[0]);
-            let mut band = zeros(signal.len());
-            band.par_chunks_exact_mut(n_channels).with_min_len(1 << 12).enumerate().for_each(|(x, band)| {
-                band.copy_from_slice(&coarse[vertex_map.welded(x) * n_channels..][..n_channels]);
-            });
-            if level == 1 && is_welded {
-                finish_welded(vertex_map, &mean, signal, n_channels, coarse, &mut band);
-            } else {
-                coarse
-                    .par_iter_mut()
-                    .zip(fine)
-                    .zip(&band)
-                    .with_min_len(1 << 14)
-                    .for_each(|((s, fine), w)| *s = fine - w);
-            }
-            wavelet.push(band);
-        }
-        Ok(Bands {
-            n_vertices,
-            n_channels,
-            steps: schedule.steps_from_zero(),
-            sigma: schedule.sigma(self.diffusion.step_length()),
-            scaling,
-            wavelet,
-            info,
-        })
-    }
-
     /// The series of the band between two numbers of steps.
     fn band(&self, pair: &[f64], rung: Rung, growth: Growth) -> Series {
         real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth)
     }
 
-    /// `series(i, rung)(Φ₁)·(I − Φ₁)·signal` into `outs[i]`, by the first rung of the ladder that is good enough for each.
-    /// Series of whole steps are the same on every rung, and done with the first.
-    fn climb(
+    /// `series(i, rung)(Φ₁)·(I − Φ₁)·signal` into `outs[i]`, by degree escalation: the first degree that is good enough for each.
+    /// Series of whole steps are the same for every degree, and done with the first.
+    fn escalate(
         &self,
-        prepared: &Prepared<'_>,
+        prepared: &Prepared,
         signal: &[f64],
         n_channels: usize,
         series: impl Fn(usize, Rung) -> Series + Sync,
@@ -216,7 +193,8 @@ impl<'a> Transform<'a> {
             let made = |&(i, _): &(usize, f64)| {
                 if progress.is_cancelled() { Err(Cancelled) } else { Ok(series(i, rung)) }
             };
-            let these: Vec<Series> = missed.par_iter().map(made).collect::<Result<_, _>>()?;
+            let these = parallel::map_items(self.diffusion.n_vertices(), missed.len(), |i| made(&missed[i]));
+            let these = these.into_iter().collect::<Result<Vec<Series>, _>>()?;
             let is_guarded = these.iter().any(|s| s.rest.guarded > 0.0);
             let guard = if is_guarded { rung.guard() } else { Vec::new() };
             let mut wanted = missed.iter().map(|&(i, _)| i).peekable();
@@ -254,12 +232,12 @@ impl<'a> Transform<'a> {
         let total = steps[steps.len() - 1];
         let mut now = vec![0.0; signal.len()];
         let mut next = vec![0.0; signal.len()];
-        difference(self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now);
+        difference(&self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now);
         for (level, range) in steps.windows(2).enumerate() {
             for i in range[0]..range[1] {
                 progress.step(i, total)?;
                 if i > 0 {
-                    apply(self.diffusion, &now, &mut next, n_channels);
+                    apply(&self.diffusion, &now, &mut next, n_channels);
                     std::mem::swap(&mut now, &mut next);
                 }
                 each(level, &now);
@@ -281,29 +259,35 @@ impl<'a> Transform<'a> {
         }
     }
 
-    /// Bytes that a transform of `diffusion` will take at most, beyond the signal, its bands and the diffusion.
+    /// Bytes that a transform of `diffusion` will take at most, beyond the signal, its bands and the operator.
     pub fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
-        let n = diffusion.n_vertices() as u64;
         if diffusion.is_reversible() {
-            TiledDiffusion::forecast_bytes(diffusion)
-                + 8 * n
-                + 4 * 8 * n * n_channels.min(MAX_CHANNELS) as u64
+            Prepared::forecast_bytes(diffusion, n_channels)
         } else {
-            2 * 8 * n * n_channels as u64
+            Self::powers_bytes(diffusion, n_channels)
         }
     }
 
-    /// Bytes that a call takes beyond the signal and its bands, what is prepared here and the diffusion included.
+    /// Bytes that a call takes beyond the signal and its bands, what is prepared here and the operator included.
     pub fn working_bytes(&self, n_channels: usize) -> u64 {
-        let n = self.diffusion.n_vertices() as u64;
-        let diffusion = self.diffusion.bytes();
-        match &self.prepared {
-            Some(prepared) => {
-                let width = n_channels.min(MAX_CHANNELS) as u64;
-                diffusion + prepared.walk.bytes() + 8 * n + 4 * 8 * n * width
-            }
-            None => diffusion + 2 * 8 * n * n_channels as u64,
+        match self.prepared.get() {
+            Some(prepared) if self.engine == Engine::Chebyshev => prepared.working_bytes(n_channels),
+            _ => self.diffusion.bytes() + Self::powers_bytes(&self.diffusion, n_channels),
         }
+    }
+
+    /// Bytes of the two vectors that powers take turns in.
+    fn powers_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
+        2 * 8 * (diffusion.n_vertices() * n_channels) as u64
+    }
+}
+
+/// The method that is used where `params` leave the choice.
+fn engine(diffusion: &Diffusion, params: &BandsParams) -> Engine {
+    if diffusion.is_reversible() && params.engine != Engine::Powers {
+        Engine::Chebyshev
+    } else {
+        Engine::Powers
     }
 }
 
@@ -318,30 +302,9 @@ fn whole(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
 }
 
 fn add(factor: f64, now: &[f64], out: &mut [f64]) {
-    out.par_iter_mut().zip(now).with_min_len(1 << 14).for_each(|(out, v)| *out += factor * v);
-}
-
-/// S_f(1) and W_f(1) where vertices are welded: S_f(1) is one value for all of them, and what tells them apart is in
-/// W_f(1).
-fn finish_welded(
-    vertex_map: &VertexMap,
-    mean: &[f64],
-    signal: &[f64],
-    n_channels: usize,
-    scaling: &mut [f64],
-    wavelet: &mut [f64],
-) {
-    scaling
-        .par_chunks_exact_mut(n_channels)
-        .zip(wavelet.par_chunks_exact_mut(n_channels))
-        .zip(signal.par_chunks_exact(n_channels))
-        .with_min_len(1 << 12)
-        .enumerate()
-        .for_each(|(x, ((scaling, wavelet), signal))| {
-            let mean = &mean[vertex_map.welded(x) * n_channels..][..n_channels];
-            for (((s, w), f), m) in scaling.iter_mut().zip(wavelet).zip(signal).zip(mean) {
-                *s = m - *w;
-                *w += f - m;
-            }
-        });
+    parallel::for_rows(out, 1, super::bands::VALUES_AT_A_TIME, |first, out| {
+        for (out, v) in out.iter_mut().zip(&now[first..]) {
+            *out += factor * v;
+        }
+    });
 }

@@ -1,6 +1,7 @@
 //! The best N features, well spread.
 
 use super::Feature;
+use crate::parallel;
 
 /// How much stronger a feature must be to suppress another: without a margin, noise decides between equals.
 const ROBUST: f64 = 0.9;
@@ -11,14 +12,13 @@ const ROBUST: f64 = 0.9;
 /// Source: Brown, Szeliski and Winder, "Multi-image matching using multi-scale oriented patches", 2005 (adaptive
 /// non-maximal suppression).
 pub fn spread_best(features: &[Feature], n: usize) -> Vec<Feature> {
-    use rayon::prelude::*;
     let radius = |a: &Feature| {
         let Some(p) = a.position else { return f64::INFINITY };
         let stronger = features.iter().filter(|b| ROBUST * b.strength > a.strength);
         let squared = |b: &Feature| b.position.map(|q| crate::shape::squared_distance(&p, &q));
         stronger.filter_map(squared).fold(f64::INFINITY, f64::min)
     };
-    let radii: Vec<f64> = features.par_iter().map(radius).collect();
+    let radii: Vec<f64> = parallel::map_items(features.len(), features.len(), |k| radius(&features[k]));
     let mut order: Vec<usize> = (0..features.len()).collect();
     order.sort_by(|&a, &b| {
         let by_strength = features[b].strength.total_cmp(&features[a].strength);

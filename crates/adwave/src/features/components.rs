@@ -1,7 +1,8 @@
 //! Thresholds for each connected component.
 
 use super::ThresholdScope;
-use crate::band_norms::BandNorms;
+use super::response::Level;
+use crate::population::Population;
 use crate::shape::Adjacency;
 
 /// Which component each vertex belongs to, numbered by their first vertices, and how many there are.
@@ -47,11 +48,12 @@ impl Means {
     }
 
     /// The mean of each group.
-    pub(super) fn of(&self, reader: &BandNorms<'_>, values: &[f64]) -> Vec<f64> {
-        let Some(component) = &self.component else { return vec![reader.mean(values)] };
+    pub(super) fn of(&self, population: &Population<'_>, level: &Level<'_>) -> Vec<f64> {
+        let n = level.len();
+        let Some(component) = &self.component else { return vec![population.mean_of(n, |x| level.at(x))] };
         let (mut sum, mut count) = (vec![0.0; self.n_components], vec![0_u32; self.n_components]);
-        for (x, r) in values.iter().enumerate().filter(|(x, _)| !reader.is_masked(*x)) {
-            sum[component[x] as usize] += r.abs();
+        for x in (0..n).filter(|&x| !population.is_masked(x)) {
+            sum[component[x] as usize] += level.at(x).abs();
             count[component[x] as usize] += 1;
         }
         sum.iter().zip(&count).map(|(s, &n)| if n > 0 { s / f64::from(n) } else { 0.0 }).collect()

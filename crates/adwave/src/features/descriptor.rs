@@ -1,13 +1,13 @@
 //! What a feature's surroundings look like, as a row of numbers that can be compared.
 
 use super::Feature;
-use super::response::layers;
+use super::response::{Level, layers};
 use crate::Decomposer;
-use crate::band_norms::BandNorms;
-use crate::bands::Bands;
+use crate::bands::Wavelets;
 use crate::features::Response;
+use crate::parallel;
+use crate::population::Population;
 use crate::shape::squared_distance;
-use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// Levels on each side of the feature's own that it looks at.
@@ -35,26 +35,27 @@ pub type Descriptor = [f64; DESCRIPTOR_LENGTH];
 ///
 /// # Panics
 /// When the features or the bands are not those of the shape.
-pub fn describe(decomposer: &Decomposer, bands: &Bands, features: &[Feature]) -> Vec<Descriptor> {
-    let reader = BandNorms::new(decomposer);
-    let layers = layers(&reader, bands, Response::Normalised);
+pub fn describe(decomposer: &Decomposer, wavelets: &Wavelets, features: &[Feature]) -> Vec<Descriptor> {
+    let layers = layers(&Population::new(decomposer), wavelets, Response::Normalised);
     let levels = &layers[0].levels;
     let areas = decomposer.welded_areas();
-    features.par_iter().map(|feature| descriptor(decomposer, levels, areas, feature)).collect()
+    parallel::map_items(decomposer.n_vertices(), features.len(), |k| {
+        descriptor(decomposer, levels, areas, &features[k])
+    })
 }
 
-fn descriptor(decomposer: &Decomposer, levels: &[Vec<f64>], areas: &[f64], feature: &Feature) -> Descriptor {
+fn descriptor(decomposer: &Decomposer, levels: &[Level<'_>], areas: &[f64], feature: &Feature) -> Descriptor {
     let x = decomposer.geometry().vertex_map.welded(feature.vertex);
     let mut numbers = [0.0; DESCRIPTOR_LENGTH];
     let mut ring_areas = [0.0; RINGS];
     let first = feature.level as isize - LEVELS_BESIDE as isize;
-    let looked_at: Vec<(usize, &Vec<f64>)> = (0..LEVELS)
+    let looked_at: Vec<(usize, &Level<'_>)> = (0..LEVELS)
         .filter_map(|k| Some((k, levels.get(usize::try_from(first + k as isize - 1).ok()?)?)))
         .collect();
     for (y, ring) in within(decomposer, x, feature.sigma) {
         ring_areas[ring] += areas[y];
         for &(k, level) in &looked_at {
-            let r = level[y];
+            let r = level.at(y);
             let part = usize::from(r < 0.0);
             numbers[k * PER_LEVEL + 2 * ring + part] += areas[y] * r * r;
         }
@@ -66,7 +67,7 @@ fn descriptor(decomposer: &Decomposer, levels: &[Vec<f64>], areas: &[f64], featu
                 *v = if area > 0.0 { (*v / area).sqrt() } else { 0.0 };
             }
         }
-        row[2 * RINGS] = level[x];
+        row[2 * RINGS] = level.at(x);
     }
     let norm = numbers.iter().map(|v| v * v).sum::<f64>().sqrt();
     if norm > 0.0 {

@@ -4,11 +4,10 @@ use super::components::Means;
 use super::refine::{Local, edge_ratio, refined_position, refined_sigma};
 use super::response::{Layer, layers};
 use super::{Feature, FeatureError, FeatureParams, Refinement, spread_best};
-use crate::Decomposer;
-use crate::band_norms::BandNorms;
-use crate::bands::Bands;
+use crate::bands::Wavelets;
+use crate::population::Population;
 use crate::shape::Adjacency;
-use rayon::prelude::*;
+use crate::{Cancelled, Decomposer, Progress, parallel};
 
 /// Vertices that a thread looks at at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
@@ -26,70 +25,70 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 /// [`FeatureError`] with fewer than 3 levels, a θ that is not above 0, an option without meaning, or another shape's bands.
 ///
 /// ```
-/// use adwave::bands::{BandsParams, Schedule};
 /// use adwave::features::{FeatureParams, Response, features};
 /// use adwave::sample::Sample;
-/// use adwave::{Decomposer, Progress, operator::OperatorParams, shape::{Mesh, Shape}};
+/// use adwave::{Decomposer, Progress, bands::Schedule, shape::{Mesh, Shape}};
 /// let sphere = Sample::by_name("sphere", Some(2000))?;
 /// // A bump of the signal round the vertex 7.
 /// let top = sphere.points[7];
 /// let height = |p: &[f64; 3]| (-(0..3).map(|c| (p[c] - top[c]).powi(2)).sum::<f64>() / 0.04).exp();
 /// let signal: Vec<f64> = sphere.points.iter().map(height).collect();
 /// let shape = Shape::Mesh(Mesh::new(sphere.points, sphere.faces)?);
-/// let walk = Decomposer::new(&shape, &OperatorParams::default());
-/// let bands = walk.decompose(&signal, 1, &Schedule::dyadic(8)?, &BandsParams::default(), Progress::none())?;
+/// let decomposer = Decomposer::new(&shape);
+/// let wavelets = decomposer.request(&signal, 1, &Schedule::dyadic(8)?).norms()?;
 /// let params = FeatureParams::default().with_response(Response::Literal);
-/// let found = features(&walk, &bands, &params)?;
+/// let found = features(&decomposer, &wavelets, &params, Progress::none())?;
 /// let strongest = found.iter().max_by(|a, b| a.strength.total_cmp(&b.strength)).unwrap();
 /// assert_eq!((strongest.vertex, strongest.sign()), (7, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn features(
     decomposer: &Decomposer,
-    bands: &Bands,
+    wavelets: &Wavelets,
     params: &FeatureParams,
+    progress: Progress<'_>,
 ) -> Result<Vec<Feature>, FeatureError> {
     params.check()?;
-    let n_levels = bands.n_levels();
+    let n_levels = wavelets.n_levels();
     if n_levels < 3 {
         return Err(FeatureError::TooFewLevels { n_levels });
     }
-    if bands.n_vertices != decomposer.n_vertices() {
-        return Err(FeatureError::OtherShape {
-            n_bands: bands.n_vertices,
-            n_vertices: decomposer.n_vertices(),
-        });
+    let (n_bands, n_vertices) = (wavelets.n_welded(), decomposer.geometry().n_vertices());
+    if n_bands != n_vertices {
+        return Err(FeatureError::OtherShape { n_bands, n_vertices });
     }
-    let reader = BandNorms::new(decomposer);
+    let population = Population::new(decomposer);
     let ring = decomposer.ring();
-    let hood = Neighbourhood { ring: &ring, rings: if decomposer.is_cloud() { 1 } else { 2 } };
+    let neighbourhood = Neighbourhood { ring: &ring, rings: if decomposer.is_cloud() { 1 } else { 2 } };
     let means = Means::new(&ring, params.scope);
     let mut found: Vec<(usize, Feature)> = Vec::new();
-    for layer in layers(&reader, bands, params.response) {
+    for layer in layers(&population, wavelets, params.response) {
         for j in 2..n_levels {
-            let mean = means.of(&reader, &layer.levels[j - 1]);
-            let search = Search { layer: &layer, hood: &hood, j };
+            progress.step(j as u64 - 2, n_levels as u64 - 2)?;
+            let level = &layer.levels[j - 1];
+            let mean = means.of(&population, level);
+            let search = Search { layer: &layer, neighbourhood: &neighbourhood, j };
             let floor = |x: usize| params.theta * mean[means.group(x)];
-            for x in search.run(&floor) {
-                let local = Local::new(decomposer, &hood.of(x), x);
+            for x in search.run(&floor, progress)? {
+                let local = Local::new(decomposer, &neighbourhood.of(x), x);
                 if let Some(most) = params.max_edge_ratio
-                    && edge_ratio(&local, &layer.levels[j - 1]).is_none_or(|ratio| ratio > most)
+                    && edge_ratio(&local, level).is_none_or(|ratio| ratio > most)
                 {
                     continue;
                 }
-                let response = layer.levels[j - 1][x];
+                let response = level.at(x);
                 let mut feature = Feature {
-                    vertex: reader.vertex(x),
+                    vertex: x,
                     position: decomposer.geometry().points.get(x).copied(),
                     level: j,
-                    sigma: bands.sigma[j],
+                    sigma: wavelets.sigma[j],
                     response,
                     strength: response.abs() / mean[means.group(x)],
                     channel: layer.channel,
                 };
                 if params.refinement == Refinement::Quadratic {
-                    feature.sigma = refined_sigma(&bands.sigma, &layer.levels, j, x);
-                    feature.position = refined_position(&local, &layer.levels[j - 1]).or(feature.position);
+                    feature.sigma = refined_sigma(&wavelets.sigma, &layer.levels, j, x);
+                    feature.position = refined_position(&local, level).or(feature.position);
                 }
                 found.push((x, feature));
             }
@@ -97,18 +96,29 @@ pub fn features(
     }
     if let Some(sigmas) = params.border_sigmas {
         let widest = found.iter().map(|(_, f)| f.sigma).fold(0.0, f64::max);
-        let distance = decomposer.distance_from_border(sigmas * widest);
+        let distance = decomposer.distance_from_border(sigmas * widest, progress)?;
         found.retain(|(x, f)| distance[*x] > sigmas * f.sigma);
     }
     found.sort_by(|(x, a), (y, b)| {
         let by_level = a.level.cmp(&b.level).then(b.strength.total_cmp(&a.strength));
         by_level.then(x.cmp(y)).then(a.channel.cmp(&b.channel))
     });
-    let found: Vec<Feature> = found.into_iter().map(|(_, feature)| feature).collect();
+    let first = first_members(decomposer);
+    let of_shape = |(x, feature): (usize, Feature)| Feature { vertex: first[x] as usize, ..feature };
+    let found: Vec<Feature> = found.into_iter().map(of_shape).collect();
     Ok(match params.best {
         Some(best) => spread_best(&found, best),
         None => found,
     })
+}
+
+/// The first vertex of the shape that is each welded vertex.
+fn first_members(decomposer: &Decomposer) -> Vec<u32> {
+    let mut first = vec![u32::MAX; decomposer.geometry().n_vertices()];
+    for (&x, vertex) in decomposer.geometry().vertex_map.as_slice().iter().zip(0..) {
+        first[x as usize] = vertex.min(first[x as usize]);
+    }
+    first
 }
 
 /// Who counts as next to whom.
@@ -140,24 +150,29 @@ impl Neighbourhood<'_> {
 
 /// The search of one level.
 struct Search<'a> {
-    layer: &'a Layer,
-    hood: &'a Neighbourhood<'a>,
+    layer: &'a Layer<'a>,
+    neighbourhood: &'a Neighbourhood<'a>,
     j: usize,
 }
 
 impl Search<'_> {
-    /// The vertices that are features, by rising index.
-    fn run(&self, floor: &(dyn Fn(usize) -> f64 + Sync)) -> Vec<usize> {
+    /// The vertices that are features, by rising index: |R(j,x)| above the floor, and an extremum over place and scale.
+    fn run(
+        &self,
+        floor: &(dyn Fn(usize) -> f64 + Sync),
+        progress: Progress<'_>,
+    ) -> Result<Vec<usize>, Cancelled> {
         let here = &self.layer.levels[self.j - 1];
-        let n = here.len();
-        let chunks: Vec<Vec<usize>> = (0..n.div_ceil(VERTICES_AT_A_TIME))
-            .into_par_iter()
-            .map(|chunk| {
-                let range = chunk * VERTICES_AT_A_TIME..((chunk + 1) * VERTICES_AT_A_TIME).min(n);
-                range.filter(|&x| here[x].abs() > floor(x) && self.is_extremum(x)).collect()
-            })
-            .collect();
-        chunks.concat()
+        let found = parallel::try_map_chunks(
+            here.len(),
+            VERTICES_AT_A_TIME,
+            progress,
+            || (),
+            |(), range| {
+                range.filter(|&x| here.at(x).abs() > floor(x) && self.is_extremum(x)).collect::<Vec<usize>>()
+            },
+        )?;
+        Ok(found.concat())
     }
 
     /// Whether R(j,x) is the largest or the smallest of its neighbourhood in place and scale.
@@ -166,8 +181,9 @@ impl Search<'_> {
             let wins = |y: usize| self.wins(sign, x, y);
             // The finer and coarser value at x itself rule most candidates out, then the first ring.
             self.wins_over_scale(sign, x)
-                && self.hood.ring.of(x).iter().all(|&y| wins(y as usize))
-                && (self.hood.rings == 1 || self.hood.of(x).iter().all(|&y| wins(y as usize)))
+                && self.neighbourhood.ring.of(x).iter().all(|&y| wins(y as usize))
+                && (self.neighbourhood.rings == 1
+                    || self.neighbourhood.of(x).iter().all(|&y| wins(y as usize)))
         })
     }
 
@@ -178,12 +194,12 @@ impl Search<'_> {
 
     /// Whether x on this level beats y on this level and the two beside it. The finer level and the lower index win ties.
     fn wins(&self, sign: f64, x: usize, y: usize) -> bool {
-        let here = sign * self.layer.levels[self.j - 1][x];
+        let here = sign * self.layer.levels[self.j - 1].at(x);
         let [finer, level, coarser] = self.levels(y).map(|r| sign * r);
         here > finer && (here > level || (here == level && x < y)) && here >= coarser
     }
 
     fn levels(&self, x: usize) -> [f64; 3] {
-        [self.j - 2, self.j - 1, self.j].map(|level| self.layer.levels[level][x])
+        [self.j - 2, self.j - 1, self.j].map(|level| self.layer.levels[level].at(x))
     }
 }

@@ -21,6 +21,7 @@ pub use matching::{Match, match_features};
 pub use params::{FEATURE_REACH, FeatureParams, Refinement, Response, ThresholdScope};
 pub use spheres::{Spheres, spheres};
 
+use crate::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
 
 /// A place where a band stands out.
@@ -75,11 +76,20 @@ pub enum FeatureError {
         least: f64,
     },
     /// The bands are those of another shape.
-    #[error("the bands are those of {n_bands} vertices, the shape has {n_vertices}")]
+    #[error("the bands are those of {n_bands} welded vertices, the shape has {n_vertices}")]
     OtherShape {
-        /// Vertices of the bands.
+        /// Welded vertices of the bands.
         n_bands: usize,
-        /// Vertices of the shape.
+        /// Welded vertices of the shape.
         n_vertices: usize,
     },
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl ClassifiedError for FeatureError {
+    fn kind(&self) -> ErrorKind {
+        if matches!(self, Self::Cancelled(_)) { ErrorKind::Cancelled } else { ErrorKind::Input }
+    }
 }

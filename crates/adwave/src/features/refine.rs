@@ -1,5 +1,6 @@
 //! Where between the vertices and the levels a response is largest, and whether it is a top or a crest.
 
+use super::response::Level;
 use crate::Decomposer;
 use crate::signal::{Frame, fit_quadric};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -45,8 +46,8 @@ impl Local {
 
 /// The ratio of the larger to the smaller principal curvature of R over the neighbourhood, ≥ 1; `None` where R is a saddle
 /// or flat in one direction, or the neighbourhood does not determine it.
-pub(super) fn edge_ratio(local: &Local, response: &[f64]) -> Option<f64> {
-    let [_, _, _, d, e, f] = local.fit(|y, _| response[y])?;
+pub(super) fn edge_ratio(local: &Local, response: &Level<'_>) -> Option<f64> {
+    let [_, _, _, d, e, f] = local.fit(|y, _| response.at(y))?;
     let (half_trace, det) = (0.5 * (d + f), d * f - e * e);
     if det <= 0.0 {
         return None;
@@ -58,10 +59,10 @@ pub(super) fn edge_ratio(local: &Local, response: &[f64]) -> Option<f64> {
 
 /// The place where the quadric through R is largest (or smallest), on the quadric through the neighbourhood's points;
 /// `None` where that is no top or further than the nearest neighbour: the vertex itself is the better answer then.
-pub(super) fn refined_position(local: &Local, response: &[f64]) -> Option<[f64; 3]> {
+pub(super) fn refined_position(local: &Local, response: &Level<'_>) -> Option<[f64; 3]> {
     let frame = local.frame.as_ref()?;
-    let [_, b, c, d, e, f] = local.fit(|y, _| response[y])?;
-    let sign = response[local.around[0].0].signum();
+    let [_, b, c, d, e, f] = local.fit(|y, _| response.at(y))?;
+    let sign = response.at(local.around[0].0).signum();
     let hessian = Matrix2::new(d, e, e, f);
     // A top of a positive response bends down in both directions, the bottom of a negative one up.
     if hessian.determinant() <= 0.0 || sign * hessian.trace() >= 0.0 {
@@ -81,10 +82,10 @@ pub(super) fn refined_position(local: &Local, response: &[f64]) -> Option<[f64; 
 
 /// The σ at which the parabola through |R| on levels j − 1, j and j + 1 over log σ is largest, half-way to the next level
 /// at most.
-pub(super) fn refined_sigma(sigma: &[f64], levels: &[Vec<f64>], j: usize, x: usize) -> f64 {
+pub(super) fn refined_sigma(sigma: &[f64], levels: &[Level<'_>], j: usize, x: usize) -> f64 {
     let [before, here, after] = [j - 1, j, j + 1].map(|j| sigma[j].ln());
-    let sign = levels[j - 1][x].signum();
-    let [p, q, r] = [j - 2, j - 1, j].map(|level| sign * levels[level][x]);
+    let sign = levels[j - 1].at(x).signum();
+    let [p, q, r] = [j - 2, j - 1, j].map(|level| sign * levels[level].at(x));
     let (left, right) = (here - before, after - here);
     let (up, down) = ((q - p) / left, (r - q) / right);
     // The divided differences fall across a maximum.

@@ -1,42 +1,60 @@
 //! The responses R(j) of a signal's bands.
 
 use super::Response;
-use crate::band_norms::BandNorms;
-use crate::bands::Bands;
-use rayon::prelude::*;
+use crate::bands::Wavelets;
+use crate::population::Population;
+use std::borrow::Cow;
 
-/// R at the vertices of the analysis, for each level; NaN at what is left out of the walk.
-pub(super) struct Layer {
+/// R at the welded vertices, for each level; NaN at masked vertices.
+pub(super) struct Layer<'a> {
     /// The channel, where each is a layer by itself.
     pub(super) channel: Option<usize>,
     /// R(j) at index j − 1.
-    pub(super) levels: Vec<Vec<f64>>,
+    pub(super) levels: Vec<Level<'a>>,
+}
+
+/// R(j): values and what they are divided by.
+pub(super) struct Level<'a> {
+    values: Cow<'a, [f64]>,
+    scale: f64,
+}
+
+impl Level<'_> {
+    /// R(j,x).
+    #[inline]
+    pub(super) fn at(&self, x: usize) -> f64 {
+        self.values[x] / self.scale
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.values.len()
+    }
 }
 
 /// All layers of a response.
-pub(super) fn layers(reader: &BandNorms<'_>, bands: &Bands, response: Response) -> Vec<Layer> {
-    let d = bands.n_channels;
-    if response == Response::Channels {
-        return (0..d)
-            .map(|c| Layer {
-                channel: Some(c),
-                levels: bands.wavelet.iter().map(|band| reader.channel(band, d, c)).collect(),
-            })
-            .collect();
-    }
-    let level = |j: usize| {
-        let band = &bands.wavelet[j - 1];
-        let mut r = if d == 1 { reader.channel(band, 1, 0) } else { reader.norms(band, d) };
-        let scale = match response {
-            Response::Normalised => reader.mean(&r),
-            Response::Sigma => bands.sigma[j],
-            Response::Literal | Response::Channels => 1.0,
+pub(super) fn layers<'a>(
+    population: &Population<'_>,
+    wavelets: &'a Wavelets,
+    response: Response,
+) -> Vec<Layer<'a>> {
+    let levels = |values: &dyn Fn(usize) -> Cow<'a, [f64]>, scale: &dyn Fn(usize, &[f64]) -> f64| {
+        let level = |j: usize| {
+            let values = values(j);
+            let scale = scale(j, &values);
+            // A level without any response stays 0.
+            Level { values, scale: if scale > 0.0 { scale } else { 1.0 } }
         };
-        // A level without any response stays 0.
-        if scale > 0.0 && scale != 1.0 {
-            r.par_iter_mut().with_min_len(1 << 13).for_each(|r| *r /= scale);
-        }
-        r
+        (1..=wavelets.n_levels()).map(level).collect()
     };
-    vec![Layer { channel: None, levels: (1..=bands.n_levels()).map(level).collect() }]
+    if response == Response::Channels {
+        let layer =
+            |c: usize| Layer { channel: Some(c), levels: levels(&|j| wavelets.channel(j, c), &|_, _| 1.0) };
+        return (0..wavelets.n_channels).map(layer).collect();
+    }
+    let scale = |j: usize, values: &[f64]| match response {
+        Response::Normalised => population.mean(values),
+        Response::Sigma => wavelets.sigma[j],
+        Response::Literal | Response::Channels => 1.0,
+    };
+    vec![Layer { channel: None, levels: levels(&|j| wavelets.norms_of(j), &scale) }]
 }

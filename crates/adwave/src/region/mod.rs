@@ -4,14 +4,17 @@
 //! first and second derivatives vanish at both ends: an edit has no seam at a region's edge.
 
 mod distance;
+mod metric;
 mod parse;
 mod stroke;
 mod weights;
 
-pub use distance::surface_distance;
+pub use distance::{SurfaceSearch, surface_distance};
+pub use metric::SurfaceMetric;
 pub use parse::{RegionSyntaxError, parse_region};
-pub use weights::FieldLookup;
+pub use weights::{FieldLookup, RegionWeights};
 
+use crate::{ClassifiedError, ErrorKind};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -201,6 +204,14 @@ pub enum RegionError {
         /// Number of vertices.
         n_vertices: usize,
     },
+    /// Weights that do not belong to this shape.
+    #[error("there are {n_values} weights, and {expected} are needed: one per vertex")]
+    WrongLength {
+        /// Weights given.
+        n_values: usize,
+        /// Weights needed.
+        expected: usize,
+    },
     /// A field with a value that is no number.
     #[error("the field '{name}' is NaN at vertex {vertex}")]
     NotANumber {
@@ -225,6 +236,12 @@ pub enum RegionError {
     /// A stroke without places.
     #[error("a stroke needs at least one place")]
     EmptyStroke,
+}
+
+impl ClassifiedError for RegionError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
 }
 
 fn list(names: &[String]) -> String {

@@ -1,25 +1,22 @@
 //! Where a line drawn over a surface runs.
 
+use super::SurfaceMetric;
 use crate::shape::{Adjacency, distance, squared_distance};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::Vector3;
 
 /// Vertices next to a polyline with their distances from it, to start a search along the surface from.
 ///
 /// The line between two places is straight; where the surface curves away from it, the line is moved along the normal at
-/// the nearest vertex onto the surface, piece by piece, so that the sagitta does not count as distance.
-pub(super) fn stroke_sources(
-    points: &[[f64; 3]],
-    normals: &[[f64; 3]],
+/// the nearest vertex onto the surface, segment by segment, so that the sagitta does not count as distance.
+pub(super) fn sources(
+    metric: &SurfaceMetric,
     neighbours: &Adjacency,
     spacing: f64,
     path: &[[f64; 3]],
 ) -> Vec<(usize, f64)> {
-    let tree: ImmutableKdTree<f64, 3> =
-        ImmutableKdTree::new_from_slice(points).expect("the tree of finitely many finite points");
-    let nearest = |p: &[f64; 3]| tree.query(p).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize;
+    let (points, normals) = (&metric.geometry().points, metric.normals());
     let on_surface = |p: &[f64; 3]| {
-        let vertex = nearest(p);
+        let vertex = metric.nearest(p).expect("a line is drawn over positions");
         let (p, normal) =
             (Vector3::from(*p), normals.get(vertex).map_or_else(Vector3::zeros, |n| (*n).into()));
         let lift = normal.dot(&(Vector3::from(points[vertex]) - p));
@@ -27,10 +24,10 @@ pub(super) fn stroke_sources(
     };
     let mut line: Vec<(usize, [f64; 3])> = path.first().map(&on_surface).into_iter().collect();
     for ends in path.windows(2) {
-        let pieces = (distance(&ends[0], &ends[1]) / spacing.max(f64::MIN_POSITIVE)).ceil();
-        let pieces = pieces.clamp(1.0, MAX_PIECES) as usize;
-        for k in 1..=pieces {
-            let t = k as f64 / pieces as f64;
+        let segments = (distance(&ends[0], &ends[1]) / spacing.max(f64::MIN_POSITIVE)).ceil();
+        let segments = segments.clamp(1.0, MAX_SEGMENTS) as usize;
+        for k in 1..=segments {
+            let t = k as f64 / segments as f64;
             line.push(on_surface(&std::array::from_fn(|c| ends[0][c] + t * (ends[1][c] - ends[0][c]))));
         }
     }
@@ -51,8 +48,8 @@ pub(super) fn stroke_sources(
     sources
 }
 
-/// Pieces that a straight part of a stroke is cut into at the most.
-const MAX_PIECES: f64 = 100_000.0;
+/// Segments that a straight part of a stroke is cut into at the most.
+const MAX_SEGMENTS: f64 = 100_000.0;
 
 fn squared_distance_to_segment(p: &[f64; 3], a: &[f64; 3], b: &[f64; 3]) -> f64 {
     let along = squared_distance(a, b);

@@ -1,19 +1,92 @@
 //! From a region to its weights on the vertices of a shape.
 
-use super::stroke::stroke_sources;
-use super::{Length, Place, Region, RegionError, smooth_rise, surface_distance};
-use crate::Decomposer;
-use crate::shape::vertex_normals;
+use super::metric::Within;
+use super::{Length, Place, Region, RegionError, SurfaceMetric, smooth_rise};
+use crate::parallel;
+use crate::shape::VertexMap;
 use nalgebra::Vector3;
 
 /// The width of the fall where none is given, for boxes and half-spaces.
 const DEFAULT_FALLOFF: Length = Length::PercentOfDiagonal(5.0);
 
 /// Scalar and other fields of a shape's vertices, by name: `(n_channels, values)`.
-pub type FieldLookup<'a> = dyn Fn(&str) -> Option<(usize, Vec<f64>)> + 'a;
+pub type FieldLookup<'a> = dyn Fn(&str) -> Option<(usize, Vec<f64>)> + Sync + 'a;
+
+/// The weights r(x) in [0, 1] of a region, in the form that costs least.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RegionWeights {
+    /// 1 at every vertex.
+    Everywhere,
+    /// At some welded vertices, by rising index; 0 at all others.
+    Sparse {
+        /// The welded vertices.
+        vertices: Vec<u32>,
+        /// The weight of each.
+        weights: Vec<f64>,
+    },
+    /// For each welded vertex, in the analysis order.
+    Welded(Vec<f64>),
+    /// For each vertex of the shape, in its order: plain weights of the caller's, or of a field.
+    Vertices(Vec<f64>),
+}
+
+impl RegionWeights {
+    /// One weight per vertex of the shape, in its order. O(n).
+    pub fn to_vertices(&self, vertex_map: &VertexMap) -> Vec<f64> {
+        match self {
+            Self::Everywhere => vec![1.0; vertex_map.n_vertices()],
+            Self::Sparse { .. } => vertex_map.scatter(&self.to_welded(vertex_map.n_welded()), 1),
+            Self::Welded(weights) => vertex_map.scatter(weights, 1),
+            Self::Vertices(weights) => weights.clone(),
+        }
+    }
+
+    /// One weight per welded vertex.
+    ///
+    /// # Panics
+    /// For weights per vertex of the shape.
+    fn to_welded(&self, n_welded: usize) -> Vec<f64> {
+        match self {
+            Self::Everywhere => vec![1.0; n_welded],
+            Self::Sparse { vertices, weights } => {
+                let mut dense = vec![0.0; n_welded];
+                for (&x, &weight) in vertices.iter().zip(weights) {
+                    dense[x as usize] = weight;
+                }
+                dense
+            }
+            Self::Welded(weights) => weights.clone(),
+            Self::Vertices(_) => unreachable!("members of a welded vertex may differ"),
+        }
+    }
+
+    /// Checks that the weights belong to this shape and are finite.
+    ///
+    /// # Errors
+    /// [`RegionError::WrongLength`], [`RegionError::NoSuchVertex`], [`RegionError::BadNumber`].
+    pub fn check(&self, vertex_map: &VertexMap) -> Result<(), RegionError> {
+        let (n_welded, n_vertices) = (vertex_map.n_welded(), vertex_map.n_vertices());
+        let (weights, expected) = match self {
+            Self::Everywhere => return Ok(()),
+            Self::Sparse { vertices, weights } => {
+                if let Some(&vertex) = vertices.iter().find(|&&x| x as usize >= n_welded) {
+                    return Err(RegionError::NoSuchVertex { vertex, n_vertices: n_welded });
+                }
+                (weights, vertices.len())
+            }
+            Self::Welded(weights) => (weights, n_welded),
+            Self::Vertices(weights) => (weights, n_vertices),
+        };
+        if weights.len() != expected {
+            return Err(RegionError::WrongLength { n_values: weights.len(), expected });
+        }
+        check_finite("a weight", weights)
+    }
+}
 
 impl Region {
-    /// The weight r(x) in [0, 1] of every vertex, in the order of the shape.
+    /// The weights r(x) in [0, 1] of the region on a shape. Balls, strokes and lists of vertices cost what they cover, other
+    /// regions O(n).
     ///
     /// `field` gives the vertex fields of the shape by name, `field_names` is what an error lists.
     ///
@@ -21,117 +94,109 @@ impl Region {
     /// [`RegionError`] when the region names a vertex or field that does not exist, or numbers that make no sense.
     pub fn weights(
         &self,
-        decomposer: &Decomposer,
+        metric: &SurfaceMetric,
         field: &FieldLookup<'_>,
         field_names: &[String],
-    ) -> Result<Vec<f64>, RegionError> {
-        let n = decomposer.n_vertices();
+    ) -> Result<RegionWeights, RegionError> {
         Ok(match self {
-            Self::Everywhere {} => vec![1.0; n],
+            Self::Everywhere {} => RegionWeights::Everywhere,
             Self::Ball { centre, radius, falloff } => {
-                line_weights(decomposer, std::slice::from_ref(centre), *radius, *falloff)?
+                line_weights(metric, std::slice::from_ref(centre), *radius, *falloff)?
             }
-            Self::Stroke { path, radius, falloff } => line_weights(decomposer, path, *radius, *falloff)?,
+            Self::Stroke { path, radius, falloff } => line_weights(metric, path, *radius, *falloff)?,
             Self::Box { min, max, falloff } => {
                 check_finite("a corner", min.iter().chain(max))?;
-                by_depth(decomposer, "box", *falloff, |p| {
+                by_depth(metric, "box", *falloff, |p| {
                     (0..3).map(|c| (p[c] - min[c]).min(max[c] - p[c])).fold(f64::INFINITY, f64::min)
                 })?
             }
             Self::HalfSpace { point, normal, falloff } => {
                 check_finite("the plane", point.iter().chain(normal))?;
                 let Some(unit) = Vector3::from(*normal).try_normalize(0.0) else {
-                    return Err(RegionError::BadNumber {
-                        what: "the normal",
-                        value: 0.0,
-                        must: "of some length",
-                    });
+                    let (what, must) = ("the normal", "of some length");
+                    return Err(RegionError::BadNumber { what, value: 0.0, must });
                 };
                 let origin = Vector3::from(*point);
-                by_depth(decomposer, "half-space", *falloff, |p| unit.dot(&(Vector3::from(*p) - origin)))?
+                by_depth(metric, "half-space", *falloff, |p| unit.dot(&(Vector3::from(*p) - origin)))?
             }
             Self::Field { name, low, high } => {
                 check_finite("a bound", [low, high])?;
-                let available = || field_names.to_vec();
-                let (_, values) = field(name)
-                    .ok_or_else(|| RegionError::NoSuchField { name: name.clone(), available: available() })?;
-                if values.len() != n {
-                    return Err(RegionError::NotScalar {
-                        name: name.clone(),
-                        n_values: values.len(),
-                        n_vertices: n,
-                    });
-                }
-                if let Some(vertex) = values.iter().position(|v| v.is_nan()) {
-                    return Err(RegionError::NotANumber { name: name.clone(), vertex });
-                }
-                let between = |v: f64| {
-                    let t = (v - low) / (high - low);
-                    if low == high { f64::from(v >= *high) } else { t.clamp(0.0, 1.0) }
-                };
-                values.into_iter().map(between).collect()
+                field_weights(metric.n_vertices(), name, (*low, *high), field, field_names)?
             }
             Self::Vertices { indices, radius } => {
-                let sources = indices
-                    .iter()
-                    .map(|&v| Ok((welded(decomposer, v)?, 0.0)))
-                    .collect::<Result<Vec<_>, _>>()?;
-                let radius = radius.in_units(decomposer.diagonal());
-                let away = surface_distance(
-                    decomposer.neighbours(),
-                    &decomposer.geometry().points,
-                    &sources,
-                    radius,
-                );
+                let source = |&v: &u32| Ok((welded(metric, v)?, 0.0));
+                let sources = indices.iter().map(source).collect::<Result<Vec<_>, RegionError>>()?;
+                let radius = radius.in_units(metric.diagonal());
                 let rise = |d: f64| if d == 0.0 { 1.0 } else { smooth_rise(1.0 - d / radius) };
-                decomposer.geometry().vertex_map.scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1)
+                sparse(metric.within(&sources, radius), rise)
             }
-            Self::Not(region) => {
-                let mut weights = region.weights(decomposer, field, field_names)?;
-                for r in &mut weights {
-                    *r = 1.0 - *r;
-                }
-                weights
-            }
-            Self::Any(regions) => combine(regions, decomposer, field, field_names, 0.0, f64::max)?,
-            Self::All(regions) => combine(regions, decomposer, field, field_names, 1.0, f64::min)?,
+            Self::Not(region) => invert(region.weights(metric, field, field_names)?, metric),
+            Self::Any(regions) => combine(regions, metric, field, field_names, 0.0, f64::max)?,
+            Self::All(regions) => combine(regions, metric, field, field_names, 1.0, f64::min)?,
         })
+    }
+}
+
+/// 1 − r.
+fn invert(weights: RegionWeights, metric: &SurfaceMetric) -> RegionWeights {
+    let less = |mut weights: Vec<f64>| {
+        for r in &mut weights {
+            *r = 1.0 - *r;
+        }
+        weights
+    };
+    match weights {
+        RegionWeights::Vertices(weights) => RegionWeights::Vertices(less(weights)),
+        other => RegionWeights::Welded(less(other.to_welded(metric.geometry().n_vertices()))),
     }
 }
 
 fn combine(
     regions: &[Region],
-    decomposer: &Decomposer,
+    metric: &SurfaceMetric,
     field: &FieldLookup<'_>,
     field_names: &[String],
     start: f64,
     join: impl Fn(f64, f64) -> f64,
-) -> Result<Vec<f64>, RegionError> {
-    let mut weights = vec![start; decomposer.n_vertices()];
-    for region in regions {
-        for (r, other) in weights.iter_mut().zip(region.weights(decomposer, field, field_names)?) {
+) -> Result<RegionWeights, RegionError> {
+    let parts = regions
+        .iter()
+        .map(|region| region.weights(metric, field, field_names))
+        .collect::<Result<Vec<_>, _>>()?;
+    let by_vertex = parts.iter().any(|part| matches!(part, RegionWeights::Vertices(_)));
+    let (vertex_map, n_welded) = (&metric.geometry().vertex_map, metric.geometry().n_vertices());
+    let mut weights = vec![start; if by_vertex { metric.n_vertices() } else { n_welded }];
+    for part in parts {
+        let part = if by_vertex { part.to_vertices(vertex_map) } else { part.to_welded(n_welded) };
+        for (r, other) in weights.iter_mut().zip(part) {
             *r = join(*r, other);
         }
     }
-    Ok(weights)
+    Ok(if by_vertex { RegionWeights::Vertices(weights) } else { RegionWeights::Welded(weights) })
 }
 
-fn welded(decomposer: &Decomposer, vertex: u32) -> Result<usize, RegionError> {
-    let n_vertices = decomposer.n_vertices();
+fn welded(metric: &SurfaceMetric, vertex: u32) -> Result<usize, RegionError> {
+    let n_vertices = metric.n_vertices();
     if vertex as usize >= n_vertices {
         return Err(RegionError::NoSuchVertex { vertex, n_vertices });
     }
-    Ok(decomposer.geometry().vertex_map.welded(vertex as usize))
+    Ok(metric.geometry().vertex_map.welded(vertex as usize))
+}
+
+/// Weights by distance, which are 0 beyond the vertices given.
+fn sparse(within: Within, rise: impl Fn(f64) -> f64) -> RegionWeights {
+    let weights = within.distances.into_iter().map(rise).collect();
+    RegionWeights::Sparse { vertices: within.vertices, weights }
 }
 
 /// Weights by distance along the surface from a line, which is a ball where it has one place.
 fn line_weights(
-    decomposer: &Decomposer,
+    metric: &SurfaceMetric,
     path: &[Place],
     radius: Length,
     falloff: Option<Length>,
-) -> Result<Vec<f64>, RegionError> {
-    let diagonal = decomposer.diagonal();
+) -> Result<RegionWeights, RegionError> {
+    let diagonal = metric.diagonal();
     let radius = radius.in_units(diagonal);
     if !(radius.is_finite() && radius > 0.0) {
         return Err(RegionError::BadNumber { what: "the radius", value: radius, must: "above 0" });
@@ -140,49 +205,68 @@ fn line_weights(
     if path.is_empty() {
         return Err(RegionError::EmptyStroke);
     }
-    let geometry = decomposer.geometry();
-    let sources = if geometry.points.is_empty() {
-        path.iter()
-            .map(|place| match place {
-                Place::Vertex(v) => Ok((welded(decomposer, *v)?, 0.0)),
-                Place::Point(_) => Err(RegionError::NeedsPositions("point")),
-            })
-            .collect::<Result<Vec<_>, _>>()?
+    let points = &metric.geometry().points;
+    let within = if points.is_empty() {
+        let source = |place: &Place| match place {
+            Place::Vertex(v) => Ok((welded(metric, *v)?, 0.0)),
+            Place::Point(_) => Err(RegionError::NeedsPositions("point")),
+        };
+        metric.within(&path.iter().map(source).collect::<Result<Vec<_>, _>>()?, radius)
     } else {
-        let places = path
-            .iter()
-            .map(|place| match place {
-                Place::Vertex(v) => Ok(geometry.points[welded(decomposer, *v)?]),
-                Place::Point(p) => check_finite("a point", p).map(|()| *p),
-            })
-            .collect::<Result<Vec<_>, _>>()?;
-        let normals = vertex_normals(&geometry.points, &geometry.triangles);
-        stroke_sources(&geometry.points, &normals, decomposer.neighbours(), decomposer.mean_length(), &places)
+        let position = |place: &Place| match place {
+            Place::Vertex(v) => Ok(points[welded(metric, *v)?]),
+            Place::Point(p) => check_finite("a point", p).map(|()| *p),
+        };
+        metric.around_line(&path.iter().map(position).collect::<Result<Vec<_>, _>>()?, radius)
     };
-    let away = surface_distance(decomposer.neighbours(), &geometry.points, &sources, radius);
     let rise = |d: f64| {
         if falloff > 0.0 { smooth_rise((radius - d) / falloff) } else { f64::from(d <= radius) }
     };
-    Ok(geometry.vertex_map.scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1))
+    Ok(sparse(within, rise))
 }
 
 /// Weights by depth below the region's boundary.
 fn by_depth(
-    decomposer: &Decomposer,
+    metric: &SurfaceMetric,
     what: &'static str,
     falloff: Option<Length>,
-    depth: impl Fn(&[f64; 3]) -> f64,
-) -> Result<Vec<f64>, RegionError> {
-    let geometry = decomposer.geometry();
-    if geometry.points.is_empty() {
+    depth: impl Fn(&[f64; 3]) -> f64 + Sync + Send,
+) -> Result<RegionWeights, RegionError> {
+    let points = &metric.geometry().points;
+    if points.is_empty() {
         return Err(RegionError::NeedsPositions(what));
     }
-    let falloff = falloff.unwrap_or(DEFAULT_FALLOFF).in_units(decomposer.diagonal());
-    let rise = |p: &[f64; 3]| {
-        let depth = depth(p);
+    let falloff = falloff.unwrap_or(DEFAULT_FALLOFF).in_units(metric.diagonal());
+    let rise = |x: usize| {
+        let depth = depth(&points[x]);
         if falloff > 0.0 { smooth_rise(depth / falloff) } else { f64::from(depth >= 0.0) }
     };
-    Ok(geometry.vertex_map.scatter(&geometry.points.iter().map(rise).collect::<Vec<_>>(), 1))
+    Ok(RegionWeights::Welded(parallel::collect(points.len(), rise)))
+}
+
+/// Weights by the values of a field: 0 at the first bound, 1 at the second.
+fn field_weights(
+    n: usize,
+    name: &str,
+    (low, high): (f64, f64),
+    field: &FieldLookup<'_>,
+    field_names: &[String],
+) -> Result<RegionWeights, RegionError> {
+    let name = name.to_owned();
+    let Some((_, values)) = field(&name) else {
+        return Err(RegionError::NoSuchField { name, available: field_names.to_vec() });
+    };
+    if values.len() != n {
+        return Err(RegionError::NotScalar { name, n_values: values.len(), n_vertices: n });
+    }
+    if let Some(vertex) = values.iter().position(|v| v.is_nan()) {
+        return Err(RegionError::NotANumber { name, vertex });
+    }
+    let between = |v: f64| {
+        let t = (v - low) / (high - low);
+        if low == high { f64::from(v >= high) } else { t.clamp(0.0, 1.0) }
+    };
+    Ok(RegionWeights::Vertices(values.into_iter().map(between).collect()))
 }
 
 fn check_finite<'a>(

@@ -1,6 +1,14 @@
 //! Space-frequency filters (eq. 18): keep, drop, weaken or strengthen each band, everywhere or by region.
 
+mod apply;
+mod layers;
+
+pub(crate) use apply::Source;
+pub(crate) use layers::LayerSlot;
+pub use layers::WeightedLayer;
+
 use crate::region::{FieldLookup, Region, RegionError, parse_region};
+use crate::{ClassifiedError, ErrorKind};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
@@ -83,13 +91,19 @@ impl Gains {
             Self::Preset(preset) => preset.gains(n_levels),
             Self::Gains(gains) => gains.clone(),
         };
-        if gains.len() != n_levels {
-            return Err(FilterError::WrongNumberOfGains { n_gains: gains.len(), n_levels });
-        }
-        if let Some(at) = gains.iter().position(|g| !g.is_finite()) {
-            return Err(FilterError::BadGain { level: at + 1, gain: gains[at] });
-        }
+        check_gains(&gains, n_levels)?;
         Ok(gains)
+    }
+}
+
+/// Checks that there is one finite gain for each level.
+pub(crate) fn check_gains(gains: &[f64], n_levels: usize) -> Result<(), FilterError> {
+    if gains.len() != n_levels {
+        return Err(FilterError::WrongNumberOfGains { n_gains: gains.len(), n_levels });
+    }
+    match gains.iter().position(|g| !g.is_finite()) {
+        Some(at) => Err(FilterError::BadGain { level: at + 1, gain: gains[at] }),
+        None => Ok(()),
     }
 }
 
@@ -206,9 +220,29 @@ pub enum FilterError {
         /// What is wrong with its region.
         source: RegionError,
     },
+    /// There is no such layer.
+    #[error("there is no layer {layer}; there are {n_layers}, counted from 1")]
+    NoSuchLayer {
+        /// The layer, from 1.
+        layer: usize,
+        /// Layers there are.
+        n_layers: usize,
+    },
     /// The bands could not be computed.
     #[error(transparent)]
     Bands(#[from] crate::bands::BandsError),
+}
+
+impl ClassifiedError for FilterError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Bands(source) => source.kind(),
+            Self::Region { source, .. } => source.kind(),
+            Self::WrongNumberOfGains { .. } | Self::BadGain { .. } | Self::NoSuchLayer { .. } => {
+                ErrorKind::Input
+            }
+        }
+    }
 }
 
 /// How far an edit moved the vertices of a shape.

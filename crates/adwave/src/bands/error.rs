@@ -1,0 +1,156 @@
+//! Why a signal cannot be split into bands.
+
+use super::Schedule;
+use crate::parallel;
+use crate::{Cancelled, ClassifiedError, ErrorKind};
+use thiserror::Error;
+
+/// Why a signal cannot be split into bands.
+#[derive(Debug, Error, PartialEq)]
+pub enum BandsError {
+    /// The signal does not belong to this shape.
+    #[error("the signal has {n_values} values, which is not {n_vertices} vertices × {n_channels} channels")]
+    WrongLength {
+        /// Values given.
+        n_values: usize,
+        /// Vertices of the shape.
+        n_vertices: usize,
+        /// Channels of the signal.
+        n_channels: usize,
+    },
+    /// A value is NaN or infinite.
+    #[error(
+        "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite; correct it, or leave the vertex out"
+    )]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+        /// The channel.
+        channel: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A buffer for the result is too short or too long.
+    #[error("the buffer for the result has {n_values} values, and {expected} are needed")]
+    WrongBuffer {
+        /// Values that it has.
+        n_values: usize,
+        /// Values that the result has.
+        expected: usize,
+    },
+    /// There is not one factor or weight for each band or vertex.
+    #[error("there are {n_given} {what}, and {expected} are needed")]
+    WrongNumber {
+        /// What they are.
+        what: &'static str,
+        /// How many were given.
+        n_given: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A factor of a band is NaN or infinite.
+    #[error("the factor of level {level} is {factor}, which is not finite")]
+    BadFactor {
+        /// The level, from 1.
+        level: usize,
+        /// Its factor.
+        factor: f64,
+    },
+    /// An accuracy that cannot be promised.
+    #[error(
+        "the accuracy {accuracy} of the bands is not between {} and 0.1; double precision promises no less, and more is no result",
+        super::FINEST_ACCURACY
+    )]
+    Accuracy {
+        /// The accuracy asked for.
+        accuracy: f64,
+    },
+    /// The call would take more memory than it may.
+    #[error(
+        "the bands need {needed} bytes of memory and {available} may be used; ask for fewer levels or channels"
+    )]
+    TooLarge {
+        /// Bytes needed, the result included.
+        needed: u64,
+        /// Bytes that may be used.
+        available: u64,
+    },
+    /// Only a reversible diffusion operator has fractional powers.
+    #[error(
+        "level {level} has {steps} steps, and this diffusion operator takes whole steps only, because it is not reversible or is to be applied power by power; ask for whole steps, or make the graph of a cloud symmetric"
+    )]
+    NotWhole {
+        /// The level, from 1.
+        level: usize,
+        /// Its steps.
+        steps: f64,
+    },
+    /// Fractional powers could not be applied as accurately as asked.
+    #[error(
+        "level {level} {} and {accuracy:.1e} was asked for: small fractional powers converge slowly on a graph that is nearly bipartite; ask for whole steps or for less accuracy",
+        shortfall(*.reached)
+    )]
+    Missed {
+        /// The level, from 1; of a sum of levels the first that is not whole.
+        level: usize,
+        /// The accuracy asked for.
+        accuracy: f64,
+        /// A bound of the error, relative to the band; infinite where the band all but vanishes beside W_f(1).
+        reached: f64,
+    },
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// What is said of the accuracy of a band.
+fn shortfall(reached: f64) -> String {
+    if reached < 1.0 {
+        format!("reaches a relative accuracy of {reached:.1e}")
+    } else {
+        "all but vanishes beside the first, of which no relative accuracy can be had,".to_owned()
+    }
+}
+
+impl ClassifiedError for BandsError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::TooLarge { .. } => ErrorKind::Memory,
+            Self::Cancelled(_) => ErrorKind::Cancelled,
+            _ => ErrorKind::Input,
+        }
+    }
+}
+
+/// Checks that a signal has a finite value for every channel of every vertex.
+pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize) -> Result<(), BandsError> {
+    if n_channels == 0 || n_vertices.checked_mul(n_channels) != Some(signal.len()) {
+        return Err(BandsError::WrongLength { n_values: signal.len(), n_vertices, n_channels });
+    }
+    let bad = parallel::map_chunks(signal.len(), 1 << 16, |range| {
+        let start = range.start;
+        signal[range].iter().position(|v| !v.is_finite()).map(|at| start + at)
+    });
+    if let Some(at) = bad.into_iter().flatten().next() {
+        let (vertex, channel) = (at / n_channels, at % n_channels);
+        return Err(BandsError::NotFinite { vertex, channel, value: signal[at] });
+    }
+    Ok(())
+}
+
+/// Checks the length of what a result is written to.
+pub(super) fn check_buffer(n_values: usize, expected: usize) -> Result<(), BandsError> {
+    if n_values == expected { Ok(()) } else { Err(BandsError::WrongBuffer { n_values, expected }) }
+}
+
+/// Checks that there is one finite factor for each level.
+pub(super) fn check_factors(factors: &[f64], schedule: &Schedule) -> Result<(), BandsError> {
+    let (n_given, expected) = (factors.len(), schedule.n_levels());
+    if n_given != expected {
+        return Err(BandsError::WrongNumber { what: "factors of the bands", n_given, expected });
+    }
+    match factors.iter().position(|factor| !factor.is_finite()) {
+        Some(at) => Err(BandsError::BadFactor { level: at + 1, factor: factors[at] }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,117 @@
+//! Wavelet coefficients in the analysis order, for all that measures and edits them.
+
+use super::error::check_signal;
+use super::{BandsError, BandsInfo, Schedule, Transform};
+use crate::shape::VertexMap;
+use crate::sparse::zeros;
+use crate::{Progress, parallel};
+use std::borrow::Cow;
+
+/// Vertices that a thread treats at a time.
+const VERTICES_AT_A_TIME: usize = 1 << 12;
+
+/// W_f(1), …, W_f(J) at the welded vertices, in the analysis order: what saliency, features and edits read.
+///
+/// They are those of the signal's mean at welded vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wavelets {
+    /// Number of channels; 1 for norms.
+    pub n_channels: usize,
+    /// Steps of the diffusion on level j, n_0 = 0 … n_J, whole or not.
+    pub steps: Vec<f64>,
+    /// Widths σ_j = s·√n_j in model units (hops on a graph), σ_0 = 0.
+    pub sigma: Vec<f64>,
+    /// W_f(j) at index j − 1, n_welded × n_channels, row-major.
+    pub levels: Vec<Vec<f64>>,
+    /// How they were computed.
+    pub info: BandsInfo,
+}
+
+impl Wavelets {
+    /// J, the number of levels.
+    pub fn n_levels(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Number of welded vertices.
+    pub fn n_welded(&self) -> usize {
+        self.levels.first().map_or(0, Vec::len) / self.n_channels.max(1)
+    }
+
+    /// W_f(j), j = 1 … J, in the analysis order.
+    ///
+    /// # Panics
+    /// When there is no level `j`.
+    pub fn wavelet(&self, j: usize) -> &[f64] {
+        assert!((1..=self.n_levels()).contains(&j), "levels are 1 to {}, not {j}", self.n_levels());
+        &self.levels[j - 1]
+    }
+
+    /// The Euclidean norms of level `j` over the channels; a single channel as it is, with its sign.
+    pub(crate) fn norms_of(&self, j: usize) -> Cow<'_, [f64]> {
+        match self.n_channels {
+            1 => Cow::Borrowed(&self.levels[j - 1]),
+            d => Cow::Owned(norms(&self.levels[j - 1], d)),
+        }
+    }
+
+    /// Channel `c` of level `j`.
+    pub(crate) fn channel(&self, j: usize, c: usize) -> Cow<'_, [f64]> {
+        let (level, d) = (&self.levels[j - 1], self.n_channels);
+        match d {
+            1 => Cow::Borrowed(level),
+            _ => Cow::Owned(parallel::collect(level.len() / d, |x| level[x * d + c])),
+        }
+    }
+
+    /// The Euclidean norms `‖W_f(j,x)‖` over the channels as wavelets of one channel; a signal of one channel keeps its sign.
+    /// Level after level gives its memory back. O(n × levels × channels).
+    #[must_use]
+    pub fn into_norms(mut self) -> Self {
+        let d = std::mem::replace(&mut self.n_channels, 1);
+        if d != 1 {
+            for level in &mut self.levels {
+                *level = norms(level, d);
+            }
+        }
+        self
+    }
+}
+
+/// The Euclidean norm of each row of `d` values.
+fn norms(rows: &[f64], d: usize) -> Vec<f64> {
+    let mut norms = zeros(rows.len() / d);
+    parallel::for_rows(&mut norms, 1, VERTICES_AT_A_TIME, |first, norms| {
+        for (norm, row) in norms.iter_mut().zip(rows[first * d..].chunks_exact(d)) {
+            *norm = row.iter().map(|w| w * w).sum::<f64>().sqrt();
+        }
+    });
+    norms
+}
+
+impl Transform {
+    /// The wavelet coefficients of `signal` (n_vertices × n_channels, row-major, in the order of the shape) in the analysis
+    /// order, without the scaling coefficients: half the memory of [`bands`](Self::bands) and no pass over the result.
+    ///
+    /// # Errors
+    /// As for [`bands`](Self::bands).
+    pub fn wavelets(
+        &self,
+        vertex_map: &VertexMap,
+        signal: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<Wavelets, BandsError> {
+        check_signal(signal, vertex_map.n_vertices(), n_channels)?;
+        let n_levels = schedule.n_levels();
+        let result = (n_levels * self.diffusion().n_vertices() * n_channels * 8) as u64;
+        self.check_memory(result + self.forecast_wavelets(n_channels, schedule, 1))?;
+        let mean = vertex_map.mean(signal, n_channels);
+        let mut levels: Vec<Vec<f64>> = (0..n_levels).map(|_| zeros(mean.len())).collect();
+        let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
+        let info = self.wavelets_into(&mean, n_channels, schedule, &mut outs, progress)?;
+        let sigma = schedule.sigma(self.diffusion().step_length());
+        Ok(Wavelets { n_channels, steps: schedule.steps_from_zero(), sigma, levels, info })
+    }
+}

@@ -1,0 +1,46 @@
+//! The border of a shape, and how far vertices are from it.
+
+use super::Decomposer;
+use crate::parallel;
+use crate::region::surface_distance;
+use crate::shape::one_ring;
+use crate::signal::cloud_border;
+use crate::{Cancelled, Progress};
+
+impl Decomposer {
+    /// The welded vertices on the border of a mesh (ends of edges of one triangle) or of a cloud (a gap between its
+    /// neighbours), and those next to masked vertices; by rising index.
+    pub(crate) fn border(&self, progress: Progress<'_>) -> Result<Vec<usize>, Cancelled> {
+        let geometry = self.geometry();
+        if self.is_cloud() {
+            return Ok(cloud_border(&geometry.points, self.neighbours()));
+        }
+        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * geometry.triangles.len());
+        for t in geometry.triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+            edges.extend([(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))));
+        }
+        parallel::sort_unstable_by(&mut edges, progress, Ord::cmp)?;
+        let single = edges.chunk_by(|e, f| e == f).filter(|same| same.len() == 1);
+        let mut border: Vec<usize> =
+            single.flat_map(|same| [same[0].0 as usize, same[0].1 as usize]).collect();
+        if let Some(masked) = self.mask_flags() {
+            let whole = one_ring(geometry.n_vertices(), &geometry.triangles);
+            border.extend((0..masked.len()).filter(|&x| whole.of(x).iter().any(|&y| masked[y as usize])));
+            border.retain(|&x| !masked[x]);
+        }
+        border.sort_unstable();
+        border.dedup();
+        Ok(border)
+    }
+
+    /// How far each welded vertex is from the border along the surface, in model units: infinite beyond `radius` and where
+    /// there is no border.
+    pub(crate) fn distance_from_border(
+        &self,
+        radius: f64,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let sources: Vec<(usize, f64)> = self.border(progress)?.into_iter().map(|x| (x, 0.0)).collect();
+        Ok(surface_distance(&self.ring(), &self.geometry().points, &sources, radius))
+    }
+}

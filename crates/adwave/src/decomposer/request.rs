@@ -1,0 +1,243 @@
+//! Asking for the bands of a signal, in the form that is wanted.
+
+use super::Decomposer;
+use crate::Progress;
+use crate::bands::{Bands, BandsError, BandsInfo, BandsParams, Schedule, Transform, Wavelets, check_signal};
+use crate::editor::Editor;
+use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
+use crate::mask::Mask;
+use crate::parallel;
+use crate::region::RegionWeights;
+use std::borrow::Cow;
+
+/// A request for the bands of a signal: options first, then what is wanted of them.
+///
+/// | last call | what it gives | order | memory beyond the prepared shape, values |
+/// |---|---|---|---|
+/// | [`bands`](Self::bands) | W_f(1..J) and S_f(J) | the shape's | (J + 1)·n·d |
+/// | [`bands_into`](Self::bands_into) | the same, into the caller's buffer | the shape's | n·d |
+/// | [`wavelets`](Self::wavelets) | W_f(1..J) | analysis | J·n·d |
+/// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n |
+/// | [`weighted`](Self::weighted) | Σ_j a_j·W_f(j) by one polynomial | the shape's | 2·n·d |
+/// | [`filter`](Self::filter), [`filter_layers`](Self::filter_layers) | the edited signal (eq. 18), once | the shape's | 2·n·d for one layer |
+/// | [`editor`](Self::editor) | an [`Editor`] that keeps the bands | both | (J + 3)·n·d |
+#[derive(Clone, Copy, Debug)]
+pub struct BandsRequest<'a> {
+    decomposer: &'a Decomposer,
+    signal: &'a [f64],
+    n_channels: usize,
+    schedule: &'a Schedule,
+    params: BandsParams,
+    progress: Progress<'a>,
+}
+
+impl<'a> BandsRequest<'a> {
+    pub(super) fn new(
+        decomposer: &'a Decomposer,
+        signal: &'a [f64],
+        n_channels: usize,
+        schedule: &'a Schedule,
+    ) -> Self {
+        let (params, progress) = (BandsParams::default(), Progress::none());
+        Self { decomposer, signal, n_channels, schedule, params, progress }
+    }
+
+    /// Sets how accurate the bands are, how they are computed and within which memory.
+    #[must_use]
+    pub fn params(self, params: &BandsParams) -> Self {
+        Self { params: *params, ..self }
+    }
+
+    /// Sets the largest relative error of each band.
+    #[must_use]
+    pub fn accuracy(self, accuracy: f64) -> Self {
+        Self { params: self.params.with_accuracy(accuracy), ..self }
+    }
+
+    /// Sets where to report to and what may stop the call.
+    #[must_use]
+    pub fn progress(self, progress: Progress<'a>) -> Self {
+        Self { progress, ..self }
+    }
+
+    fn transform(&self) -> Result<Transform, BandsError> {
+        self.decomposer.transform.with_params(&self.params)
+    }
+
+    fn vertex_map(&self) -> &'a crate::shape::VertexMap {
+        &self.decomposer.geometry().vertex_map
+    }
+
+    /// The signal with a value everywhere.
+    fn filled(&self) -> Result<Cow<'a, [f64]>, BandsError> {
+        match &self.decomposer.mask {
+            Some(mask) => Ok(Cow::Owned(mask.fill(self.signal, self.n_channels, self.vertex_map())?)),
+            None => Ok(Cow::Borrowed(self.signal)),
+        }
+    }
+
+    /// All bands: [`Transform::bands`].
+    ///
+    /// # Errors
+    /// As for [`Transform::bands`].
+    pub fn bands(&self) -> Result<Bands, BandsError> {
+        let filled = self.filled()?;
+        let mut bands = self.transform()?.bands(
+            self.vertex_map(),
+            &filled,
+            self.n_channels,
+            self.schedule,
+            self.progress,
+        )?;
+        if let Some(mask) = &self.decomposer.mask {
+            bands.for_each_level(|level| mask.clear(level, self.n_channels));
+        }
+        Ok(bands)
+    }
+
+    /// W_f(1), …, W_f(J), S_f(J) into a buffer of (J + 1)·n_vertices·n_channels values: [`Transform::bands_into`].
+    ///
+    /// # Errors
+    /// As for [`Transform::bands_into`].
+    pub fn bands_into(&self, buffer: &mut [f64]) -> Result<BandsInfo, BandsError> {
+        let (filled, d) = (self.filled()?, self.n_channels);
+        let transform = self.transform()?;
+        let info =
+            transform.bands_into(self.vertex_map(), &filled, d, self.schedule, buffer, self.progress)?;
+        if let Some(mask) = &self.decomposer.mask {
+            buffer.chunks_exact_mut(filled.len()).for_each(|level| mask.clear(level, d));
+        }
+        Ok(info)
+    }
+
+    /// The wavelet coefficients in the analysis order; NaN at masked vertices.
+    ///
+    /// # Errors
+    /// As for [`Transform::wavelets`].
+    pub fn wavelets(&self) -> Result<Wavelets, BandsError> {
+        let mut wavelets = self.whole_wavelets(&self.filled()?)?;
+        if let Some(masked) = self.decomposer.mask_flags() {
+            for level in &mut wavelets.levels {
+                parallel::for_rows(level, self.n_channels, 1 << 12, |first, rows| {
+                    for (row, masked) in rows.chunks_exact_mut(self.n_channels).zip(&masked[first..]) {
+                        if *masked {
+                            row.fill(f64::NAN);
+                        }
+                    }
+                });
+            }
+        }
+        Ok(wavelets)
+    }
+
+    /// Wavelets that are 0 at masked vertices.
+    fn whole_wavelets(&self, filled: &[f64]) -> Result<Wavelets, BandsError> {
+        let transform = self.transform()?;
+        transform.wavelets(self.vertex_map(), filled, self.n_channels, self.schedule, self.progress)
+    }
+
+    /// The Euclidean norms of the wavelet coefficients over the channels, in the analysis order; a signal of one channel
+    /// keeps its sign. What saliency and features read.
+    ///
+    /// # Errors
+    /// As for [`wavelets`](Self::wavelets).
+    pub fn norms(&self) -> Result<Wavelets, BandsError> {
+        Ok(self.wavelets()?.into_norms())
+    }
+
+    /// `Σ_j factors[j−1]·W_f(j)` by a single polynomial of Φ₁: [`Transform::weighted`]. NaN at masked vertices.
+    ///
+    /// # Errors
+    /// As for [`Transform::weighted`].
+    pub fn weighted(&self, factors: &[f64]) -> Result<(Vec<f64>, BandsInfo), BandsError> {
+        let (mut sum, info) = self.whole_weighted(&self.filled()?, factors)?;
+        if let Some(mask) = &self.decomposer.mask {
+            mask.clear(&mut sum, self.n_channels);
+        }
+        Ok((sum, info))
+    }
+
+    fn whole_weighted(&self, filled: &[f64], factors: &[f64]) -> Result<(Vec<f64>, BandsInfo), BandsError> {
+        let transform = self.transform()?;
+        transform.weighted(self.vertex_map(), filled, self.n_channels, self.schedule, factors, self.progress)
+    }
+
+    /// Edits the signal once: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` with `Γ(j,x) = Π_layers (1 + r(x)·(g_j − 1))` (eq. 18).
+    ///
+    /// A vertex outside all regions keeps its value to the last bit. The order of the layers does not matter. One layer by
+    /// itself costs about as much as its coarsest band; several cost all bands. For edit after edit of one signal take an
+    /// [`editor`](Self::editor).
+    ///
+    /// # Errors
+    /// [`FilterError`] when gains or regions do not fit, or the bands cannot be computed.
+    pub fn filter(&self, edit: &Edit<'_>) -> Result<Vec<f64>, FilterError> {
+        self.filter_layers(&edit.resolve(self.schedule.n_levels(), self.decomposer.metric())?)
+    }
+
+    /// [`filter`](Self::filter) by layers that are numbers already.
+    ///
+    /// # Errors
+    /// As for [`filter`](Self::filter).
+    pub fn filter_layers(&self, layers: &[WeightedLayer]) -> Result<Vec<f64>, FilterError> {
+        self.check(layers)?;
+        let filled = self.filled()?;
+        check_signal(&filled, self.decomposer.n_vertices(), self.n_channels)?;
+        if let [layer] = layers {
+            // Γ − 1 = r·(g − 1): the weight stands before the sum over the bands, which is one polynomial of Φ₁.
+            let factors: Vec<f64> = layer.gains.iter().map(|g| g - 1.0).collect();
+            let (change, _) = self.whole_weighted(&filled, &factors)?;
+            return Ok(self.add_weighted(&layer.weights, &change));
+        }
+        let wavelets = self.whole_wavelets(&filled)?;
+        let vertex_map = self.vertex_map();
+        let mean = vertex_map.mean(&filled, self.n_channels);
+        let slots: Vec<LayerSlot> =
+            layers.iter().map(|layer| LayerSlot::new(layer.clone(), vertex_map)).collect();
+        let masked = self.decomposer.mask().map(Mask::vertices);
+        let source = Source { signal: self.signal, wavelets: &wavelets, mean: &mean, vertex_map, masked };
+        let mut edited = vec![0.0; self.signal.len()];
+        source.apply(&slots, &mut Vec::new(), &mut edited);
+        Ok(edited)
+    }
+
+    fn check(&self, layers: &[WeightedLayer]) -> Result<(), FilterError> {
+        let n_levels = self.schedule.n_levels();
+        let mut layers = layers.iter().enumerate();
+        layers.try_for_each(|(k, layer)| layer.check(k + 1, n_levels, self.vertex_map()))
+    }
+
+    /// `f + r·change`.
+    fn add_weighted(&self, weights: &RegionWeights, change: &[f64]) -> Vec<f64> {
+        let (d, weights) = (self.n_channels, weights.to_vertices(self.vertex_map()));
+        let mut edited = self.signal.to_vec();
+        parallel::for_rows(&mut edited, d, 1 << 12, |first, rows| {
+            for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
+                for (value, change) in row.iter_mut().zip(&change[x * d..]) {
+                    let change = weights[x] * change;
+                    if change != 0.0 {
+                        *value += change; // adding 0 would turn −0 into 0, and a file's text with it
+                    }
+                }
+            }
+        });
+        if let Some(mask) = &self.decomposer.mask {
+            mask.restore(self.signal, d, &mut edited);
+        }
+        edited
+    }
+
+    /// An object that keeps the bands, for edit after edit of this signal.
+    ///
+    /// # Errors
+    /// As for [`wavelets`](Self::wavelets).
+    pub fn editor(&self) -> Result<Editor, BandsError> {
+        let filled = self.filled()?;
+        let wavelets = self.whole_wavelets(&filled)?;
+        let mean = if self.vertex_map().n_welded() < self.vertex_map().n_vertices() {
+            self.vertex_map().mean(&filled, self.n_channels)
+        } else {
+            Vec::new()
+        };
+        Ok(Editor::new(self.decomposer.clone(), self.signal.to_vec(), wavelets, mean))
+    }
+}

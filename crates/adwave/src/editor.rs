@@ -1,0 +1,186 @@
+//! Edit after edit of one signal: the bands are kept, and an edit costs what it changes.
+
+use crate::Decomposer;
+use crate::bands::Wavelets;
+use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
+use crate::mask::Mask;
+use crate::region::RegionWeights;
+
+/// Which welded vertices an edit changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Touched {
+    /// All may have changed.
+    All,
+    /// Only these, by rising index in the analysis order; [`Editor::members`] gives their vertices.
+    Some(Vec<u32>),
+}
+
+/// A signal with its bands, edited layer by layer: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18), always up to date.
+///
+/// Whatever way led to its layers, the result has the same bits. An edit of all vertices reads the bands that it changes
+/// once; an edit of a region costs what the old and the new region cover. Memory: (J + 3)·n·d values.
+///
+/// ```
+/// use adwave::{Decomposer, bands::Schedule, filter::WeightedLayer, region::RegionWeights, shape::{Graph, Shape}};
+/// let path = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)])?);
+/// let mut editor = Decomposer::new(&path).request(&[0.0, 4.0, 0.0], 1, &Schedule::dyadic(1)?).editor()?;
+/// editor.set_layers(vec![WeightedLayer::everywhere(vec![0.0])])?; // W_1 = (−2, 2, −2) taken away
+/// assert_eq!(editor.edited(), [2.0, 2.0, 2.0]);
+/// editor.set_weights(1, RegionWeights::Vertices(vec![1.0, 0.0, 0.5]))?;
+/// assert_eq!(editor.edited(), [2.0, 4.0, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Editor {
+    decomposer: Decomposer,
+    signal: Vec<f64>,
+    wavelets: Wavelets,
+    mean: Vec<f64>,
+    layers: Vec<LayerSlot>,
+    /// The vertices of each welded vertex, and where those of each begin.
+    first_member: Vec<usize>,
+    members: Vec<u32>,
+    edited: Vec<f64>,
+    change: Vec<f64>,
+}
+
+impl Editor {
+    pub(crate) fn new(decomposer: Decomposer, signal: Vec<f64>, wavelets: Wavelets, mean: Vec<f64>) -> Self {
+        let (first_member, members) = decomposer.geometry().vertex_map.members();
+        let (edited, change, layers) = (signal.clone(), Vec::new(), Vec::new());
+        Self { decomposer, signal, wavelets, mean, layers, first_member, members, edited, change }
+    }
+
+    /// The edited signal, n_vertices × n_channels, in the order of the shape.
+    pub fn edited(&self) -> &[f64] {
+        &self.edited
+    }
+
+    /// [`edited`](Self::edited), given away.
+    pub fn into_edited(self) -> Vec<f64> {
+        self.edited
+    }
+
+    /// The signal that is edited.
+    pub fn signal(&self) -> &[f64] {
+        &self.signal
+    }
+
+    /// Its wavelet coefficients in the analysis order; 0 at masked vertices.
+    pub fn wavelets(&self) -> &Wavelets {
+        &self.wavelets
+    }
+
+    /// The prepared shape.
+    pub fn decomposer(&self) -> &Decomposer {
+        &self.decomposer
+    }
+
+    /// Number of layers.
+    pub fn n_layers(&self) -> usize {
+        self.layers.len()
+    }
+
+    /// The vertices of the shape that are welded vertex `x`.
+    pub fn members(&self, x: usize) -> &[u32] {
+        &self.members[self.first_member[x]..self.first_member[x + 1]]
+    }
+
+    /// Replaces all layers by those of an edit.
+    ///
+    /// # Errors
+    /// [`FilterError`] when gains or regions do not fit; then nothing has changed.
+    pub fn set_edit(&mut self, edit: &Edit<'_>) -> Result<(), FilterError> {
+        let layers = edit.resolve(self.wavelets.n_levels(), self.decomposer.metric())?;
+        self.set_layers(layers)
+    }
+
+    /// Replaces all layers. O(n × levels × channels).
+    ///
+    /// # Errors
+    /// As for [`set_edit`](Self::set_edit).
+    pub fn set_layers(&mut self, layers: Vec<WeightedLayer>) -> Result<(), FilterError> {
+        let vertex_map = &self.decomposer.geometry().vertex_map;
+        for (k, layer) in layers.iter().enumerate() {
+            layer.check(k + 1, self.wavelets.n_levels(), vertex_map)?;
+        }
+        self.layers = layers.into_iter().map(|layer| LayerSlot::new(layer, vertex_map)).collect();
+        self.update(Touched::All);
+        Ok(())
+    }
+
+    /// Adds a layer after the others, and gives what it changed.
+    ///
+    /// # Errors
+    /// As for [`set_edit`](Self::set_edit).
+    pub fn push_layer(&mut self, layer: WeightedLayer) -> Result<Touched, FilterError> {
+        let vertex_map = &self.decomposer.geometry().vertex_map;
+        layer.check(self.layers.len() + 1, self.wavelets.n_levels(), vertex_map)?;
+        let slot = LayerSlot::new(layer, vertex_map);
+        let touched = support(&slot);
+        self.layers.push(slot);
+        Ok(self.update(touched))
+    }
+
+    /// Takes layer `layer` (from 1) away, and gives what that changed.
+    ///
+    /// # Errors
+    /// [`FilterError::NoSuchLayer`].
+    pub fn remove_layer(&mut self, layer: usize) -> Result<Touched, FilterError> {
+        let touched = support(self.slot(layer)?);
+        self.layers.remove(layer - 1);
+        Ok(self.update(touched))
+    }
+
+    /// Replaces the gains of layer `layer` (from 1), and gives what that changed: what the layer's region covers.
+    ///
+    /// # Errors
+    /// [`FilterError`] when there is no such layer or the gains do not fit; then nothing has changed.
+    pub fn set_gains(&mut self, layer: usize, gains: &[f64]) -> Result<Touched, FilterError> {
+        crate::filter::check_gains(gains, self.wavelets.n_levels())?;
+        let slot = self.slot(layer)?;
+        slot.set_gains(gains);
+        let touched = support(slot);
+        Ok(self.update(touched))
+    }
+
+    /// Replaces the weights of layer `layer` (from 1), and gives what that changed: what the old and the new ones cover.
+    ///
+    /// # Errors
+    /// [`FilterError`] when there is no such layer or the weights do not fit; then nothing has changed.
+    pub fn set_weights(&mut self, layer: usize, weights: RegionWeights) -> Result<Touched, FilterError> {
+        let decomposer = self.decomposer.clone();
+        let vertex_map = &decomposer.geometry().vertex_map;
+        weights.check(vertex_map).map_err(|source| FilterError::Region { layer, source })?;
+        let touched = self.slot(layer)?.set_weights(weights, vertex_map);
+        Ok(self.update(touched.map_or(Touched::All, Touched::Some)))
+    }
+
+    fn slot(&mut self, layer: usize) -> Result<&mut LayerSlot, FilterError> {
+        let n_layers = self.layers.len();
+        let slot = layer.checked_sub(1).and_then(|k| self.layers.get_mut(k));
+        slot.ok_or(FilterError::NoSuchLayer { layer, n_layers })
+    }
+
+    /// Computes anew what was touched.
+    fn update(&mut self, touched: Touched) -> Touched {
+        let source = Source {
+            signal: &self.signal,
+            wavelets: &self.wavelets,
+            mean: &self.mean,
+            vertex_map: &self.decomposer.geometry().vertex_map,
+            masked: self.decomposer.mask().map(Mask::vertices),
+        };
+        match &touched {
+            Touched::All => source.apply(&self.layers, &mut self.change, &mut self.edited),
+            Touched::Some(touched) => {
+                source.apply_at(&self.layers, touched, (&self.first_member, &self.members), &mut self.edited);
+            }
+        }
+        touched
+    }
+}
+
+fn support(slot: &LayerSlot) -> Touched {
+    slot.support().map_or(Touched::All, |support| Touched::Some(support.to_vec()))
+}

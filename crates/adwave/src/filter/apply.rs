@@ -1,0 +1,166 @@
+//! The arithmetic of a filter: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18).
+//!
+//! Since `f = S_f(J) + Σ_j W_f(j)` this is `S_f(J) + Σ_j Γ(j,x)·W_f(j)`, and exact where nothing is edited: a vertex outside
+//! all regions keeps its value to the last bit.
+
+use super::layers::{LayerSlot, excess_at};
+use crate::bands::Wavelets;
+use crate::parallel;
+use crate::shape::VertexMap;
+
+/// Vertices that a thread treats at a time: their rows of one band stay in the first-level cache.
+const VERTICES_AT_A_TIME: usize = 1 << 10;
+
+/// What a filter reads: a signal, its wavelets, and how they belong together.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    /// n_vertices × n_channels, in the order of the shape.
+    pub(crate) signal: &'a [f64],
+    /// In the analysis order.
+    pub(crate) wavelets: &'a Wavelets,
+    /// The mean of the signal at each welded vertex; what differs from it is part of W_f(1).
+    pub(crate) mean: &'a [f64],
+    pub(crate) vertex_map: &'a VertexMap,
+    /// Flags of the vertices that keep their values.
+    pub(crate) masked: Option<&'a [bool]>,
+}
+
+impl Source<'_> {
+    fn n_channels(&self) -> usize {
+        self.wavelets.n_channels
+    }
+
+    fn is_welded(&self) -> bool {
+        self.vertex_map.n_welded() < self.vertex_map.n_vertices()
+    }
+
+    /// The edited signal at all vertices into `edited`, with `change` of n_welded × n_channels values as scratch.
+    pub(crate) fn apply(&self, layers: &[LayerSlot], change: &mut Vec<f64>, edited: &mut [f64]) {
+        if layers.iter().any(LayerSlot::is_by_vertex) {
+            return self.apply_by_vertex(layers, edited);
+        }
+        let (d, n_levels) = (self.n_channels(), self.wavelets.n_levels());
+        change.resize(self.vertex_map.n_welded() * d, 0.0);
+        if layers.iter().all(LayerSlot::is_everywhere) {
+            let mut excess = vec![0.0; n_levels];
+            excess_at(layers, 0, 0, &mut excess);
+            self.same_everywhere(&excess, change);
+            self.add(change, |_| excess[0], edited);
+            return;
+        }
+        parallel::for_rows(change, d, VERTICES_AT_A_TIME, |first, rows| {
+            let mut excess = vec![0.0; n_levels];
+            for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
+                excess_at(layers, x, 0, &mut excess);
+                self.change(x, &excess, row);
+            }
+        });
+        let mut finest = vec![0.0; if self.is_welded() { self.vertex_map.n_welded() } else { 0 }];
+        parallel::for_rows(&mut finest, 1, VERTICES_AT_A_TIME, |first, finest| {
+            let mut excess = vec![0.0; n_levels];
+            for (x, finest) in (first..).zip(finest) {
+                excess_at(layers, x, 0, &mut excess);
+                *finest = excess[0];
+            }
+        });
+        self.add(change, |x| finest[x], edited);
+    }
+
+    /// `Σ_j excess[j−1]·W_f(j)`, one factor for all vertices.
+    fn same_everywhere(&self, excess: &[f64], change: &mut [f64]) {
+        let d = self.n_channels();
+        parallel::for_rows(change, d, VERTICES_AT_A_TIME, |first, change| {
+            change.fill(0.0);
+            for (excess, level) in excess.iter().zip(&self.wavelets.levels).filter(|(e, _)| **e != 0.0) {
+                for (sum, w) in change.iter_mut().zip(&level[first * d..]) {
+                    *sum += excess * w;
+                }
+            }
+        });
+    }
+
+    /// `Σ_j excess[j−1]·W_f(j,x)`.
+    #[inline]
+    fn change(&self, x: usize, excess: &[f64], change: &mut [f64]) {
+        change.fill(0.0);
+        let d = change.len();
+        for (excess, level) in excess.iter().zip(&self.wavelets.levels).filter(|(e, _)| **e != 0.0) {
+            for (sum, w) in change.iter_mut().zip(&level[x * d..]) {
+                *sum += excess * w;
+            }
+        }
+    }
+
+    /// The signal and the change of its welded vertex; `finest(x)` is Γ(1,x) − 1.
+    fn add(&self, change: &[f64], finest: impl Fn(usize) -> f64 + Sync + Send, edited: &mut [f64]) {
+        let (d, welded) = (self.n_channels(), self.vertex_map.as_slice());
+        parallel::for_rows(edited, d, VERTICES_AT_A_TIME, |first, rows| {
+            for (vertex, row) in (first..).zip(rows.chunks_exact_mut(d)) {
+                let x = welded[vertex] as usize;
+                let finest = if self.is_welded() { finest(x) } else { 0.0 };
+                self.edit(vertex, &change[x * d..][..d], finest, row);
+            }
+        });
+    }
+
+    /// The edited values of one vertex.
+    #[inline]
+    fn edit(&self, vertex: usize, change: &[f64], finest: f64, row: &mut [f64]) {
+        let d = row.len();
+        let signal = &self.signal[vertex * d..][..d];
+        row.copy_from_slice(signal);
+        if self.masked.is_some_and(|masked| masked[vertex]) {
+            return;
+        }
+        for (value, change) in row.iter_mut().zip(change) {
+            if *change != 0.0 {
+                *value += change; // adding 0 would turn −0 into 0, and a file's text with it
+            }
+        }
+        if finest != 0.0 {
+            let mean = &self.mean[self.vertex_map.welded(vertex) * d..][..d];
+            for ((value, f), m) in row.iter_mut().zip(signal).zip(mean) {
+                if f != m {
+                    *value += finest * (f - m);
+                }
+            }
+        }
+    }
+
+    fn apply_by_vertex(&self, layers: &[LayerSlot], edited: &mut [f64]) {
+        let d = self.n_channels();
+        parallel::for_rows(edited, d, VERTICES_AT_A_TIME, |first, rows| {
+            let (mut excess, mut change) = (vec![0.0; self.wavelets.n_levels()], vec![0.0; d]);
+            for (vertex, row) in (first..).zip(rows.chunks_exact_mut(d)) {
+                let x = self.vertex_map.welded(vertex);
+                excess_at(layers, x, vertex, &mut excess);
+                self.change(x, &excess, &mut change);
+                self.edit(vertex, &change, excess[0], row);
+            }
+        });
+    }
+
+    /// The edited signal at the members of some welded vertices, the same bits as [`apply`](Self::apply).
+    pub(crate) fn apply_at(
+        &self,
+        layers: &[LayerSlot],
+        touched: &[u32],
+        (first_member, members): (&[usize], &[u32]),
+        edited: &mut [f64],
+    ) {
+        let d = self.n_channels();
+        let (mut excess, mut change) = (vec![0.0; self.wavelets.n_levels()], vec![0.0; d]);
+        for &x in touched {
+            let x = x as usize;
+            for (k, &vertex) in members[first_member[x]..first_member[x + 1]].iter().enumerate() {
+                let vertex = vertex as usize;
+                if k == 0 || layers.iter().any(LayerSlot::is_by_vertex) {
+                    excess_at(layers, x, vertex, &mut excess);
+                    self.change(x, &excess, &mut change);
+                }
+                let finest = if self.is_welded() { excess[0] } else { 0.0 };
+                self.edit(vertex, &change, finest, &mut edited[vertex * d..][..d]);
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What regions are measured by: positions, neighbours and distances along a shape.
+
+use super::{SurfaceSearch, stroke};
+use crate::operator::Diffusion;
+use crate::shape::{PreparedGeometry, vertex_normals};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::sync::{Arc, Mutex, OnceLock};
+
+/// Distances along a shape, prepared for many regions.
+///
+/// What a region needs of the whole shape (a search tree over the vertices, their normals, the memory of a search) is made
+/// once, by the first region that needs it; each further one costs what it covers.
+#[derive(Debug)]
+pub struct SurfaceMetric {
+    geometry: Arc<PreparedGeometry>,
+    diffusion: Arc<Diffusion>,
+    diagonal: f64,
+    spacing: f64,
+    normals: OnceLock<Vec<[f64; 3]>>,
+    tree: OnceLock<Tree>,
+    searches: Mutex<Vec<SurfaceSearch>>,
+}
+
+/// The vertices as a search tree.
+struct Tree(ImmutableKdTree<f64, 3>);
+
+impl std::fmt::Debug for Tree {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Tree")
+    }
+}
+
+/// The welded vertices within a radius, by rising index, and the distance of each.
+pub(super) struct Within {
+    pub(super) vertices: Vec<u32>,
+    pub(super) distances: Vec<f64>,
+}
+
+impl SurfaceMetric {
+    /// The metric of a prepared shape over the neighbours of its diffusion operator. `diagonal` is that of the bounding box,
+    /// `spacing` the mean distance of neighbours, both in model units (0 and 1 for a graph). O(1).
+    pub fn new(
+        geometry: Arc<PreparedGeometry>,
+        diffusion: Arc<Diffusion>,
+        diagonal: f64,
+        spacing: f64,
+    ) -> Self {
+        Self {
+            geometry,
+            diffusion,
+            diagonal,
+            spacing,
+            normals: OnceLock::new(),
+            tree: OnceLock::new(),
+            searches: Mutex::default(),
+        }
+    }
+
+    /// The prepared shape.
+    pub fn geometry(&self) -> &PreparedGeometry {
+        &self.geometry
+    }
+
+    /// Length of the bounding box's diagonal in model units; 0 for a graph.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// Number of vertices of the shape.
+    pub fn n_vertices(&self) -> usize {
+        self.geometry.vertex_map.n_vertices()
+    }
+
+    /// The welded vertex nearest to a point (finite, model units); `None` for a graph. O(log n), the first time O(n log n).
+    pub fn nearest(&self, point: &[f64; 3]) -> Option<usize> {
+        if self.geometry.points.is_empty() {
+            return None;
+        }
+        let tree = self.tree.get_or_init(|| {
+            Tree(
+                ImmutableKdTree::new_from_slice(&self.geometry.points)
+                    .expect("the tree of finitely many finite points"),
+            )
+        });
+        Some(tree.0.query(point).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize)
+    }
+
+    /// The normals of the vertices; none for a cloud or a graph.
+    pub(super) fn normals(&self) -> &[[f64; 3]] {
+        self.normals.get_or_init(|| vertex_normals(&self.geometry.points, &self.geometry.triangles))
+    }
+
+    /// The vertices within `radius` of a line over the surface from place to place.
+    pub(super) fn around_line(&self, path: &[[f64; 3]], radius: f64) -> Within {
+        let sources = stroke::sources(self, self.diffusion.neighbours(), self.spacing, path);
+        self.within(&sources, radius)
+    }
+
+    /// The vertices within `radius` of the nearest of `sources` (vertex, distance it starts with).
+    pub(super) fn within(&self, sources: &[(usize, f64)], radius: f64) -> Within {
+        let mut search =
+            self.searches.lock().map_or_else(|_| None, |mut kept| kept.pop()).unwrap_or_default();
+        let reached = search.run(self.diffusion.neighbours(), &self.geometry.points, sources, radius);
+        let mut vertices = reached.to_vec();
+        vertices.sort_unstable();
+        let distances = vertices.iter().map(|&x| search.distance(x as usize)).collect();
+        if let Ok(mut kept) = self.searches.lock() {
+            kept.push(search);
+        }
+        Within { vertices, distances }
+    }
+}
