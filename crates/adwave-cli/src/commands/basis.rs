@@ -1,7 +1,8 @@
 //! `adwave basis`: scaling functions and wavelets, of one vertex as fields or of all as sparse matrices.
 
-use crate::args::{BasisArgs, GlobalArgs};
+use crate::args::BasisArgs;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{available_memory, check_writable, number, print, table, write_error, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::load;
@@ -14,7 +15,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-pub(crate) fn run(args: &BasisArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &BasisArgs, global: &Global<'_>) -> Result<(), CliError> {
     check_writable(&args.output)?;
     match (args.vertex, args.level, args.levels) {
         (Some(vertex), Some(level), _) => of_vertex(args, global, vertex, level),
@@ -23,7 +24,7 @@ pub(crate) fn run(args: &BasisArgs, global: &GlobalArgs) -> Result<(), CliError>
     }
 }
 
-fn of_vertex(args: &BasisArgs, global: &GlobalArgs, vertex: usize, level: usize) -> Result<(), CliError> {
+fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize) -> Result<(), CliError> {
     if !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
         let path = args.output.display();
         return Err(CliError::Input(format!(
@@ -72,7 +73,7 @@ fn of_vertex(args: &BasisArgs, global: &GlobalArgs, vertex: usize, level: usize)
     print(global, &text, &json)
 }
 
-fn of_all(args: &BasisArgs, global: &GlobalArgs, levels: usize) -> Result<(), CliError> {
+fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), CliError> {
     let ending = args.output.extension().map(OsStr::to_ascii_lowercase);
     let matrix_market = match ending.as_ref().and_then(|e| e.to_str()) {
         Some("npz") => false,

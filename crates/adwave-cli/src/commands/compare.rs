@@ -1,8 +1,9 @@
 //! `adwave compare`: the same task by adwave and by another method.
 
-use crate::args::{CompareArgs, GlobalArgs, MethodArg};
+use crate::args::{CompareArgs, MethodArg};
 use crate::commands::transform::fresh;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{bands_params, number, print, schedule, table, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
@@ -17,7 +18,7 @@ use std::path::Path;
 /// The signal of a feature map, which takes one channel.
 const CURVATURE: &str = "mean-curvature";
 
-pub(crate) fn run(args: &CompareArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliError> {
     let params = bands_params(&args.levels)?;
     std::fs::create_dir_all(&args.output).map_err(|e| {
         CliError::Environment(format!("cannot make the folder {}: {e}", args.output.display()))
@@ -83,7 +84,7 @@ fn report(input: &Input, field: &str, method: &str, comparison: &Comparison) -> 
 
 /// The shape with the results as fields; coordinates that were smoothed become its points.
 fn write(
-    global: &GlobalArgs,
+    global: &Global<'_>,
     path: &Path,
     input: &Input,
     field: &str,

@@ -1,7 +1,8 @@
 //! `adwave demo`: all of it on a built-in creature, in seconds.
 
-use crate::args::{DemoArgs, GlobalArgs};
+use crate::args::DemoArgs;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{number, print, steps_json, steps_text, table, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::make_sample;
@@ -16,7 +17,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
 
-pub(crate) fn run(args: &DemoArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> {
     std::fs::create_dir_all(&args.output).map_err(|e| {
         CliError::Environment(format!("cannot make the folder {}: {e}", args.output.display()))
     })?;
@@ -115,7 +116,7 @@ fn level_times(decomposer: &Decomposer, coords: &[f64], schedule: &Schedule) -> 
         .collect()
 }
 
-fn write_bands(global: &GlobalArgs, file: &ShapeFile, bands: &Bands, path: &Path) -> Result<(), CliError> {
+fn write_bands(global: &Global<'_>, file: &ShapeFile, bands: &Bands, path: &Path) -> Result<(), CliError> {
     let mut file = file.clone();
     for (j, band) in bands.wavelet.iter().enumerate() {
         file.add_vertex_field(Field::new(format!("W{}", j + 1), 3, FieldValues::F64(band.clone())));

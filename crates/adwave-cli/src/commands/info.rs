@@ -1,7 +1,8 @@
 //! `adwave info`: what a shape consists of, what is unusual about it, and which levels it gets.
 
-use crate::args::{GlobalArgs, InfoArgs};
+use crate::args::InfoArgs;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{number, print, schedule, steps_json, steps_text, table};
 use crate::progress::with_spinner;
 use crate::shape_input::load;
@@ -10,7 +11,7 @@ use adwave::shape::{Health, Shape, bounding_box};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-pub(crate) fn run(args: &InfoArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
     let (input, decomposer, health) = with_spinner(global, "reading", || {
         let input = load(&args.shape)?;
         let decomposer = Decomposer::new(&input.shape, &args.shape.operator());

@@ -1,7 +1,7 @@
 //! `adwave render`: pictures of shapes, fields and features.
 
-use crate::args::GlobalArgs;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{check_writable, print, write_error};
 use crate::progress::with_spinner;
 use crate::render_args::{RangeArg, RenderArgs, SizeArg};
@@ -24,7 +24,7 @@ const PLAIN: &str = "plain";
 /// What marks a feature.
 const GREEN: [u8; 3] = [52, 168, 83];
 
-pub(crate) fn run(args: &RenderArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError> {
     let params = check(args)?;
     let balls = args.features.as_deref().map(features).transpose()?.unwrap_or_default();
     let start = Instant::now();

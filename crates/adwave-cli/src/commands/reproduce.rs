@@ -1,11 +1,10 @@
 //! `adwave reproduce`: the figures and tables of the paper, made again.
 
-use crate::args::{GlobalArgs, ReproduceArgs};
+use crate::args::ReproduceArgs;
 use crate::error::CliError;
-use crate::interrupt::STOP;
+use crate::global::Global;
 use crate::output::print;
 use crate::progress::bar;
-use adwave::Progress;
 use adwave_report::reproduce::{
     Context, Event, FIGURES, Figure, Made, Models, ReproduceError, Target, reproduce, select,
 };
@@ -14,7 +13,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-pub(crate) fn run(args: &ReproduceArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &ReproduceArgs, global: &Global<'_>) -> Result<(), CliError> {
     let start = Instant::now();
     let figures = select(&args.figures).map_err(|name| {
         let known = FIGURES.iter().map(|f| f.name).collect::<Vec<_>>().join(", ");
@@ -30,7 +29,7 @@ pub(crate) fn run(args: &ReproduceArgs, global: &GlobalArgs) -> Result<(), CliEr
         .collect();
     let line = Line::new(global, figures.len());
     let report = |done: u64, total: u64| line.part(done, total);
-    let progress = Progress::none().with_report(&report).with_cancel(&STOP);
+    let progress = global.progress().with_report(&report);
     let mut context = Context::new(models, progress);
     if let Some(most) = args.most_vertices {
         context = context.with_most_vertices(most.get());
@@ -94,13 +93,13 @@ fn summary(made: &[Made], index: &Path, took: Duration) -> String {
 
 /// A line for every figure that is done, and on a terminal a bar below for the one that is being made.
 struct Line<'a> {
-    global: &'a GlobalArgs,
+    global: &'a Global<'a>,
     bar: ProgressBar,
     n_figures: usize,
 }
 
 impl<'a> Line<'a> {
-    fn new(global: &'a GlobalArgs, n_figures: usize) -> Self {
+    fn new(global: &'a Global<'a>, n_figures: usize) -> Self {
         Self { global, bar: bar(global, ""), n_figures }
     }
 

@@ -2,9 +2,9 @@
 
 use crate::analysis::Analysis;
 use crate::analysis_args::SaliencyArgs;
-use crate::args::GlobalArgs;
 use crate::commands::transform::fresh;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{check_writable, number, print, table, write_error, write_shape};
 use crate::progress::with_spinner;
 use adwave::bands::DEFAULT_REACH;
@@ -14,7 +14,7 @@ use adwave_render::{ColorMap, value_range};
 use serde_json::json;
 use std::time::Instant;
 
-pub(crate) fn run(args: &SaliencyArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliError> {
     let npy = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
     if !npy && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
         let output = args.output.display();
@@ -54,7 +54,7 @@ pub(crate) fn run(args: &SaliencyArgs, global: &GlobalArgs) -> Result<(), CliErr
 
 fn report(
     args: &SaliencyArgs,
-    global: &GlobalArgs,
+    global: &Global<'_>,
     analysis: &Analysis,
     saliency: &Saliency,
     took: std::time::Duration,
@@ -110,7 +110,7 @@ fn write_map(
 
 fn write_field(
     args: &SaliencyArgs,
-    global: &GlobalArgs,
+    global: &Global<'_>,
     analysis: &Analysis,
     saliency: &Saliency,
     levels: &[(SaliencyLevel, Vec<f64>)],

@@ -1,7 +1,8 @@
 //! `adwave sample`: a built-in shape as a file.
 
-use crate::args::{GlobalArgs, Kind, SampleArgs};
+use crate::args::{Kind, SampleArgs};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{check_writable, format_of, print, table, write_shape};
 use crate::progress::with_spinner;
 use crate::shape_input::make_sample;
@@ -9,7 +10,7 @@ use adwave::sample::SAMPLE_NAMES;
 use adwave_io::ShapeFile;
 use serde_json::json;
 
-pub(crate) fn run(args: &SampleArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError> {
     let Some(name) = &args.name else { return list(global) };
     let Some(output) = &args.output else {
         return Err(CliError::Input(format!("say where the {name} goes: -o {name}.ply")));
@@ -37,7 +38,7 @@ pub(crate) fn run(args: &SampleArgs, global: &GlobalArgs) -> Result<(), CliError
     )
 }
 
-fn list(global: &GlobalArgs) -> Result<(), CliError> {
+fn list(global: &Global<'_>) -> Result<(), CliError> {
     let text = table(
         ["sample", "vertices", "what it is"],
         SAMPLE_NAMES

@@ -1,7 +1,8 @@
 //! `adwave transform`: all bands of a signal.
 
-use crate::args::{GlobalArgs, TransformArgs};
+use crate::args::TransformArgs;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{
     bands_params, check_writable, number, peak_memory, print, schedule, steps_json, steps_text, table,
     write_error, write_shape,
@@ -16,7 +17,7 @@ use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile}
 use serde_json::json;
 use std::path::Path;
 
-pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliError> {
     let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     if !npz && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
         return Err(CliError::Input(format!(
@@ -111,7 +112,7 @@ fn write_npz(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> 
 }
 
 /// The shape with the fields S0 … SJ and W1 … WJ.
-fn write_fields(global: &GlobalArgs, path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+fn write_fields(global: &Global<'_>, path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
     let mut file = fresh(&input.file);
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));
