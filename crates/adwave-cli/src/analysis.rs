@@ -1,6 +1,6 @@
 //! What `saliency`, `features`, `evaluate` and `report` begin with: a shape, a signal on it, a walk, and the bands.
 
-use crate::analysis_args::FieldArgs;
+use crate::args::FieldArgs;
 use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;

@@ -5,21 +5,19 @@
 //! it neither ends the process nor installs a signal handler or a thread pool for the whole of it.
 
 mod analysis;
-mod analysis_args;
 mod args;
+mod cli;
 mod commands;
 mod error;
 mod global;
 mod output;
 mod progress;
-mod render_args;
-mod report_args;
 mod shape_input;
 mod signal;
 mod stopwatch;
 
-use args::{Cli, Command};
 use clap::Parser;
+use cli::{Cli, Command};
 use error::CliError;
 use global::Global;
 use std::ffi::OsString;

@@ -1,6 +1,6 @@
 //! `adwave basis`: scaling functions and wavelets, of one vertex as fields or of all as sparse matrices.
 
-use crate::args::BasisArgs;
+use crate::args::ShapeArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{available_memory, check_writable, number, print, table, write_error, write_shape};
@@ -10,10 +10,41 @@ use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, MatrixValues};
+use clap::Args;
 use serde_json::json;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+With --vertex and --level the output is the shape with the fields phi and psi (.vtp or .ply).
+With --levels it is one file for each matrix, named after OUT: OUT.phi1.npz … OUT.psiJ.npz, for
+scipy.sparse.load_npz, or .mtx. Row x is the function of vertex x. Where vertices were welded the matrices are
+over the welded ones, and OUT.classes.npy tells which is which.
+
+Examples:
+  adwave basis bunny.obj --vertex 120 --level 5 -o wavelet.vtp
+  adwave basis bunny.obj --levels 6 -o bunny.npz")]
+pub(crate) struct BasisArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// The vertex, counted from 0
+    #[arg(long, value_name = "V", requires = "level", required_unless_present = "levels")]
+    pub(crate) vertex: Option<usize>,
+    /// Its level, from 1
+    #[arg(long, value_name = "J", requires = "vertex")]
+    pub(crate) level: Option<usize>,
+    /// All vertices, on this many dyadic levels
+    #[arg(long, short = 'j', value_name = "J", conflicts_with = "vertex")]
+    pub(crate) levels: Option<usize>,
+    /// Drop entries of the matrices below this
+    #[arg(long, value_name = "E", default_value_t = BasisParams::DROP_TOLERANCE)]
+    pub(crate) drop_tolerance: f64,
+    /// Where the functions go
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+}
 
 pub(crate) fn run(args: &BasisArgs, global: &Global<'_>) -> Result<(), CliError> {
     check_writable(&args.output)?;

@@ -1,6 +1,5 @@
 //! `adwave demo`: all of it on a built-in creature, in seconds.
 
-use crate::args::DemoArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{number, print, steps_json, steps_text, table, write_shape};
@@ -13,9 +12,21 @@ use adwave::region::{Length, Region};
 use adwave::shape::{Mesh, Shape, bounding_box, enclosed_volume};
 use adwave::{Decomposer, Progress};
 use adwave_io::{Field, FieldValues, Levels, Recipe, ShapeFile, write_recipe};
+use clap::Args;
 use serde_json::{Value, json};
 use std::path::Path;
+use std::path::PathBuf;
 use std::time::Instant;
+
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Folder that the files go to
+    #[arg(long, short, value_name = "DIR", default_value = "adwave-demo")]
+    pub(crate) output: PathBuf,
+    /// Number of vertices of the creature (about)
+    #[arg(long, value_name = "N")]
+    pub(crate) vertices: Option<usize>,
+}
 
 pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> {
     std::fs::create_dir_all(&args.output).map_err(|e| {

@@ -1,6 +1,5 @@
 //! `adwave reproduce`: the figures and tables of the paper, made again.
 
-use crate::args::ReproduceArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::print;
@@ -8,10 +7,43 @@ use crate::progress::bar;
 use adwave_report::reproduce::{
     Context, Event, FIGURES, Figure, Made, Models, ReproduceError, Target, reproduce, select,
 };
+use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
+use std::num::NonZeroUsize;
 use std::path::Path;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+DIR/index.html shows every figure with its pictures, what to see and whether it came out as the paper claims; DIR/figNN
+holds the pictures in full size and the numbers as CSV.
+
+Models are found by name in the folders and all folders below: armadillo, dinosaur, skull, horse, kitten, face, bunny,
+spot (with its texture), gargoyle, buddha, hand, pegaso, cow, sphere. Built-in shapes stand in for those that are missing.
+
+Examples:
+  adwave reproduce -o out
+  adwave reproduce fig10 table2 -o out
+  adwave reproduce all -o out --models models --models textured-models")]
+pub(crate) struct ReproduceArgs {
+    /// fig1 … fig15, table1, table2, or all
+    #[arg(value_name = "FIGURE", default_value = "all")]
+    pub(crate) figures: Vec<String>,
+    /// Folder that the files go to
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Folder with copies of the paper's models; may be given several times
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Vec<PathBuf>,
+    /// Write the page as Markdown too, with small pictures in a folder beside it
+    #[arg(long, value_name = "FILE.md")]
+    pub(crate) markdown: Option<PathBuf>,
+    /// Make built-in shapes no larger than this: a quick sketch of every figure
+    #[arg(long, value_name = "N")]
+    pub(crate) most_vertices: Option<NonZeroUsize>,
+}
 
 pub(crate) fn run(args: &ReproduceArgs, global: &Global<'_>) -> Result<(), CliError> {
     let start = Instant::now();

@@ -1,6 +1,6 @@
 //! `adwave transform`: all bands of a signal.
 
-use crate::args::TransformArgs;
+use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{
@@ -14,8 +14,33 @@ use crate::stopwatch::Stopwatch;
 use adwave::Decomposer;
 use adwave::bands::Bands;
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
+use clap::Args;
 use serde_json::json;
 use std::path::Path;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Output by extension:
+  .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for numpy
+  .vtp .ply   the shape with the fields S0 … SJ and W1 … WJ, for ParaView
+
+Examples:
+  adwave transform bunny.obj -o bands.npz --levels 8
+  adwave transform brain.ply -o bands.vtp --field thickness
+  adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --field intensity")]
+pub(crate) struct TransformArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// Where the bands go (.npz, .vtp or .ply)
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// The signal: coords, a field of the file, or an .npy file with one row a vertex
+    #[arg(long, value_name = "NAME", default_value = "coords")]
+    pub(crate) field: String,
+    #[command(flatten)]
+    pub(crate) levels: LevelArgs,
+}
 
 pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliError> {
     let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));

@@ -1,6 +1,7 @@
 //! `adwave filter`: change bands, and write the shape back.
 
-use crate::args::FilterArgs;
+mod args;
+
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{
@@ -16,6 +17,7 @@ use adwave::filter::{Displacement, Edit, Gains, Layer, Preset, displacement};
 use adwave::region::Region;
 use adwave::shape::{Shape, enclosed_volume, triangulate, vertex_normals};
 use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
+pub(crate) use args::FilterArgs;
 use serde_json::json;
 use std::fmt::Write;
 

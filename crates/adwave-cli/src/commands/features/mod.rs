@@ -1,8 +1,9 @@
 //! `adwave features`: where bands stand out in place and in scale.
 
+mod args;
+
 use crate::analysis::Analysis;
-use crate::analysis_args::{FeaturesArgs, ResponseArg};
-use crate::args::ShapeArgs;
+use crate::args::{ResponseArg, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, number, print, steps_json, table, write_error, write_shape};
@@ -11,6 +12,7 @@ use adwave::features::{
 };
 use adwave_io::{Field, FieldValues, Format, ShapeFile, atomic_write};
 use adwave_render::ColorMap;
+pub(crate) use args::FeaturesArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;

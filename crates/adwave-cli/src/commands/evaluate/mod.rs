@@ -1,7 +1,8 @@
 //! `adwave evaluate`: whether features are found again, and whether a map agrees with where people look.
 
+mod args;
+
 use crate::analysis::Analysis;
-use crate::analysis_args::EvaluateArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{bands_params, print, table};
@@ -16,6 +17,7 @@ use adwave::measure::{
 };
 use adwave::saliency::saliency;
 use adwave_io::ShapeFile;
+pub(crate) use args::EvaluateArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
 

@@ -1,13 +1,14 @@
 //! `adwave report`: one page about one shape.
 
+mod args;
+
 use crate::analysis::Analysis;
-use crate::analysis_args::FieldArgs;
+use crate::args::FieldArgs;
 use crate::commands::info::{health_json, kind};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{bands_params, check_levels, check_writable, print, steps_json, write_error};
 use crate::progress::{with_progress, with_spinner};
-use crate::report_args::ReportArgs;
 use crate::shape_input::load;
 use crate::signal::{default_name, field_names};
 use crate::stopwatch::Stopwatch;
@@ -15,6 +16,7 @@ use adwave::features::FEATURE_REACH;
 use adwave_io::{Format, atomic_write};
 use adwave_render::Up;
 use adwave_report::shape_report::{Looks, ShapeReport, Subject, shape_report};
+pub(crate) use args::ReportArgs;
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::path::Path;

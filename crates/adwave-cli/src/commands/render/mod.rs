@@ -1,10 +1,11 @@
 //! `adwave render`: pictures of shapes, fields and features.
 
+mod args;
+
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, print, write_error};
 use crate::progress::with_spinner;
-use crate::render_args::{RangeArg, RenderArgs, SizeArg};
 use crate::shape_input::{Input, Source, load_source};
 use crate::signal::{COORDS, Signal, load_with_texture};
 use adwave::shape::{Shape, triangulate};
@@ -14,6 +15,8 @@ use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
     Surface, ValueRange, grid, render,
 };
+pub(crate) use args::RenderArgs;
+use args::{RangeArg, SizeArg};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
