@@ -1,8 +1,9 @@
 //! What `saliency`, `features`, `evaluate` and `report` begin with: a shape, a signal on it, a walk, and the bands.
 
-use crate::analysis_args::FieldArgs;
-use crate::args::{GlobalArgs, LevelArgs, ShapeArgs};
+use crate::args::FieldArgs;
+use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{bands_params, check_levels, schedule_reaching};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
@@ -36,7 +37,7 @@ impl Analysis {
         field: &FieldArgs,
         levels: &LevelArgs,
         reach: f64,
-        global: &GlobalArgs,
+        global: &Global<'_>,
     ) -> Result<Self, CliError> {
         // What cannot be, before a large file is read.
         bands_params(levels)?;
@@ -54,7 +55,7 @@ impl Analysis {
         field: &FieldArgs,
         levels: &LevelArgs,
         reach: f64,
-        global: &GlobalArgs,
+        global: &Global<'_>,
     ) -> Result<Self, CliError> {
         let params = bands_params(levels)?;
         let mut watch = Stopwatch::start();

@@ -1,8 +1,8 @@
 //! What people read, what machines read, and where files may go.
 
-use crate::args::{GlobalArgs, LevelArgs};
+use crate::args::LevelArgs;
 use crate::error::CliError;
-use crate::interrupt::STOP;
+use crate::global::Global;
 use adwave::Decomposer;
 use adwave::bands::{BandsParams, DEFAULT_REACH, Schedule};
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
@@ -11,10 +11,10 @@ use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Prints the result: `text` for people, or `json` for machines.
-pub(crate) fn print(global: &GlobalArgs, text: &str, json: &Value) -> Result<(), CliError> {
+pub(crate) fn print(global: &Global<'_>, text: &str, json: &Value) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
     let printed = if global.json {
         writeln!(out, "{json:#}")
@@ -30,7 +30,7 @@ pub(crate) fn print(global: &GlobalArgs, text: &str, json: &Value) -> Result<(),
 }
 
 /// Says something that is not the result, to people only.
-pub(crate) fn note(global: &GlobalArgs, text: &str) {
+pub(crate) fn note(global: &Global<'_>, text: &str) {
     if !global.quiet {
         eprintln!("note: {text}");
     }
@@ -152,7 +152,10 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
     if target.exists() && !target.is_file() {
         return Ok(());
     }
-    let probe = target.with_file_name(format!(".adwave-probe-{}.tmp", std::process::id()));
+    // Two runs in one process may ask about the same folder.
+    static N_PROBES: AtomicU64 = AtomicU64::new(0);
+    let nth = N_PROBES.fetch_add(1, Ordering::Relaxed);
+    let probe = target.with_file_name(format!(".adwave-probe-{}-{nth}.tmp", std::process::id()));
     std::fs::File::create(&probe)
         .and_then(|_| std::fs::remove_file(&probe))
         .map_err(|e| CliError::Environment(format!("cannot write {}: {e}", path.display())))
@@ -160,7 +163,7 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
 
 /// Writes a shape and says what its format could not hold.
 pub(crate) fn write_shape(
-    global: &GlobalArgs,
+    global: &Global<'_>,
     file: &ShapeFile,
     path: &Path,
 ) -> Result<WriteReport, CliError> {
@@ -180,7 +183,6 @@ pub(crate) fn write_error(error: WriteError) -> CliError {
         cause = source;
     }
     match cause {
-        WriteError::Io(_) if STOP.load(Ordering::Relaxed) => CliError::Cancelled,
         WriteError::Io(_) => CliError::Environment(text),
         _ => CliError::Input(text),
     }

@@ -1,26 +1,25 @@
 //! A progress bar, on a terminal only.
 
-use crate::args::GlobalArgs;
-use crate::interrupt::STOP;
+use crate::global::Global;
 use adwave::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
 
 /// Runs `work` with a handle that draws a bar and stops at Ctrl-C.
-pub(crate) fn with_progress<T>(global: &GlobalArgs, what: &str, work: impl FnOnce(Progress<'_>) -> T) -> T {
+pub(crate) fn with_progress<T>(global: &Global<'_>, what: &str, work: impl FnOnce(Progress<'_>) -> T) -> T {
     let bar = bar(global, what);
     let report = |done: u64, total: u64| {
         bar.set_length(total);
         bar.set_position(done);
     };
-    let result = work(Progress::none().with_report(&report).with_cancel(&STOP));
+    let result = work(global.progress().with_report(&report));
     bar.finish_and_clear();
     result
 }
 
 /// Runs `work`, whose length is not known, with a spinner.
-pub(crate) fn with_spinner<T>(global: &GlobalArgs, what: &str, work: impl FnOnce() -> T) -> T {
+pub(crate) fn with_spinner<T>(global: &Global<'_>, what: &str, work: impl FnOnce() -> T) -> T {
     let bar = bar(global, what);
     bar.enable_steady_tick(Duration::from_millis(100));
     let result = work();
@@ -29,7 +28,7 @@ pub(crate) fn with_spinner<T>(global: &GlobalArgs, what: &str, work: impl FnOnce
 }
 
 /// A bar that is drawn on a terminal only.
-pub(crate) fn bar(global: &GlobalArgs, what: &str) -> ProgressBar {
+pub(crate) fn bar(global: &Global<'_>, what: &str) -> ProgressBar {
     let shown = !global.quiet && std::io::stderr().is_terminal();
     let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let style = ProgressStyle::with_template("{spinner} {msg} {bar:32} {percent} % {eta}")

@@ -1,7 +1,7 @@
 //! From the --field argument to a signal.
 
-use crate::args::GlobalArgs;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::note;
 use crate::shape_input::Input;
 use adwave::Decomposer;
@@ -116,7 +116,7 @@ pub(crate) fn mask(
     walk: Decomposer,
     signal: &Signal,
     name: &str,
-    global: &GlobalArgs,
+    global: &Global<'_>,
 ) -> Result<Decomposer, CliError> {
     let Some(flags) = missing(&signal.values, signal.n_channels) else { return Ok(walk) };
     let masked = walk.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?;

@@ -1,7 +1,8 @@
 //! `adwave basis`: scaling functions and wavelets, of one vertex as fields or of all as sparse matrices.
 
-use crate::args::{BasisArgs, GlobalArgs};
+use crate::args::ShapeArgs;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{available_memory, check_writable, number, print, table, write_error, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::load;
@@ -9,12 +10,43 @@ use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, MatrixValues};
+use clap::Args;
 use serde_json::json;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-pub(crate) fn run(args: &BasisArgs, global: &GlobalArgs) -> Result<(), CliError> {
+#[derive(Debug, Args)]
+#[command(after_help = "\
+With --vertex and --level the output is the shape with the fields phi and psi (.vtp or .ply).
+With --levels it is one file for each matrix, named after OUT: OUT.phi1.npz … OUT.psiJ.npz, for
+scipy.sparse.load_npz, or .mtx. Row x is the function of vertex x. Where vertices were welded the matrices are
+over the welded ones, and OUT.classes.npy tells which is which.
+
+Examples:
+  adwave basis bunny.obj --vertex 120 --level 5 -o wavelet.vtp
+  adwave basis bunny.obj --levels 6 -o bunny.npz")]
+pub(crate) struct BasisArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// The vertex, counted from 0
+    #[arg(long, value_name = "V", requires = "level", required_unless_present = "levels")]
+    pub(crate) vertex: Option<usize>,
+    /// Its level, from 1
+    #[arg(long, value_name = "J", requires = "vertex")]
+    pub(crate) level: Option<usize>,
+    /// All vertices, on this many dyadic levels
+    #[arg(long, short = 'j', value_name = "J", conflicts_with = "vertex")]
+    pub(crate) levels: Option<usize>,
+    /// Drop entries of the matrices below this
+    #[arg(long, value_name = "E", default_value_t = BasisParams::DROP_TOLERANCE)]
+    pub(crate) drop_tolerance: f64,
+    /// Where the functions go
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+}
+
+pub(crate) fn run(args: &BasisArgs, global: &Global<'_>) -> Result<(), CliError> {
     check_writable(&args.output)?;
     match (args.vertex, args.level, args.levels) {
         (Some(vertex), Some(level), _) => of_vertex(args, global, vertex, level),
@@ -23,7 +55,7 @@ pub(crate) fn run(args: &BasisArgs, global: &GlobalArgs) -> Result<(), CliError>
     }
 }
 
-fn of_vertex(args: &BasisArgs, global: &GlobalArgs, vertex: usize, level: usize) -> Result<(), CliError> {
+fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize) -> Result<(), CliError> {
     if !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
         let path = args.output.display();
         return Err(CliError::Input(format!(
@@ -72,7 +104,7 @@ fn of_vertex(args: &BasisArgs, global: &GlobalArgs, vertex: usize, level: usize)
     print(global, &text, &json)
 }
 
-fn of_all(args: &BasisArgs, global: &GlobalArgs, levels: usize) -> Result<(), CliError> {
+fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), CliError> {
     let ending = args.output.extension().map(OsStr::to_ascii_lowercase);
     let matrix_market = match ending.as_ref().and_then(|e| e.to_str()) {
         Some("npz") => false,

@@ -1,8 +1,9 @@
 //! `adwave compare`: the same task by adwave and by another method.
 
-use crate::args::{CompareArgs, GlobalArgs, MethodArg};
+use crate::args::{FieldArgs, LevelArgs, ShapeArgs};
 use crate::commands::transform::fresh;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{bands_params, number, print, schedule, table, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
@@ -10,14 +11,69 @@ use crate::signal::{self, COORDS};
 use adwave::Decomposer;
 use adwave_baselines::compare::{CompareError, Comparison, Method, Outcome, Subject, compare};
 use adwave_io::{Field, FieldValues};
+use clap::Args;
 use clap::ValueEnum;
 use serde_json::{Value, json};
+use std::num::NonZeroUsize;
 use std::path::Path;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Methods:
+  mht          smooth the same width by manifold harmonics
+  taubin       smooth by the windowed sinc, half the gain at the same frequency
+  lee          the saliency map of Lee, Varshney and Jacobs
+  feature-map  critical points of a signal smoothed by heat [default signal: mean-curvature]
+  sgwt         spectral graph wavelets of the same walk, as many bands, and back
+  dw, bdw      diffusion wavelets, biorthogonal ones (up to 6000 vertices), and back
+
+Both results go to DIR as adwave.ply and METHOD.ply, the table as comparison.json.
+
+Examples:
+  adwave compare bunny.obj --with mht --harmonics 300 -o out
+  adwave compare sample:creature --vertices 3000 --with dw -o out")]
+pub(crate) struct CompareArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// The other method
+    #[arg(long = "with", value_name = "METHOD", value_enum)]
+    pub(crate) method: MethodArg,
+    /// Folder that the files go to
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) field: FieldArgs,
+    #[command(flatten)]
+    pub(crate) levels: LevelArgs,
+    /// mht: number of harmonics
+    #[arg(long, value_name = "K", default_value = "200")]
+    pub(crate) harmonics: NonZeroUsize,
+}
+
+/// `adwave_baselines::compare::Method` by its names here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// Manifold harmonics
+    Mht,
+    /// Mesh saliency
+    Lee,
+    /// Critical points
+    FeatureMap,
+    /// Spectral graph wavelets
+    Sgwt,
+    /// Diffusion wavelets
+    Dw,
+    /// Biorthogonal diffusion wavelets
+    Bdw,
+    /// Windowed sinc
+    Taubin,
+}
 
 /// The signal of a feature map, which takes one channel.
 const CURVATURE: &str = "mean-curvature";
 
-pub(crate) fn run(args: &CompareArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliError> {
     let params = bands_params(&args.levels)?;
     std::fs::create_dir_all(&args.output).map_err(|e| {
         CliError::Environment(format!("cannot make the folder {}: {e}", args.output.display()))
@@ -83,7 +139,7 @@ fn report(input: &Input, field: &str, method: &str, comparison: &Comparison) -> 
 
 /// The shape with the results as fields; coordinates that were smoothed become its points.
 fn write(
-    global: &GlobalArgs,
+    global: &Global<'_>,
     path: &Path,
     input: &Input,
     field: &str,

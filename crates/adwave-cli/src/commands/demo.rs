@@ -1,7 +1,7 @@
 //! `adwave demo`: all of it on a built-in creature, in seconds.
 
-use crate::args::{DemoArgs, GlobalArgs};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{number, print, steps_json, steps_text, table, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::make_sample;
@@ -12,11 +12,23 @@ use adwave::region::{Length, Region};
 use adwave::shape::{Mesh, Shape, bounding_box, enclosed_volume};
 use adwave::{Decomposer, Progress};
 use adwave_io::{Field, FieldValues, Levels, Recipe, ShapeFile, write_recipe};
+use clap::Args;
 use serde_json::{Value, json};
 use std::path::Path;
+use std::path::PathBuf;
 use std::time::Instant;
 
-pub(crate) fn run(args: &DemoArgs, global: &GlobalArgs) -> Result<(), CliError> {
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Folder that the files go to
+    #[arg(long, short, value_name = "DIR", default_value = "adwave-demo")]
+    pub(crate) output: PathBuf,
+    /// Number of vertices of the creature (about)
+    #[arg(long, value_name = "N")]
+    pub(crate) vertices: Option<usize>,
+}
+
+pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> {
     std::fs::create_dir_all(&args.output).map_err(|e| {
         CliError::Environment(format!("cannot make the folder {}: {e}", args.output.display()))
     })?;
@@ -115,7 +127,7 @@ fn level_times(decomposer: &Decomposer, coords: &[f64], schedule: &Schedule) -> 
         .collect()
 }
 
-fn write_bands(global: &GlobalArgs, file: &ShapeFile, bands: &Bands, path: &Path) -> Result<(), CliError> {
+fn write_bands(global: &Global<'_>, file: &ShapeFile, bands: &Bands, path: &Path) -> Result<(), CliError> {
     let mut file = file.clone();
     for (j, band) in bands.wavelet.iter().enumerate() {
         file.add_vertex_field(Field::new(format!("W{}", j + 1), 3, FieldValues::F64(band.clone())));

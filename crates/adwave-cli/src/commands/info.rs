@@ -1,16 +1,31 @@
 //! `adwave info`: what a shape consists of, what is unusual about it, and which levels it gets.
 
-use crate::args::{GlobalArgs, InfoArgs};
+use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{number, print, schedule, steps_json, steps_text, table};
 use crate::progress::with_spinner;
 use crate::shape_input::load;
 use adwave::Decomposer;
 use adwave::shape::{Health, Shape, bounding_box};
+use clap::Args;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-pub(crate) fn run(args: &InfoArgs, global: &GlobalArgs) -> Result<(), CliError> {
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  adwave info scan.las
+  adwave info bunny.obj --json | jq .health
+  adwave info sample:creature --vertices 200000")]
+pub(crate) struct InfoArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    #[command(flatten)]
+    pub(crate) levels: LevelArgs,
+}
+
+pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
     let (input, decomposer, health) = with_spinner(global, "reading", || {
         let input = load(&args.shape)?;
         let decomposer = Decomposer::new(&input.shape, &args.shape.operator());

@@ -1,20 +1,51 @@
 //! `adwave reproduce`: the figures and tables of the paper, made again.
 
-use crate::args::{GlobalArgs, ReproduceArgs};
 use crate::error::CliError;
-use crate::interrupt::STOP;
+use crate::global::Global;
 use crate::output::print;
 use crate::progress::bar;
-use adwave::Progress;
 use adwave_report::reproduce::{
     Context, Event, FIGURES, Figure, Made, Models, ReproduceError, Target, reproduce, select,
 };
+use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
+use std::num::NonZeroUsize;
 use std::path::Path;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-pub(crate) fn run(args: &ReproduceArgs, global: &GlobalArgs) -> Result<(), CliError> {
+#[derive(Debug, Args)]
+#[command(after_help = "\
+DIR/index.html shows every figure with its pictures, what to see and whether it came out as the paper claims; DIR/figNN
+holds the pictures in full size and the numbers as CSV.
+
+Models are found by name in the folders and all folders below: armadillo, dinosaur, skull, horse, kitten, face, bunny,
+spot (with its texture), gargoyle, buddha, hand, pegaso, cow, sphere. Built-in shapes stand in for those that are missing.
+
+Examples:
+  adwave reproduce -o out
+  adwave reproduce fig10 table2 -o out
+  adwave reproduce all -o out --models models --models textured-models")]
+pub(crate) struct ReproduceArgs {
+    /// fig1 … fig15, table1, table2, or all
+    #[arg(value_name = "FIGURE", default_value = "all")]
+    pub(crate) figures: Vec<String>,
+    /// Folder that the files go to
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Folder with copies of the paper's models; may be given several times
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Vec<PathBuf>,
+    /// Write the page as Markdown too, with small pictures in a folder beside it
+    #[arg(long, value_name = "FILE.md")]
+    pub(crate) markdown: Option<PathBuf>,
+    /// Make built-in shapes no larger than this: a quick sketch of every figure
+    #[arg(long, value_name = "N")]
+    pub(crate) most_vertices: Option<NonZeroUsize>,
+}
+
+pub(crate) fn run(args: &ReproduceArgs, global: &Global<'_>) -> Result<(), CliError> {
     let start = Instant::now();
     let figures = select(&args.figures).map_err(|name| {
         let known = FIGURES.iter().map(|f| f.name).collect::<Vec<_>>().join(", ");
@@ -30,7 +61,7 @@ pub(crate) fn run(args: &ReproduceArgs, global: &GlobalArgs) -> Result<(), CliEr
         .collect();
     let line = Line::new(global, figures.len());
     let report = |done: u64, total: u64| line.part(done, total);
-    let progress = Progress::none().with_report(&report).with_cancel(&STOP);
+    let progress = global.progress().with_report(&report);
     let mut context = Context::new(models, progress);
     if let Some(most) = args.most_vertices {
         context = context.with_most_vertices(most.get());
@@ -94,13 +125,13 @@ fn summary(made: &[Made], index: &Path, took: Duration) -> String {
 
 /// A line for every figure that is done, and on a terminal a bar below for the one that is being made.
 struct Line<'a> {
-    global: &'a GlobalArgs,
+    global: &'a Global<'a>,
     bar: ProgressBar,
     n_figures: usize,
 }
 
 impl<'a> Line<'a> {
-    fn new(global: &'a GlobalArgs, n_figures: usize) -> Self {
+    fn new(global: &'a Global<'a>, n_figures: usize) -> Self {
         Self { global, bar: bar(global, ""), n_figures }
     }
 

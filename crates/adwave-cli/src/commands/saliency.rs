@@ -1,20 +1,61 @@
 //! `adwave saliency`: where a signal stands out.
 
 use crate::analysis::Analysis;
-use crate::analysis_args::SaliencyArgs;
-use crate::args::GlobalArgs;
+use crate::args::{BorderArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
 use crate::commands::transform::fresh;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{check_writable, number, print, table, write_error, write_shape};
 use crate::progress::with_spinner;
 use adwave::bands::DEFAULT_REACH;
 use adwave::saliency::{Saliency, SaliencyLevel, saliency, saliency_per_level};
 use adwave_io::{ArrayValues, Field, FieldValues, Format, write_npy};
 use adwave_render::{ColorMap, value_range};
+use clap::Args;
 use serde_json::json;
+use std::path::PathBuf;
 use std::time::Instant;
 
-pub(crate) fn run(args: &SaliencyArgs, global: &GlobalArgs) -> Result<(), CliError> {
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Output by extension:
+  .ply .vtp   the shape with the fields saliency and color
+  .npy        the map, one number a vertex; with --per-level one row a vertex: the map, then each level
+
+Where the signal is NaN, vertices are left out of the walk and the map is NaN.
+
+Examples:
+  adwave saliency bunny.obj -o map.ply
+  adwave saliency scan.pcd -o map.vtp --field mean-curvature --color-map magma
+  adwave saliency face-scan.ply -o map.ply --border 1
+  adwave saliency cow.obj -o map.ply --field texture-lightness --texture cow.png
+  adwave saliency pial.gii.gz -o map.vtp --field sulc.gii.gz")]
+pub(crate) struct SaliencyArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// Where the map goes (.ply, .vtp or .npy)
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) field: FieldArgs,
+    #[command(flatten)]
+    pub(crate) levels: LevelArgs,
+    #[command(flatten)]
+    pub(crate) map: MapArgs,
+    #[command(flatten)]
+    pub(crate) border: BorderArgs,
+    /// Write what each level adds too, as the fields saliency3, saliency4 …
+    #[arg(long, help_heading = "Map")]
+    pub(crate) per_level: bool,
+    /// The colours: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, grey, coolwarm, red-blue or spectral
+    #[arg(long, alias = "colormap", value_name = "NAME", default_value = "viridis", help_heading = "Map")]
+    pub(crate) color_map: String,
+    /// The last colour stands for this percentile of the map and all above
+    #[arg(long, value_name = "P", default_value_t = 99.0, help_heading = "Map")]
+    pub(crate) color_top: f64,
+}
+
+pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliError> {
     let npy = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
     if !npy && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
         let output = args.output.display();
@@ -54,7 +95,7 @@ pub(crate) fn run(args: &SaliencyArgs, global: &GlobalArgs) -> Result<(), CliErr
 
 fn report(
     args: &SaliencyArgs,
-    global: &GlobalArgs,
+    global: &Global<'_>,
     analysis: &Analysis,
     saliency: &Saliency,
     took: std::time::Duration,
@@ -110,7 +151,7 @@ fn write_map(
 
 fn write_field(
     args: &SaliencyArgs,
-    global: &GlobalArgs,
+    global: &Global<'_>,
     analysis: &Analysis,
     saliency: &Saliency,
     levels: &[(SaliencyLevel, Vec<f64>)],

@@ -1,15 +1,45 @@
 //! `adwave sample`: a built-in shape as a file.
 
-use crate::args::{GlobalArgs, Kind, SampleArgs};
+use crate::args::Kind;
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{check_writable, format_of, print, table, write_shape};
 use crate::progress::with_spinner;
 use crate::shape_input::make_sample;
 use adwave::sample::SAMPLE_NAMES;
 use adwave_io::ShapeFile;
+use clap::Args;
 use serde_json::json;
+use std::path::PathBuf;
 
-pub(crate) fn run(args: &SampleArgs, global: &GlobalArgs) -> Result<(), CliError> {
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  adwave sample                                 list the shapes
+  adwave sample creature -o creature.ply
+  adwave sample knot --vertices 200000 --noise 0.3 --seed 7 -o noisy.obj
+  adwave sample sphere --as cloud -o points.ply")]
+pub(crate) struct SampleArgs {
+    /// Which shape; without it the shapes are listed
+    pub(crate) name: Option<String>,
+    /// Where it goes; the format is that of the extension
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: Option<PathBuf>,
+    /// Number of vertices (about)
+    #[arg(long, value_name = "N")]
+    pub(crate) vertices: Option<usize>,
+    /// Write a mesh, or its vertices only
+    #[arg(long = "as", value_name = "KIND", value_enum)]
+    pub(crate) kind: Option<Kind>,
+    /// Noise along the normals: its standard deviation in mean edge lengths
+    #[arg(long, value_name = "S")]
+    pub(crate) noise: Option<f64>,
+    /// Seed of the noise
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    pub(crate) seed: u64,
+}
+
+pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError> {
     let Some(name) = &args.name else { return list(global) };
     let Some(output) = &args.output else {
         return Err(CliError::Input(format!("say where the {name} goes: -o {name}.ply")));
@@ -37,7 +67,7 @@ pub(crate) fn run(args: &SampleArgs, global: &GlobalArgs) -> Result<(), CliError
     )
 }
 
-fn list(global: &GlobalArgs) -> Result<(), CliError> {
+fn list(global: &Global<'_>) -> Result<(), CliError> {
     let text = table(
         ["sample", "vertices", "what it is"],
         SAMPLE_NAMES

@@ -1,9 +1,24 @@
 //! `adwave completions` and `adwave man`: made from the flags' definitions.
 
-use crate::args::{Cli, CompletionsArgs, ManArgs};
+use crate::cli::Cli;
 use crate::error::CliError;
+use clap::Args;
 use clap::CommandFactory;
 use std::io::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    pub(crate) shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ManArgs {
+    /// Folder for one page a command; without it the main page is printed
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+}
 
 pub(crate) fn completions(args: &CompletionsArgs) -> Result<(), CliError> {
     let mut script = Vec::new();

@@ -1,7 +1,8 @@
 //! `adwave transform`: all bands of a signal.
 
-use crate::args::{GlobalArgs, TransformArgs};
+use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{
     bands_params, check_writable, number, peak_memory, print, schedule, steps_json, steps_text, table,
     write_error, write_shape,
@@ -13,10 +14,35 @@ use crate::stopwatch::Stopwatch;
 use adwave::Decomposer;
 use adwave::bands::Bands;
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
+use clap::Args;
 use serde_json::json;
 use std::path::Path;
+use std::path::PathBuf;
 
-pub(crate) fn run(args: &TransformArgs, global: &GlobalArgs) -> Result<(), CliError> {
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Output by extension:
+  .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for numpy
+  .vtp .ply   the shape with the fields S0 … SJ and W1 … WJ, for ParaView
+
+Examples:
+  adwave transform bunny.obj -o bands.npz --levels 8
+  adwave transform brain.ply -o bands.vtp --field thickness
+  adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --field intensity")]
+pub(crate) struct TransformArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// Where the bands go (.npz, .vtp or .ply)
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// The signal: coords, a field of the file, or an .npy file with one row a vertex
+    #[arg(long, value_name = "NAME", default_value = "coords")]
+    pub(crate) field: String,
+    #[command(flatten)]
+    pub(crate) levels: LevelArgs,
+}
+
+pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliError> {
     let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     if !npz && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
         return Err(CliError::Input(format!(
@@ -111,7 +137,7 @@ fn write_npz(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> 
 }
 
 /// The shape with the fields S0 … SJ and W1 … WJ.
-fn write_fields(global: &GlobalArgs, path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+fn write_fields(global: &Global<'_>, path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
     let mut file = fresh(&input.file);
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));

@@ -1,7 +1,9 @@
 //! `adwave filter`: change bands, and write the shape back.
 
-use crate::args::{FilterArgs, GlobalArgs};
+mod args;
+
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{
     bands_params, check_writable, format_of, note, number, print, schedule, steps_json, write_error,
     write_shape,
@@ -15,10 +17,11 @@ use adwave::filter::{Displacement, Edit, Gains, Layer, Preset, displacement};
 use adwave::region::Region;
 use adwave::shape::{Shape, enclosed_volume, triangulate, vertex_normals};
 use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
+pub(crate) use args::FilterArgs;
 use serde_json::json;
 use std::fmt::Write;
 
-pub(crate) fn run(args: &FilterArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError> {
     format_of(&args.output)?;
     check_writable(&args.output)?;
     let params = bands_params(&args.levels)?;
@@ -175,7 +178,7 @@ fn change(before: &[f64], after: &[f64]) -> (f64, f64) {
 }
 
 /// Computes the file's normals anew where that is asked for, or says that they are the old ones.
-fn refresh_normals(args: &FilterArgs, global: &GlobalArgs, input: &mut Input) {
+fn refresh_normals(args: &FilterArgs, global: &Global<'_>, input: &mut Input) {
     let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return };
     if args.update_normals {
         let triangles = triangulate(input.file.points(), mesh.faces());

@@ -1,15 +1,18 @@
 //! `adwave features`: where bands stand out in place and in scale.
 
+mod args;
+
 use crate::analysis::Analysis;
-use crate::analysis_args::{FeaturesArgs, ResponseArg};
-use crate::args::{GlobalArgs, ShapeArgs};
+use crate::args::{ResponseArg, ShapeArgs};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{check_writable, number, print, steps_json, table, write_error, write_shape};
 use adwave::features::{
     Descriptor, FEATURE_REACH, Feature, Match, describe, features, match_features, spheres,
 };
 use adwave_io::{Field, FieldValues, Format, ShapeFile, atomic_write};
 use adwave_render::ColorMap;
+pub(crate) use args::FeaturesArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -26,7 +29,7 @@ struct Found {
     seconds: f64,
 }
 
-pub(crate) fn run(args: &FeaturesArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliError> {
     args.detect.params(&args.border).check().map_err(CliError::input)?;
     let kind = args.output.as_deref().map(output_kind).transpose()?;
     if let Some(path) = &args.output {
@@ -55,7 +58,7 @@ pub(crate) fn run(args: &FeaturesArgs, global: &GlobalArgs) -> Result<(), CliErr
     print(global, &text(args, &found, other.as_ref().zip(pairs.as_deref())), &json)
 }
 
-fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &GlobalArgs) -> Result<Found, CliError> {
+fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &Global<'_>) -> Result<Found, CliError> {
     let analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_REACH, global)?;
     let start = Instant::now();
     let features = features(&analysis.walk, &analysis.bands, &args.detect.params(&args.border))
@@ -235,7 +238,7 @@ fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
     atomic_write(path, |out| Ok(out.write_all(text.as_bytes())?)).map_err(write_error)
 }
 
-fn write_spheres(path: &Path, found: &Found, global: &GlobalArgs) -> Result<(), CliError> {
+fn write_spheres(path: &Path, found: &Found, global: &Global<'_>) -> Result<(), CliError> {
     let spheres = spheres(&found.features);
     if spheres.points.is_empty() && !found.features.is_empty() {
         return Err(CliError::Input(

@@ -1,7 +1,7 @@
-//! The flags of `render`.
+//! The arguments of `adwave render`.
 
 use crate::args::Kind;
-use adwave_render::{Up, View};
+use adwave_render::{RenderParams, Up, View};
 use clap::Args;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -68,7 +68,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, help_heading = "Picture")]
     pub(crate) transparent: bool,
     /// Edges sharper than this are seen as edges, degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 50.0, help_heading = "Picture")]
+    #[arg(long, value_name = "DEGREES", default_value_t = RenderParams::default().crease_angle, help_heading = "Picture")]
     pub(crate) crease: f64,
     /// All shapes and fields on one sheet, with captions and of one scale; --grid=N for N columns
     #[arg(

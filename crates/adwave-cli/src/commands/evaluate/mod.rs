@@ -1,13 +1,14 @@
 //! `adwave evaluate`: whether features are found again, and whether a map agrees with where people look.
 
+mod args;
+
 use crate::analysis::Analysis;
-use crate::analysis_args::EvaluateArgs;
-use crate::args::GlobalArgs;
 use crate::error::CliError;
-use crate::interrupt::STOP;
+use crate::global::Global;
 use crate::output::{bands_params, print, table};
 use crate::shape_input::Input;
 use crate::signal;
+use adwave::Decomposer;
 use adwave::bands::{DEFAULT_REACH, Schedule};
 use adwave::features::{FEATURE_REACH, Feature, features};
 use adwave::measure::{
@@ -15,12 +16,12 @@ use adwave::measure::{
     repeatability,
 };
 use adwave::saliency::saliency;
-use adwave::{Decomposer, Progress};
 use adwave_io::ShapeFile;
+pub(crate) use args::EvaluateArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-pub(crate) fn run(args: &EvaluateArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> {
     args.detect.params(&args.border).check().map_err(CliError::input)?;
     args.map.params(&args.border).check().map_err(CliError::input)?;
     let reach = if args.against.is_some() { DEFAULT_REACH } else { FEATURE_REACH };
@@ -34,7 +35,7 @@ pub(crate) fn run(args: &EvaluateArgs, global: &GlobalArgs) -> Result<(), CliErr
 /// Agreement of maps with looks.
 fn against(
     args: &EvaluateArgs,
-    global: &GlobalArgs,
+    global: &Global<'_>,
     analysis: &Analysis,
     looks: &str,
 ) -> Result<(), CliError> {
@@ -86,7 +87,7 @@ fn against(
 }
 
 /// Repeatability under changes.
-fn again(args: &EvaluateArgs, global: &GlobalArgs, analysis: &Analysis) -> Result<(), CliError> {
+fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &Analysis) -> Result<(), CliError> {
     let reference = find(args, analysis)?;
     let mut rows: Vec<(String, Vec<LevelRepeatability>)> = Vec::new();
     let percents = args.percents.iter().map(|p| (format!("noise {p} %"), Some(p / 100.0)));
@@ -107,11 +108,9 @@ fn again(args: &EvaluateArgs, global: &GlobalArgs, analysis: &Analysis) -> Resul
     for (name, changes) in changes {
         let mut sum: Vec<LevelRepeatability> = Vec::new();
         for step in changes {
-            if STOP.load(std::sync::atomic::Ordering::Relaxed) {
-                return Err(CliError::Cancelled);
-            }
+            global.progress().check().map_err(|_| CliError::Cancelled)?;
             let changed = change(&analysis.input.shape, &analysis.walk, &step).map_err(CliError::input)?;
-            let found = find_again(args, analysis, &changed)?;
+            let found = find_again(args, global, analysis, &changed)?;
             let params = RepeatabilityParams { sigmas: args.within, ..RepeatabilityParams::default() };
             let levels = repeatability(&reference, &found, &changed, &params);
             if sum.is_empty() {
@@ -175,7 +174,12 @@ fn find(args: &EvaluateArgs, analysis: &Analysis) -> Result<Vec<Feature>, CliErr
 }
 
 /// The features of a changed shape, on levels of the same widths.
-fn find_again(args: &EvaluateArgs, analysis: &Analysis, changed: &Changed) -> Result<Vec<Feature>, CliError> {
+fn find_again(
+    args: &EvaluateArgs,
+    global: &Global<'_>,
+    analysis: &Analysis,
+    changed: &Changed,
+) -> Result<Vec<Feature>, CliError> {
     let shape = &changed.shape;
     let walk = Decomposer::new(shape, &args.shape.operator());
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
@@ -206,7 +210,6 @@ fn find_again(args: &EvaluateArgs, analysis: &Analysis, changed: &Changed) -> Re
         Schedule::lengths(sigma, step)?
     };
     let params = bands_params(&args.levels)?;
-    let bands =
-        walk.decompose(&values, n_channels, &schedule, &params, Progress::none().with_cancel(&STOP))?;
+    let bands = walk.decompose(&values, n_channels, &schedule, &params, global.progress())?;
     features(&walk, &bands, &args.detect.params(&args.border)).map_err(CliError::input)
 }

@@ -1,13 +1,14 @@
 //! `adwave report`: one page about one shape.
 
+mod args;
+
 use crate::analysis::Analysis;
-use crate::analysis_args::FieldArgs;
-use crate::args::GlobalArgs;
+use crate::args::FieldArgs;
 use crate::commands::info::{health_json, kind};
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{bands_params, check_levels, check_writable, print, steps_json, write_error};
 use crate::progress::{with_progress, with_spinner};
-use crate::report_args::ReportArgs;
 use crate::shape_input::load;
 use crate::signal::{default_name, field_names};
 use crate::stopwatch::Stopwatch;
@@ -15,11 +16,13 @@ use adwave::features::FEATURE_REACH;
 use adwave_io::{Format, atomic_write};
 use adwave_render::Up;
 use adwave_report::shape_report::{Looks, ShapeReport, Subject, shape_report};
+pub(crate) use args::ReportArgs;
 use serde_json::{Value, json};
+use std::ffi::OsString;
 use std::path::Path;
 use std::time::Instant;
 
-pub(crate) fn run(args: &ReportArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError> {
     let start = Instant::now();
     check(args)?;
     let mut watch = Stopwatch::start();
@@ -49,7 +52,7 @@ fn check(args: &ReportArgs) -> Result<(), CliError> {
 
 fn report(
     args: &ReportArgs,
-    global: &GlobalArgs,
+    global: &Global<'_>,
     analysis: &Analysis,
     field: &str,
 ) -> Result<ShapeReport, CliError> {
@@ -67,7 +70,7 @@ fn report(
         signal: if input.file.field(field).is_some() { field } else { signal_name(field) },
         bands: &analysis.bands,
         levels_reason: &analysis.why,
-        command: &command_line(),
+        command: &command_line(global.arguments),
         seconds: &[("reading", seconds.read), ("walk", seconds.walk), ("bands", seconds.bands)],
     };
     let looks = Looks { view: Some(args.view), up: args.up.unwrap_or(up) };
@@ -95,7 +98,7 @@ fn signal_name(field: &str) -> &str {
 }
 
 /// What was typed, so that it can be typed again.
-fn command_line() -> String {
+fn command_line(arguments: &[OsString]) -> String {
     let safe = |c: char| c.is_alphanumeric() || "-_./:,=+@%".contains(c);
     let quoted = |word: String| {
         if !word.is_empty() && word.chars().all(safe) {
@@ -104,7 +107,7 @@ fn command_line() -> String {
             format!("'{}'", word.replace('\'', "'\\''"))
         }
     };
-    let words = std::env::args_os().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
+    let words = arguments.iter().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
     std::iter::once("adwave".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 

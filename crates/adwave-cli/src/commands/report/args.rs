@@ -1,4 +1,4 @@
-//! The flags of `report`.
+//! The arguments of `adwave report`.
 
 use crate::args::{LevelArgs, ShapeArgs};
 use adwave_render::{Up, View};

@@ -1,10 +1,11 @@
 //! `adwave render`: pictures of shapes, fields and features.
 
-use crate::args::GlobalArgs;
+mod args;
+
 use crate::error::CliError;
+use crate::global::Global;
 use crate::output::{check_writable, print, write_error};
 use crate::progress::with_spinner;
-use crate::render_args::{RangeArg, RenderArgs, SizeArg};
 use crate::shape_input::{Input, Source, load_source};
 use crate::signal::{COORDS, Signal, load_with_texture};
 use adwave::shape::{Shape, triangulate};
@@ -14,6 +15,8 @@ use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
     Surface, ValueRange, grid, render,
 };
+pub(crate) use args::RenderArgs;
+use args::{RangeArg, SizeArg};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
@@ -24,7 +27,7 @@ const PLAIN: &str = "plain";
 /// What marks a feature.
 const GREEN: [u8; 3] = [52, 168, 83];
 
-pub(crate) fn run(args: &RenderArgs, global: &GlobalArgs) -> Result<(), CliError> {
+pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError> {
     let params = check(args)?;
     let balls = args.features.as_deref().map(features).transpose()?.unwrap_or_default();
     let start = Instant::now();

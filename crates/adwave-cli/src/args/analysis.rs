@@ -1,0 +1,118 @@
+//! The signal, the map of where it stands out, and its features.
+
+use super::named::named;
+use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope};
+use adwave::saliency::{SaliencyParams, Weighting};
+use clap::Args;
+use std::path::PathBuf;
+
+/// The signal that is analysed.
+#[derive(Debug, Args)]
+pub(crate) struct FieldArgs {
+    /// The signal: coords, normals, mean-curvature, gaussian-curvature, shape-index, density, degree (of a graph), luminance, lightness,
+    /// texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN, FILE.gii or FILE.gii:NAME
+    #[arg(long, value_name = "NAME", default_value = "coords", help_heading = "Signal")]
+    pub(crate) field: String,
+    /// The picture of the texture [default: the one that the OBJ's materials name]
+    #[arg(long, value_name = "FILE", help_heading = "Signal")]
+    pub(crate) texture: Option<PathBuf>,
+}
+
+/// What is left out near a border.
+#[derive(Debug, Args)]
+pub(crate) struct BorderArgs {
+    /// Leave out what lies within so many σ of a border or of what is masked: features, and of a map each level, which
+    /// fades in between S·σ and 2·S·σ; coordinates need 1
+    #[arg(long = "border", value_name = "S", allow_negative_numbers = true, help_heading = "Border")]
+    pub(crate) sigmas: Option<f64>,
+}
+
+/// How the levels are put together to a map.
+#[derive(Debug, Args)]
+pub(crate) struct MapArgs {
+    /// How many of the finest levels are left out
+    #[arg(long, value_name = "N", default_value_t = SaliencyParams::default().skip, help_heading = "Map")]
+    pub(crate) skip: usize,
+    /// How the levels are weighed
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Map")]
+    pub(crate) weighting: WeightingArg,
+}
+
+impl MapArgs {
+    pub(crate) fn params(&self, border: &BorderArgs) -> SaliencyParams {
+        SaliencyParams { skip: self.skip, weighting: self.weighting.into(), border_sigmas: border.sigmas }
+    }
+}
+
+named! {
+    /// `adwave::saliency::Weighting` by its names here.
+    WeightingArg for Weighting {
+        /// (max − mean)², one number a level
+        Level = PerLevel,
+        /// (max − |W|)² at each vertex, as eq. 17 is printed
+        Printed = AsPrinted,
+        /// 1/mean, so that every level counts alike
+        Normalised = Normalised,
+        /// Ranks in place of values
+        Ranks = Ranks,
+        /// 1
+        None = Uniform,
+    }
+}
+
+/// What counts as a feature.
+#[derive(Debug, Args)]
+pub(crate) struct DetectArgs {
+    /// How many times the mean response of its level a feature has
+    #[arg(
+        long,
+        value_name = "T",
+        default_value_t = FeatureParams::default().theta,
+        allow_negative_numbers = true,
+        help_heading = "Features"
+    )]
+    pub(crate) theta: f64,
+    /// The response that is compared in place and scale
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Features")]
+    pub(crate) response: ResponseArg,
+    /// Take the mean in the threshold over each connected component
+    #[arg(long, help_heading = "Features")]
+    pub(crate) per_component: bool,
+    /// Place features between vertices and levels, by fitting a quadric and a parabola
+    #[arg(long, help_heading = "Features")]
+    pub(crate) refine: bool,
+    /// Reject edges: the largest ratio of the response's principal curvatures (SIFT takes 10)
+    #[arg(long, value_name = "R", allow_negative_numbers = true, help_heading = "Features")]
+    pub(crate) edge_ratio: Option<f64>,
+    /// Keep only so many, the strong ones well spread
+    #[arg(long, value_name = "N", help_heading = "Features")]
+    pub(crate) best: Option<usize>,
+}
+
+impl DetectArgs {
+    pub(crate) fn params(&self, border: &BorderArgs) -> FeatureParams {
+        FeatureParams {
+            theta: self.theta,
+            response: self.response.into(),
+            scope: if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
+            refinement: if self.refine { Refinement::Quadratic } else { Refinement::Off },
+            max_edge_ratio: self.edge_ratio,
+            border_sigmas: border.sigmas,
+            best: self.best,
+        }
+    }
+}
+
+named! {
+    /// `adwave::features::Response` by its names here.
+    ResponseArg for Response {
+        /// Each level by its own mean
+        Normalised = Normalised,
+        /// W itself, as printed; finds the size of a scalar's bumps
+        Literal = Literal,
+        /// Every channel by itself
+        Channels = Channels,
+        /// W by σ of its level
+        Sigma = Sigma,
+    }
+}

@@ -1,0 +1,25 @@
+//! The flags that several commands have, each defined once. Those of one command stand with it.
+
+mod analysis;
+mod named;
+mod shape;
+
+pub(crate) use analysis::{BorderArgs, DetectArgs, FieldArgs, MapArgs, ResponseArg};
+pub(crate) use shape::{Kind, LevelArgs, ShapeArgs};
+
+use clap::Args;
+use std::num::NonZeroUsize;
+
+/// Flags of every command.
+#[derive(Debug, Args)]
+pub(crate) struct GlobalArgs {
+    /// Print one JSON object for machines in place of text for people
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Print nothing but errors and, with --json, the result
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+    /// Number of threads [default: one for each core]; the result does not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+}

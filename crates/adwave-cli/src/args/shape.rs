@@ -1,0 +1,115 @@
+//! Which shape, how its walk is built, and which levels.
+
+use super::named::named;
+use adwave::bands::BandsParams;
+use adwave::operator::{CloudGraph, OperatorParams};
+use adwave::shape::{CloudArea, MeshArea, WeldMode};
+use clap::{Args, ValueEnum};
+use std::num::NonZeroUsize;
+
+/// A shape, and how its walk is built.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ShapeArgs {
+    /// File (OBJ, PLY, OFF, STL, XYZ/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI, MTX; plain or gzip), '-', or sample:NAME
+    #[arg(value_name = "SHAPE")]
+    pub(crate) shape: String,
+    /// Take the shape as this, whatever the file says; a mesh as a cloud is its vertices
+    #[arg(long = "as", value_name = "KIND", value_enum, help_heading = "Shape")]
+    pub(crate) kind: Option<Kind>,
+    /// Number of vertices of a sample (about)
+    #[arg(long, value_name = "N", help_heading = "Shape")]
+    pub(crate) vertices: Option<usize>,
+    /// Noise along the normals of a sample: its standard deviation in mean edge lengths
+    #[arg(long, value_name = "S", help_heading = "Shape")]
+    pub(crate) noise: Option<f64>,
+    /// Seed of the noise
+    #[arg(long, value_name = "K", default_value_t = 1, help_heading = "Shape")]
+    pub(crate) seed: u64,
+    /// Take vertices at exactly equal positions as different vertices
+    #[arg(long, help_heading = "Walk")]
+    pub(crate) no_weld: bool,
+    /// Mesh: how many rings of neighbours one step can reach
+    #[arg(long, value_name = "N", default_value_t = count(OperatorParams::default().rings), help_heading = "Walk")]
+    pub(crate) rings: NonZeroUsize,
+    /// Mesh: the area of a vertex
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Walk")]
+    pub(crate) mesh_area: MeshAreaArg,
+    /// Cloud: how many nearest neighbours one step can reach
+    #[arg(long, value_name = "K", default_value_t = count(OperatorParams::default().neighbours), help_heading = "Walk")]
+    pub(crate) neighbours: NonZeroUsize,
+    /// Cloud: step to the nearest of each point only, as the paper has it, not in both directions
+    #[arg(long, help_heading = "Walk")]
+    pub(crate) directed: bool,
+    /// Cloud: the area of a point
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Walk")]
+    pub(crate) cloud_area: CloudAreaArg,
+}
+
+/// A default of the library, which is at least 1.
+fn count(n: usize) -> NonZeroUsize {
+    NonZeroUsize::new(n).unwrap_or(NonZeroUsize::MIN)
+}
+
+impl ShapeArgs {
+    /// How the walk is built.
+    pub(crate) fn operator(&self) -> OperatorParams {
+        OperatorParams::default()
+            .with_weld(if self.no_weld { WeldMode::Off } else { WeldMode::EqualPositions })
+            .with_rings(self.rings.get())
+            .with_mesh_area(self.mesh_area.into())
+            .with_neighbours(self.neighbours.get())
+            .with_cloud_graph(if self.directed { CloudGraph::Directed } else { CloudGraph::Union })
+            .with_cloud_area(self.cloud_area.into())
+    }
+}
+
+/// What a file can be taken as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Kind {
+    Mesh,
+    Cloud,
+    Graph,
+}
+
+named! {
+    /// `adwave::shape::MeshArea` by its names here.
+    MeshAreaArg for MeshArea {
+        Barycentric = Barycentric,
+        MixedVoronoi = MixedVoronoi,
+    }
+}
+
+named! {
+    /// `adwave::shape::CloudArea` by its names here.
+    CloudAreaArg for CloudArea {
+        KthNeighbour = KthNeighbour,
+        Unit = Unit,
+        TangentVoronoi = TangentVoronoi,
+    }
+}
+
+/// Which levels.
+#[derive(Debug, Args)]
+pub(crate) struct LevelArgs {
+    /// Number of dyadic levels, 1, 2, 4 … 2^(J-1) steps [default: until a level is 2 % of the diagonal wide, for features 4 %; 4 to 16]
+    #[arg(long, short = 'j', value_name = "J", help_heading = "Levels")]
+    pub(crate) levels: Option<usize>,
+    /// So many levels for each doubling of the steps in place of one: 2^(k/V) steps, whole or not
+    #[arg(long, value_name = "V", help_heading = "Levels", conflicts_with_all = ["steps", "lengths"])]
+    pub(crate) voices: Option<usize>,
+    /// Levels of these numbers of steps, increasing, whole or not, from 1/64
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', help_heading = "Levels", conflicts_with_all = ["levels", "lengths"])]
+    pub(crate) steps: Option<Vec<f64>>,
+    /// Largest error of a band, relative to the band: 1e-13 to 0.1
+    #[arg(long, value_name = "E", default_value_t = BandsParams::default().accuracy, help_heading = "Levels")]
+    pub(crate) accuracy: f64,
+    /// Levels of these widths σ in model units, increasing
+    #[arg(
+        long,
+        value_name = "L,L,…",
+        value_delimiter = ',',
+        help_heading = "Levels",
+        conflicts_with = "levels"
+    )]
+    pub(crate) lengths: Option<Vec<f64>>,
+}

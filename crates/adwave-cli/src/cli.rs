@@ -1,0 +1,113 @@
+//! The command line as a whole: help, man page and completions come from here.
+
+use crate::args::GlobalArgs;
+use crate::commands::{
+    basis::BasisArgs,
+    compare::CompareArgs,
+    demo::DemoArgs,
+    evaluate::EvaluateArgs,
+    features::FeaturesArgs,
+    filter::FilterArgs,
+    info::InfoArgs,
+    render::RenderArgs,
+    report::ReportArgs,
+    reproduce::ReproduceArgs,
+    saliency::SaliencyArgs,
+    sample::SampleArgs,
+    shell::{CompletionsArgs, ManArgs},
+    transform::TransformArgs,
+};
+use clap::{Parser, Subcommand};
+
+/// Wavelets for shapes: split a mesh, a point cloud or a graph, or any signal on it, into bands from fine to coarse,
+/// change the bands, and put the shape back together without loss.
+#[derive(Debug, Parser)]
+#[command(
+    name = "adwave",
+    version,
+    after_help = "\
+Examples:
+  adwave demo                                         all of it, on a built-in shape
+  adwave info scan.ply                                what is in a file, and which levels it gets
+  adwave transform bunny.obj -o bands.npz             all bands, for numpy
+  adwave filter bunny.obj -o smooth.obj --preset suppress
+  adwave filter bunny.obj -o crisp.obj --preset enhance --region 'ball:vertex=120,radius=10%'
+
+A SHAPE is a file, '-' for the standard input, or sample:NAME for a built-in shape (see 'adwave sample').
+Exit codes: 0 done, 1 the machine failed (disk, permissions), 2 bad usage or input, 130 stopped by Ctrl-C."
+)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) global: GlobalArgs,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Show what a shape consists of, what is unusual about it, and which levels it gets
+    Info(InfoArgs),
+    /// Split a shape or a signal on it into all its bands
+    Transform(TransformArgs),
+    /// Change bands, everywhere or by region, and write the shape back with everything its file had
+    Filter(FilterArgs),
+    /// Map where a signal stands out, over all levels
+    Saliency(SaliencyArgs),
+    /// Find the places where a level stands out, each with its size
+    Features(FeaturesArgs),
+    /// Measure how stable the features are, or how well a map agrees with where people look
+    Evaluate(EvaluateArgs),
+    /// Do the same by another method, and show the differences and the times side by side
+    Compare(CompareArgs),
+    /// Write the scaling functions and wavelets: those of one vertex as fields, or all as sparse matrices
+    Basis(BasisArgs),
+    /// Draw a picture of a shape, a field on it, its features; or a sheet of several
+    Render(RenderArgs),
+    /// Write one page about a shape: health, bands, saliency, features, presets, as pictures and tables
+    Report(ReportArgs),
+    /// Write a built-in shape
+    Sample(SampleArgs),
+    /// Decompose, filter and edit a built-in creature, and show what happened
+    Demo(DemoArgs),
+    /// Make the figures and tables of the paper again, with the numbers behind them and whether its claims hold
+    Reproduce(ReproduceArgs),
+    /// Print the completions for a shell
+    Completions(CompletionsArgs),
+    /// Print the manual page
+    Man(ManArgs),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adwave::bands::{BandsParams, DEFAULT_REACH};
+    use adwave::features::{FEATURE_REACH, FeatureParams};
+    use adwave::operator::OperatorParams;
+    use adwave::saliency::SaliencyParams;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_flags_do_not_contradict_each_other() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn what_is_not_asked_for_is_as_the_library_has_it() {
+        let parse = |line: &str| Cli::try_parse_from(line.split_whitespace()).unwrap().command;
+        let Command::Saliency(saliency) = parse("adwave saliency a.ply -o b.ply") else { panic!("saliency") };
+        assert_eq!(saliency.map.params(&saliency.border), SaliencyParams::default());
+        assert_eq!(saliency.shape.operator(), OperatorParams::default());
+        assert_eq!(saliency.levels.accuracy, BandsParams::default().accuracy);
+        let Command::Features(features) = parse("adwave features a.ply") else { panic!("features") };
+        assert_eq!(features.detect.params(&features.border), FeatureParams::default());
+    }
+
+    #[test]
+    fn help_names_the_widths_up_to_which_levels_go() {
+        let mut command = Cli::command();
+        let info = command.find_subcommand_mut("info").unwrap().render_long_help().to_string();
+        let (levels, features) = (100.0 * DEFAULT_REACH, 100.0 * FEATURE_REACH);
+        let named = format!("until a level is {levels} % of the diagonal wide, for features {features} %");
+        assert!(info.split_whitespace().collect::<Vec<_>>().join(" ").contains(&named), "{named}: {info}");
+    }
+}

@@ -1,0 +1,62 @@
+//! The arguments of `adwave evaluate`.
+
+use crate::args::{BorderArgs, DetectArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
+use adwave::measure::RepeatabilityParams;
+use clap::Args;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Without --against: which share of the features is found again, level by level, after noise along the normals, rotation,
+scaling and resampling. With --against: how well the saliency map, maps that are given, and the distance from the centre
+agree with a field of looks (fixation seconds): area under the ROC curve, normalised scanpath saliency, correlation, and
+correlation without what both share with the distance from the centre.
+
+Examples:
+  adwave evaluate bunny.obj --percent 10,30,50
+  adwave evaluate bunny.ply --against gaze --levels 8
+  adwave evaluate bunny.ply --against gaze --map other.npy")]
+pub(crate) struct EvaluateArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    #[command(flatten)]
+    pub(crate) field: FieldArgs,
+    #[command(flatten)]
+    pub(crate) levels: LevelArgs,
+    #[command(flatten)]
+    pub(crate) detect: DetectArgs,
+    #[command(flatten)]
+    pub(crate) map: MapArgs,
+    #[command(flatten)]
+    pub(crate) border: BorderArgs,
+    /// Standard deviations of the noise in % of the mean edge
+    #[arg(
+        long = "percent",
+        value_name = "P,P,…",
+        value_delimiter = ',',
+        default_value = "10,20,30,40,50",
+        allow_negative_numbers = true,
+        help_heading = "Repeatability"
+    )]
+    pub(crate) percents: Vec<f64>,
+    /// How many times each random change is made
+    #[arg(long, value_name = "N", default_value_t = 3, help_heading = "Repeatability")]
+    pub(crate) runs: u64,
+    /// How far off a feature may be and still be found again, in its σ
+    #[arg(long, value_name = "S", default_value_t = RepeatabilityParams::default().sigmas, help_heading = "Repeatability")]
+    pub(crate) within: f64,
+    /// The field of looks, named as for --field
+    #[arg(long, value_name = "NAME", help_heading = "Agreement")]
+    pub(crate) against: Option<String>,
+    /// A vertex was looked at when its look is above this
+    #[arg(
+        long,
+        value_name = "T",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = "Agreement"
+    )]
+    pub(crate) threshold: f64,
+    /// Further maps to compare, named as for --field
+    #[arg(long = "map", value_name = "NAME", help_heading = "Agreement")]
+    pub(crate) maps: Vec<String>,
+}

@@ -1,0 +1,89 @@
+//! The arguments of `adwave filter`.
+
+use crate::args::{LevelArgs, ShapeArgs};
+use adwave::filter::Preset;
+use adwave::region::{Region, RegionSyntaxError, parse_region};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Regions (0 outside, rising smoothly to 1 inside; lengths in model units or in % of the diagonal):
+  ball:vertex=V,radius=R[,falloff=F]        within R of a vertex along the surface (or point=X Y Z)
+  stroke:path=X Y Z;X Y Z;…,radius=R        within R of a line over the surface (or vertices=V V …)
+  box:min=X Y Z,max=X Y Z[,falloff=F]       half-space:point=X Y Z,normal=X Y Z[,falloff=F]
+  field:name=NAME[,low=A][,high=B]          0 where the field is A, 1 where it is B
+  vertices:indices=V V …[,radius=R]         all
+  !REGION not   REGION & REGION both   REGION | REGION either   ( … )
+
+Examples:
+  adwave filter bust.obj -o smooth.obj --preset suppress
+  adwave filter bust.obj -o edit.obj --gains 3,2,1,1,1,1 --region 'ball:vertex=120,radius=10%'
+  adwave filter bust.obj -o half.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
+  adwave filter brain.ply -o even.ply --field thickness --preset suppress
+  adwave filter bust.obj -o edit.obj --recipe edit.toml")]
+pub(crate) struct FilterArgs {
+    #[command(flatten)]
+    pub(crate) shape: ShapeArgs,
+    /// Where the result goes; the format is that of the extension
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// The signal that is filtered: coords, or a field of the file
+    #[arg(long, value_name = "NAME")]
+    pub(crate) field: Option<String>,
+    #[command(flatten)]
+    pub(crate) levels: LevelArgs,
+    /// A ready-made filter
+    #[arg(long, value_enum, conflicts_with_all = ["gains", "recipe"], help_heading = "Edit")]
+    pub(crate) preset: Option<PresetArg>,
+    /// One gain a band, fine to coarse: 1 keeps it, 0 drops it
+    #[arg(
+        long,
+        value_name = "G,G,…",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        conflicts_with = "recipe",
+        help_heading = "Edit"
+    )]
+    pub(crate) gains: Option<Vec<f64>>,
+    /// Where the gains apply; several are joined (see below)
+    #[arg(long, value_name = "REGION", value_parser = region, conflicts_with = "recipe", help_heading = "Edit")]
+    pub(crate) region: Vec<Region>,
+    /// Apply the layers of a recipe
+    #[arg(long, value_name = "FILE.toml", help_heading = "Edit")]
+    pub(crate) recipe: Option<PathBuf>,
+    /// Save the edit as a recipe
+    #[arg(long, value_name = "FILE.toml", help_heading = "Edit")]
+    pub(crate) save_recipe: Option<PathBuf>,
+    /// Compute the normals that the file has anew; without this they are kept as they are
+    #[arg(long)]
+    pub(crate) update_normals: bool,
+}
+
+fn region(text: &str) -> Result<Region, RegionSyntaxError> {
+    parse_region(text)
+}
+
+/// `adwave::filter::Preset` by its names here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PresetArg {
+    /// Drop every band
+    Suppress,
+    /// Strengthen every band, fine ones most
+    Enhance,
+    /// Keep the fine bands, drop the middle ones
+    Band1,
+    /// Drop the fine bands, strengthen the middle ones
+    Band2,
+}
+
+impl From<PresetArg> for Preset {
+    fn from(preset: PresetArg) -> Self {
+        match preset {
+            PresetArg::Suppress => Self::Suppress,
+            PresetArg::Enhance => Self::Enhance,
+            PresetArg::Band1 => Self::Band1,
+            PresetArg::Band2 => Self::Band2,
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! The command `adwave` as a function: [`run`] takes the words of a command line and gives an exit code.
+//!
+//! Glue only: what is computed stands in the crate `adwave`, what is read and written in `adwave-io`. A program that wants
+//! results rather than files and text calls those crates. This one prints to the standard output and the standard error, but
+//! it neither ends the process nor installs a signal handler or a thread pool for the whole of it.
+
+mod analysis;
+mod args;
+mod cli;
+mod commands;
+mod error;
+mod global;
+mod output;
+mod progress;
+mod shape_input;
+mod signal;
+mod stopwatch;
+
+use clap::Parser;
+use cli::{Cli, Command};
+use error::CliError;
+use global::Global;
+use std::ffi::OsString;
+use std::sync::atomic::AtomicBool;
+
+/// Runs one command line, the program's name first, and gives its exit code: 0 done, 1 the machine failed, 2 bad usage or
+/// input, 130 stopped because `cancel` became true.
+///
+/// A file that the command replaces is replaced as a whole or not at all. With `--threads N` the command runs in a pool of its
+/// own; without, in the caller's.
+///
+/// ```
+/// use std::sync::atomic::AtomicBool;
+/// let never = AtomicBool::new(false);
+/// assert_eq!(adwave_cli::run(["adwave", "info", "sample:sphere", "--quiet"], &never), 0);
+/// assert_eq!(adwave_cli::run(["adwave", "info", "sample:teapot"], &never), 2);
+/// ```
+pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &AtomicBool) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let cli = match Cli::try_parse_from(&arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and the version come as errors that succeed; where they cannot be printed nothing else can be either.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(1);
+        }
+    };
+    let global = Global::new(&cli.global, &arguments, cancel);
+    let outcome = match cli.global.threads {
+        None => dispatch(&cli.command, &global),
+        Some(threads) => rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.get())
+            .build()
+            .map_err(|e| CliError::Environment(format!("cannot start {threads} threads: {e}")))
+            .and_then(|pool| pool.install(|| dispatch(&cli.command, &global))),
+    };
+    // Who stops a run may take its temporary files away at once; the write that fails then is part of the stop.
+    let outcome = match outcome {
+        Err(CliError::Environment(_)) if global.progress().is_cancelled() => Err(CliError::Cancelled),
+        outcome => outcome,
+    };
+    match outcome {
+        // With `adwave … | head` the reader has seen what it wanted.
+        Ok(()) | Err(CliError::ClosedPipe) => 0,
+        Err(error) => {
+            eprintln!("adwave: {error}");
+            error.exit_code()
+        }
+    }
+}
+
+fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
+    match command {
+        Command::Info(args) => commands::info::run(args, global),
+        Command::Transform(args) => commands::transform::run(args, global),
+        Command::Filter(args) => commands::filter::run(args, global),
+        Command::Saliency(args) => commands::saliency::run(args, global),
+        Command::Features(args) => commands::features::run(args, global),
+        Command::Evaluate(args) => commands::evaluate::run(args, global),
+        Command::Compare(args) => commands::compare::run(args, global),
+        Command::Basis(args) => commands::basis::run(args, global),
+        Command::Render(args) => commands::render::run(args, global),
+        Command::Report(args) => commands::report::run(args, global),
+        Command::Sample(args) => commands::sample::run(args, global),
+        Command::Demo(args) => commands::demo::run(args, global),
+        Command::Reproduce(args) => commands::reproduce::run(args, global),
+        Command::Completions(args) => commands::shell::completions(args),
+        Command::Man(args) => commands::shell::man(args),
+    }
+}
