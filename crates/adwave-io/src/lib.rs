@@ -19,6 +19,21 @@
 //! | NPY, NPZ (as arrays) | NPY | yes | – |
 //!
 //! All may be compressed by gzip.
+//!
+//! # Map
+//!
+//! | where | what |
+//! |---|---|
+//! | `read`, `write` | a path or bytes, the format found or chosen |
+//! | `sniff`, `format`, `limits`, `error` | which format, its names, how much a file may ask for, what went wrong |
+//! | `shape_file`, `field`, `grouping` | what was read; columns as fields and back |
+//! | `original` | the bytes of a text that is written again with other coordinates |
+//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
+//! | `npy`, `csv` | arrays and tables as fields, and written |
+//! | `texture` | colours of pictures at vertices |
+//! | `recipe` | edits as TOML |
+//! | `atomic` | files replaced as a whole |
+//! | `text`, `lines` | numbers, words and lines of text formats |
 
 // Headers are a few lines of text; `write!` into a string would bring an error that cannot happen.
 #![allow(clippy::format_push_string, clippy::format_collect)]
@@ -26,60 +41,44 @@
 #![allow(clippy::cast_possible_wrap)]
 
 mod atomic;
-mod columns_meaning;
-mod columns_read;
-mod columns_write;
-mod csv_fields;
+mod columns;
+mod csv;
 mod error;
 mod field;
 mod format;
-mod gifti_read;
+mod gifti;
 mod grouping;
-mod las_fields;
-mod las_read;
-mod laz_check;
+mod las;
 mod limits;
 mod lines;
-mod lzf;
-mod mtx_read;
-mod mtx_write;
-mod npy_read;
-mod npz_write;
-mod obj_attributes;
-mod obj_line;
-mod obj_read;
-mod obj_write;
-mod off_read;
-mod off_write;
+mod mtx;
+mod npy;
+mod obj;
+mod off;
 mod original;
-mod pcd_read;
-mod pcd_write;
-mod ply_body;
-mod ply_header;
-mod ply_read;
-mod ply_update;
-mod ply_write;
+mod pcd;
+mod ply;
 mod read;
 mod recipe;
 mod shape_file;
 mod sniff;
-mod stl_read;
-mod stl_write;
+mod stl;
 mod text;
 mod texture;
-mod vtp_write;
+mod vtp;
 mod write;
 
 pub use atomic::{atomic_write, remove_temporaries};
-pub use csv_fields::{parse_csv_fields, read_csv_fields};
+pub use csv::read::{parse_csv_fields, read_csv_fields};
+pub use csv::write::{csv_number, push_csv_row};
 pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;
-pub use gifti_read::read_gifti_fields;
+pub use gifti::read::read_gifti_fields;
 pub use limits::ReadLimits;
-pub use mtx_write::{CompressedRows, MatrixValues, write_matrix_market};
-pub use npy_read::{NpyArray, read_npy, read_npy_bytes};
-pub use npz_write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
+pub use mtx::write::{CompressedRows, MatrixValues, write_matrix_market};
+pub use npy::read::{NpyArray, read_npy, read_npy_bytes};
+pub use npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
 pub use read::{read_bytes, read_path};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use shape_file::{Direction, Edges, Precision, ShapeFile};

@@ -1,7 +1,7 @@
 //! The bytes of the file that a shape came from, kept so that it can be written again with nothing lost: only the
 //! coordinates that changed are replaced, everything else is copied.
 
-use crate::ply_header::PlyOriginal;
+use crate::ply::header::PlyOriginal;
 use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
 use crate::{Precision, ShapeFile};
 
@@ -15,7 +15,7 @@ pub(crate) enum Original {
     /// The header line or 80 bytes of an STL.
     StlHeader(Vec<u8>),
     /// The `VIEWPOINT` line and the width and height of a PCD.
-    Pcd(crate::pcd_read::PcdOriginal),
+    Pcd(crate::pcd::read::PcdOriginal),
 }
 
 /// What separates the values of a row.

@@ -49,18 +49,18 @@ pub fn read_bytes(
         old_line_ends(&mut bytes);
     }
     let mut shape = match format.family() {
-        Format::Obj => crate::obj_read::read_obj(bytes, limits),
-        Format::Ply => crate::ply_read::read_ply(bytes, limits),
-        Format::Off => crate::off_read::read_off(bytes, limits),
-        Format::Stl if format == Format::StlAscii => crate::stl_read::read_stl_ascii(&bytes, limits),
-        Format::Stl => crate::stl_read::read_stl(&bytes, limits),
+        Format::Obj => crate::obj::read::read_obj(bytes, limits),
+        Format::Ply => crate::ply::read::read_ply(bytes, limits),
+        Format::Off => crate::off::read::read_off(bytes, limits),
+        Format::Stl if format == Format::StlAscii => crate::stl::read::read_stl_ascii(&bytes, limits),
+        Format::Stl => crate::stl::read::read_stl(&bytes, limits),
         Format::Xyz | Format::Pts | Format::Csv => {
-            crate::columns_read::read_columns(bytes, limits, name_hint)
+            crate::columns::read::read_columns(bytes, limits, name_hint)
         }
-        Format::Pcd => crate::pcd_read::read_pcd(bytes, limits),
-        Format::Las | Format::Laz => crate::las_read::read_las(&bytes, limits),
-        Format::Gifti => crate::gifti_read::read_gifti(&bytes, limits),
-        Format::Mtx => crate::mtx_read::read_mtx(&bytes, limits),
+        Format::Pcd => crate::pcd::read::read_pcd(bytes, limits),
+        Format::Las | Format::Laz => crate::las::read::read_las(&bytes, limits),
+        Format::Gifti => crate::gifti::read::read_gifti(&bytes, limits),
+        Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
     }?;
     shape.n_original_fields = shape.vertex_fields.len();

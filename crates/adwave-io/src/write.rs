@@ -86,16 +86,16 @@ pub fn write_bytes(
         report.leave_out(extra.clone());
     }
     match format {
-        Format::Obj => crate::obj_write::write_obj(shape, &mut report, out)?,
-        Format::Ply | Format::PlyAscii => crate::ply_write::write_ply(shape, format, &mut report, out)?,
-        Format::Off => crate::off_write::write_off(shape, &mut report, out)?,
-        Format::Stl | Format::StlAscii => crate::stl_write::write_stl(shape, format, &mut report, out)?,
+        Format::Obj => crate::obj::write::write_obj(shape, &mut report, out)?,
+        Format::Ply | Format::PlyAscii => crate::ply::write::write_ply(shape, format, &mut report, out)?,
+        Format::Off => crate::off::write::write_off(shape, &mut report, out)?,
+        Format::Stl | Format::StlAscii => crate::stl::write::write_stl(shape, format, &mut report, out)?,
         Format::Xyz | Format::Pts | Format::Csv => {
-            crate::columns_write::write_columns(shape, format, &mut report, out)?;
+            crate::columns::write::write_columns(shape, format, &mut report, out)?;
         }
-        Format::Pcd | Format::PcdAscii => crate::pcd_write::write_pcd(shape, format, &mut report, out)?,
-        Format::Mtx => crate::mtx_write::write_mtx(shape, &mut report, out)?,
-        Format::Vtp => crate::vtp_write::write_vtp(shape, &mut report, out)?,
+        Format::Pcd | Format::PcdAscii => crate::pcd::write::write_pcd(shape, format, &mut report, out)?,
+        Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out)?,
+        Format::Vtp => crate::vtp::write::write_vtp(shape, &mut report, out)?,
         Format::Las | Format::Laz | Format::Gifti => return Err(WriteError::NotWritable { format }),
     }
     Ok(report)
@@ -110,14 +110,14 @@ fn write_again(
     let Some(original) = &shape.original else { return Ok(None) };
     match &**original {
         Original::Rows(rows) if format == Format::Obj => {
-            crate::obj_write::write_obj_again(shape, rows, out).map(Some)
+            crate::obj::write::write_obj_again(shape, rows, out).map(Some)
         }
         Original::Rows(rows) if format == Format::Off && shape.edited.is_empty() => {
             rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
             Ok(Some(WriteReport::default()))
         }
         Original::Rows(rows) if matches!(format, Format::Xyz | Format::Csv) => {
-            crate::columns_write::write_columns_again(shape, rows, out)
+            crate::columns::write::write_columns_again(shape, rows, out)
         }
         Original::Rows(rows) if format == Format::Pts && shape.edited.is_empty() => {
             rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
@@ -128,7 +128,7 @@ fn write_again(
             rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
             Ok(Some(WriteReport::default()))
         }
-        Original::Ply(ply) => crate::ply_update::write_ply_again(shape, ply, out).map(Some),
+        Original::Ply(ply) => crate::ply::update::write_ply_again(shape, ply, out).map(Some),
         _ => Ok(None),
     }
 }

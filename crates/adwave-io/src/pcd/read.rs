@@ -258,7 +258,7 @@ fn unpack(bytes: &[u8], header: &Header) -> Result<Vec<u8>, ReadError> {
         let message = format!("{n_plain} uncompressed bytes do not make {n} points; get an unbroken file");
         return Err(ReadError::at_byte(header.body + 4, message));
     }
-    crate::lzf::decompress(&bytes[start..start + n_packed as usize], n_plain as usize)
+    crate::pcd::lzf::decompress(&bytes[start..start + n_packed as usize], n_plain as usize)
         .map_err(|at| ReadError::at_byte(start + at, "the LZF compression is broken; get an unbroken file"))
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
 
-use crate::mtx_write::{CompressedRows, MatrixValues};
+use crate::mtx::write::{CompressedRows, MatrixValues};
 use crate::{WriteError, atomic_write};
 
 /// Whether arrays are compressed.

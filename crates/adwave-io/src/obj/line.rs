@@ -1,6 +1,6 @@
 //! One statement of an OBJ.
 
-use crate::obj_read::{Kind, NONE, Piece};
+use crate::obj::read::{Kind, NONE, Piece};
 use crate::text::{is_space, parse_f64, parse_f64_at, show};
 
 /// One line, or several joined by `\`.

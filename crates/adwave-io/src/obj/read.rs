@@ -5,8 +5,8 @@
 
 use rayon::prelude::*;
 
-use crate::obj_attributes::{CornerIndices, attach};
-use crate::obj_line::{Line, parse_line};
+use crate::obj::attributes::{CornerIndices, attach};
+use crate::obj::line::{Line, parse_line};
 use crate::original::{Original, Separator, TextRows};
 use crate::text::{is_blank, line_of};
 use crate::{Direction, Edges, Format, ReadError, ReadLimits, ShapeFile};
@@ -203,7 +203,7 @@ fn check_faces(bytes: &[u8], faces: &Polygons, n_vertices: usize) -> Result<(), 
 /// The error for a corner's index: the line is looked for only now, so that reading need not keep it.
 fn face_index_error(bytes: &[u8], face: usize, corner: usize, n_vertices: usize) -> ReadError {
     let (position, line) = statements(bytes, b"f").nth(face).unwrap_or((0, b""));
-    let word = crate::obj_line::words(line).nth(corner + 1).unwrap_or(b"");
+    let word = crate::obj::line::words(line).nth(corner + 1).unwrap_or(b"");
     let number = word.split(|&b| b == b'/').next().unwrap_or(b"");
     let index = std::str::from_utf8(number).ok().and_then(|t| t.parse().ok()).unwrap_or(0);
     ReadError::FaceIndex {
@@ -219,7 +219,7 @@ fn check_edges(bytes: &[u8], edges: &[u32], n_vertices: usize) -> Result<(), Rea
         return Ok(());
     }
     let bad = |line: &[u8]| {
-        crate::obj_line::words(line).skip(1).any(|w| {
+        crate::obj::line::words(line).skip(1).any(|w| {
             let number = w.split(|&b| b == b'/').next().unwrap_or(b"");
             let index: i64 = std::str::from_utf8(number).ok().and_then(|t| t.parse().ok()).unwrap_or(0);
             index.unsigned_abs() > n_vertices as u64
@@ -242,7 +242,7 @@ fn statements<'a>(bytes: &'a [u8], keyword: &'a [u8]) -> impl Iterator<Item = (u
             let end = logical_end(bytes, start);
             position = end + 1;
             let line = &bytes[start..end];
-            if crate::obj_line::words(line).next() == Some(keyword) {
+            if crate::obj::line::words(line).next() == Some(keyword) {
                 return Some((start, line));
             }
         }

@@ -5,7 +5,7 @@
 //! records; what it would trust blindly is checked first in [`crate::laz_check`].
 
 use crate::field::ByteOrder;
-use crate::las_fields::{ExtraBytes, fields};
+use crate::las::fields::{ExtraBytes, fields};
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
 /// What is needed of the header.
@@ -62,7 +62,7 @@ pub(crate) fn read_las(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, R
                 "the LAZ has no record of its compression; get an unbroken file".into(),
             ));
         };
-        unpacked = crate::laz_check::unpack(bytes, &header, record.content)?;
+        unpacked = crate::las::laz::unpack(bytes, &header, record.content)?;
         unpacked.as_slice()
     } else {
         &bytes[header.points_start..]
@@ -105,7 +105,7 @@ fn parse_header(bytes: &[u8]) -> Option<Header> {
 }
 
 fn check_header(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
-    let Some(least) = crate::las_fields::record_bytes(header.format) else {
+    let Some(least) = crate::las::fields::record_bytes(header.format) else {
         let message =
             format!("point format {} is none of LAS's 0 to 10; get an unbroken file", header.format);
         return Err(ReadError::at_byte(104, message));

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::csv::write::push_csv_row;
 use crate::grouping::column_names;
 use crate::original::{RowEdit, Separator, TextRows};
 use crate::text::push_f64;
@@ -60,7 +61,9 @@ pub(crate) fn write_columns(
     let separator = if format == Format::Csv { "," } else { " " };
     let names: Vec<String> = shape.vertex_fields.iter().flat_map(column_names).collect();
     if format == Format::Csv {
-        writeln!(out, "x,y,z{}", names.iter().map(|n| format!(",{n}")).collect::<String>())?;
+        let mut head = String::new();
+        push_csv_row(&mut head, ["x", "y", "z"].into_iter().chain(names.iter().map(String::as_str)));
+        out.write_all(head.as_bytes())?;
     } else if !names.is_empty() || shape.points.is_empty() {
         writeln!(out, "# x y z{}", names.iter().map(|n| format!(" {n}")).collect::<String>())?;
     }

@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
 
 use crate::ReadError;
-use crate::las_read::Header;
+use crate::las::read::Header;
 
 /// One part of a record, compressed on its own.
 struct Item {

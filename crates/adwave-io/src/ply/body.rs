@@ -1,7 +1,7 @@
 //! The rows of a PLY, value by value.
 
 use crate::field::ByteOrder;
-use crate::ply_header::{Element, Encoding, Kind};
+use crate::ply::header::{Element, Encoding, Kind};
 use crate::text::{Words, parse_f32, parse_f64, show};
 use crate::{FieldValues, ReadError, ValueType};
 
@@ -89,7 +89,7 @@ impl<'a> Body<'a> {
     }
 
     fn not_a(&self, t: ValueType, position: usize, word: &[u8], element: &Element, row: u64) -> ReadError {
-        let kind = crate::ply_header::type_name(t);
+        let kind = crate::ply::header::type_name(t);
         let name = &element.name;
         let message = format!("{} is no {kind} (element `{name}`, row {row}); correct it", show(word));
         ReadError::in_line(self.bytes, position, message)

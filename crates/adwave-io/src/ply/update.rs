@@ -3,9 +3,9 @@
 
 use std::io::Write;
 
-use crate::ply_body::Body;
-use crate::ply_header::{Encoding, Kind, PlyOriginal};
-use crate::ply_write::{Style, note_rounding, property_lines, push_fields};
+use crate::ply::body::Body;
+use crate::ply::header::{Encoding, Kind, PlyOriginal};
+use crate::ply::write::{Style, note_rounding, property_lines, push_fields};
 use crate::text::{parse_f32, parse_f64};
 use crate::{Field, FieldValues, ShapeFile, ValueType, WriteError, WriteReport};
 

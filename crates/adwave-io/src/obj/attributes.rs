@@ -1,6 +1,6 @@
 //! The colours, normals and texture coordinates of an OBJ as fields of its vertices, where each vertex has one.
 
-use crate::obj_read::{NONE, Piece};
+use crate::obj::read::{NONE, Piece};
 use crate::{Field, FieldValues, ShapeFile};
 
 /// For each corner of each face the index of its texture coordinate and normal, or [`NONE`]; empty when none has.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use crate::field::ByteOrder;
 use crate::grouping::column_names;
-use crate::ply_header::type_name;
+use crate::ply::header::type_name;
 use crate::text::{push_f32, push_f64};
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteReport};
 

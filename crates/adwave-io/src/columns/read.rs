@@ -4,7 +4,7 @@
 //! An own parser rather than a CSV library: rows here may be separated by any number of blanks and have remarks and
 //! counts between them, and the file must be written again byte for byte.
 
-use crate::columns_meaning::{is_color_byte, name_columns};
+use crate::columns::meaning::{is_color_byte, name_columns};
 use crate::grouping::group;
 use crate::original::{Original, Separator, TextRows};
 use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};

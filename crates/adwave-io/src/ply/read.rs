@@ -5,8 +5,8 @@
 
 use crate::grouping::group;
 use crate::original::Original;
-use crate::ply_body::Body;
-use crate::ply_header::{Element, Encoding, Header, Kind, PlyOriginal, parse_header};
+use crate::ply::body::Body;
+use crate::ply::header::{Element, Encoding, Header, Kind, PlyOriginal, parse_header};
 use crate::text::line_of;
 use crate::{Direction, Edges, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 use adwave::shape::Polygons;
