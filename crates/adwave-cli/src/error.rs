@@ -45,6 +45,12 @@ impl From<adwave::bands::BandsError> for CliError {
     }
 }
 
+impl From<adwave_io::ShapeFileError> for CliError {
+    fn from(error: adwave_io::ShapeFileError) -> Self {
+        Self::input(error)
+    }
+}
+
 impl From<adwave::basis::BasisError> for CliError {
     fn from(error: adwave::basis::BasisError) -> Self {
         match error {

@@ -70,7 +70,7 @@ fn describe(path: &Path) -> String {
 const N: u32 = 1060;
 
 /// A wavy square grid of triangles.
-fn generated() -> std::path::PathBuf {
+fn generated() -> PathBuf {
     let path = std::env::temp_dir().join("adwave_read_time.obj");
     let mut out =
         std::io::BufWriter::new(std::fs::File::create(&path).expect("a folder for temporary files"));

@@ -40,7 +40,7 @@ fn of_vertex(args: &BasisArgs, global: &GlobalArgs, vertex: usize, level: usize)
     let seconds = start.elapsed().as_secs_f64();
     let mut file = super::transform::fresh(&input.file);
     for (name, values) in [("phi", &functions.scaling_function), ("psi", &functions.wavelet)] {
-        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values.clone())));
+        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values.clone())))?;
     }
     write_shape(global, &file, &args.output)?;
     let (phi, psi) = (functions.scaling_function[vertex], functions.wavelet[vertex]);
@@ -153,7 +153,7 @@ fn numbered(output: &Path, part: &str, extension: &str) -> PathBuf {
 }
 
 fn write_matrix(path: &Path, matrix: &CompressedRows<f32>, matrix_market: bool) -> Result<(), CliError> {
-    let rows = adwave_io::CompressedRows {
+    let rows = adwave_io::SparseRows {
         n_columns: matrix.n_rows(),
         offsets: &matrix.offsets,
         indices: &matrix.columns,

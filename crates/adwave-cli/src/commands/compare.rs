@@ -93,10 +93,10 @@ fn write(
     for outcome in outcomes {
         let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse");
         if is_shape && !file.points().is_empty() {
-            file.set_points(outcome.values.as_chunks().0.to_vec());
+            file.set_points(outcome.values.as_chunks().0.to_vec())?;
         } else {
             let values = FieldValues::F64(outcome.values.clone());
-            file.add_vertex_field(Field::new(outcome.name.as_str(), outcome.n_channels, values));
+            file.add_vertex_field(Field::new(outcome.name.as_str(), outcome.n_channels, values))?;
         }
     }
     write_shape(global, &file, path).map(|_| ())

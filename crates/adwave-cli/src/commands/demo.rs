@@ -53,7 +53,7 @@ pub(crate) fn run(args: &DemoArgs, global: &GlobalArgs) -> Result<(), CliError> 
         let moved = displacement(file.points(), &points);
         let after = enclosed_volume(&points, &decomposer_triangles(&file));
         let mut out = file.clone();
-        out.set_points(points);
+        out.set_points(points)?;
         write_shape(global, &out, &at(&format!("{name}.ply")))?;
         if name == LOCAL_EDIT {
             let recipe =
@@ -118,7 +118,7 @@ fn level_times(decomposer: &Decomposer, coords: &[f64], schedule: &Schedule) -> 
 fn write_bands(global: &GlobalArgs, file: &ShapeFile, bands: &Bands, path: &Path) -> Result<(), CliError> {
     let mut file = file.clone();
     for (j, band) in bands.wavelet.iter().enumerate() {
-        file.add_vertex_field(Field::new(format!("W{}", j + 1), 3, FieldValues::F64(band.clone())));
+        file.add_vertex_field(Field::new(format!("W{}", j + 1), 3, FieldValues::F64(band.clone())))?;
     }
     write_shape(global, &file, path).map(|_| ())
 }

@@ -257,8 +257,8 @@ fn write_spheres(path: &Path, found: &Found, global: &GlobalArgs) -> Result<(), 
         ("strength", at(&|f| f.strength)),
     ];
     for (name, values) in numbers {
-        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values)));
+        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values)))?;
     }
-    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)));
+    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)))?;
     write_shape(global, &file, path).map(|_| ())
 }

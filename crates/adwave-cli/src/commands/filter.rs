@@ -74,14 +74,14 @@ pub(crate) fn run(args: &FilterArgs, global: &GlobalArgs) -> Result<(), CliError
             "max_percent": 100.0 * moved.max / decomposer.diagonal().max(f64::MIN_POSITIVE),
         });
         report["volume"] = json!(volumes.map(|(before, after)| json!({"before": before, "after": after})));
-        input.file.set_points(points);
-        refresh_normals(args, global, &mut input);
+        input.file.set_points(points)?;
+        refresh_normals(args, global, &mut input)?;
     } else {
         let change = change(&signal.values, &edited);
         let _ = writeln!(text, "{field} changed by {} (rms), {} at most", number(change.0), number(change.1));
         report["changed"] = json!({"rms": change.0, "max": change.1});
         let old = input.file.field(&field).expect("the field that was filtered");
-        input.file.add_vertex_field(old.with_values_rounded(&edited));
+        input.file.add_vertex_field(old.with_values_rounded(&edited))?;
     }
     with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
     let _ = writeln!(text, "{}", args.output.display());
@@ -175,14 +175,15 @@ fn change(before: &[f64], after: &[f64]) -> (f64, f64) {
 }
 
 /// Computes the file's normals anew where that is asked for, or says that they are the old ones.
-fn refresh_normals(args: &FilterArgs, global: &GlobalArgs, input: &mut Input) {
-    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return };
+fn refresh_normals(args: &FilterArgs, global: &GlobalArgs, input: &mut Input) -> Result<(), CliError> {
+    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return Ok(()) };
     if args.update_normals {
         let triangles = triangulate(input.file.points(), mesh.faces());
         let normals = vertex_normals(input.file.points(), &triangles);
         let field = field.with_values_rounded(normals.as_flattened());
-        input.file.add_vertex_field(field);
+        input.file.add_vertex_field(field)?;
     } else {
         note(global, "the normals are those of the input; --update-normals computes them anew");
     }
+    Ok(())
 }

@@ -118,14 +118,14 @@ fn write_field(
 ) -> Result<(), CliError> {
     let mut file = fresh(&analysis.input.file);
     let mut add = |name: String, map: &[f64]| {
-        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(map.to_vec())));
+        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(map.to_vec())))
     };
-    add("saliency".to_owned(), &saliency.map);
+    add("saliency".to_owned(), &saliency.map)?;
     for (level, map) in levels {
-        add(format!("saliency{}", level.level), map);
+        add(format!("saliency{}", level.level), map)?;
     }
     let top = value_range(&saliency.map, 0.0, args.color_top / 100.0).1;
     let color = colors.colors(&saliency.map, 0.0, top);
-    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)));
+    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)))?;
     write_shape(global, &file, &args.output).map(|_| ())
 }

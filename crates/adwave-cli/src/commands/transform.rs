@@ -116,10 +116,10 @@ fn write_fields(global: &GlobalArgs, path: &Path, input: &Input, bands: &Bands) 
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));
     for (j, level) in bands.scaling.iter().enumerate() {
-        file.add_vertex_field(field(format!("S{j}"), level));
+        file.add_vertex_field(field(format!("S{j}"), level))?;
     }
     for (j, level) in bands.wavelet.iter().enumerate() {
-        file.add_vertex_field(field(format!("W{}", j + 1), level));
+        file.add_vertex_field(field(format!("W{}", j + 1), level))?;
     }
     write_shape(global, &file, path).map(|_| ())
 }

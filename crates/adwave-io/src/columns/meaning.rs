@@ -1,8 +1,18 @@
 //! What the columns of a row mean.
 
+use adwave::{Cancelled, Progress};
+
+use crate::progress::all;
+
 /// A name for each column. Names of the file are kept, with `x`, `y`, `z` for the coordinates; columns without
 /// names get theirs from their values: unit vectors are normals, whole numbers up to 255 three by three are colours.
-pub(crate) fn name_columns(names: &[String], values: &[f64], n_columns: usize, n_rows: usize) -> Vec<String> {
+pub(crate) fn name_columns(
+    names: &[String],
+    values: &[f64],
+    n_columns: usize,
+    n_rows: usize,
+    progress: Progress<'_>,
+) -> Result<Vec<String>, Cancelled> {
     if names.len() == n_columns && n_columns >= 3 {
         let lower = |axis: &str| names.iter().position(|n| n.eq_ignore_ascii_case(axis));
         let mut named = names.to_vec();
@@ -13,7 +23,7 @@ pub(crate) fn name_columns(names: &[String], values: &[f64], n_columns: usize, n
         for (axis, at) in ["x", "y", "z"].into_iter().zip(axes) {
             named[at] = axis.into();
         }
-        return named;
+        return Ok(named);
     }
     let mut named: Vec<String> = ["x", "y", "z"].map(String::from).to_vec();
     let at = |row: usize, column: usize| values[row * n_columns + column];
@@ -22,12 +32,12 @@ pub(crate) fn name_columns(names: &[String], values: &[f64], n_columns: usize, n
         let triple = c + 3 <= n_columns && n_rows > 0;
         if triple
             && !named.contains(&"nx".into())
-            && (0..n_rows).all(|i| is_unit([0, 1, 2].map(|k| at(i, c + k))))
+            && all(n_rows, progress, |i| is_unit([0, 1, 2].map(|k| at(i, c + k))))?
         {
             named.extend(["nx", "ny", "nz"].map(String::from));
         } else if triple
             && !named.contains(&"red".into())
-            && (0..n_rows).all(|i| (0..3).all(|k| is_color_byte(at(i, c + k))))
+            && all(n_rows, progress, |i| (0..3).all(|k| is_color_byte(at(i, c + k))))?
         {
             named.extend(["red", "green", "blue"].map(String::from));
         } else if n_columns == 4 || (n_columns == 7 && c == 3) {
@@ -38,7 +48,7 @@ pub(crate) fn name_columns(names: &[String], values: &[f64], n_columns: usize, n
         }
     }
     named.truncate(n_columns);
-    named
+    Ok(named)
 }
 
 /// Within what a few digits of text leave of a unit vector.

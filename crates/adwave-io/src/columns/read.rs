@@ -4,9 +4,12 @@
 //! An own parser rather than a CSV library: rows here may be separated by any number of blanks and have remarks and
 //! counts between them, and the file must be written again byte for byte.
 
+use adwave::{Cancelled, Progress};
+
 use crate::columns::meaning::{is_color_byte, name_columns};
 use crate::grouping::group;
 use crate::original::{Original, Separator, TextRows};
+use crate::progress::{BYTES_PER_STEP, all, collect};
 use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
@@ -29,16 +32,17 @@ pub(crate) fn read_columns(
     bytes: Vec<u8>,
     limits: &ReadLimits,
     name: Option<&str>,
+    progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let mut table = parse(&bytes)?;
+    let mut table = parse(&bytes, progress)?;
     limits.check_points(table.rows.len() as u64)?;
     let normals = check_count(&bytes, &mut table)?;
     let (n, k) = (table.rows.len(), table.n_columns);
-    let names = name_columns(&table.names, &table.values, k, n);
+    let names = name_columns(&table.names, &table.values, k, n, progress)?;
     let position = |axis: &str| names.iter().position(|name| name == axis).unwrap_or(0);
     let columns = [position("x"), position("y"), position("z")];
-    let point = |row: &[f64]| columns.map(|c| row[c]);
-    let mut shape = ShapeFile::from_cloud(table.values.chunks_exact(k.max(1)).take(n).map(point).collect());
+    let points = collect(n, progress, |i| columns.map(|c| table.values[i * k + c]))?;
+    let mut shape = ShapeFile::from_cloud(points);
     let is_color = |c: &usize| {
         matches!(
             names[*c].to_ascii_lowercase().as_str(),
@@ -46,17 +50,20 @@ pub(crate) fn read_columns(
         )
     };
     // All channels alike: bytes only when each is.
-    let is_byte = |c: usize| (0..n).all(|i| is_color_byte(table.values[i * k + c]));
-    let has_bytes = (0..k).filter(is_color).all(is_byte);
+    let mut has_bytes = true;
+    for c in (0..k).filter(is_color) {
+        has_bytes &= all(n, progress, |i| is_color_byte(table.values[i * k + c]))?;
+    }
     let column = |c: usize| {
-        let values = (0..n).map(|i| table.values[i * k + c]);
-        if is_color(&c) && has_bytes {
-            return FieldValues::U8(values.map(|x| x as u8).collect());
-        }
-        FieldValues::F64(values.collect())
+        let value = |i: usize| table.values[i * k + c];
+        Ok(if is_color(&c) && has_bytes {
+            FieldValues::U8(collect(n, progress, |i| value(i) as u8)?)
+        } else {
+            FieldValues::F64(collect(n, progress, value)?)
+        })
     };
-    let others = (0..k).filter(|c| !columns.contains(c)).map(|c| (names[c].clone(), column(c))).collect();
-    shape.vertex_fields = group(others).0;
+    let others = (0..k).filter(|c| !columns.contains(c)).map(|c| Ok((names[c].clone(), column(c)?)));
+    shape.vertex_fields = group(others.collect::<Result<_, Cancelled>>()?, progress)?.0;
     shape.vertex_fields.extend(normals);
     let hint = name.and_then(|n| Format::from_path(std::path::Path::new(n)));
     shape.format = Some(match hint {
@@ -85,7 +92,7 @@ fn cells(line: &[u8], separator: Separator) -> impl Iterator<Item = &[u8]> {
     .filter(move |cell| separator != Separator::Blanks || !cell.is_empty())
 }
 
-fn parse(bytes: &[u8]) -> Result<Table, ReadError> {
+fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<Table, ReadError> {
     let mut table = Table {
         separator: Separator::Blanks,
         names: Vec::new(),
@@ -97,7 +104,12 @@ fn parse(bytes: &[u8]) -> Result<Table, ReadError> {
     };
     let mut position = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     let mut separator = None;
+    let mut asked = 0;
     while position < bytes.len() {
+        if position >= asked {
+            progress.step(position as u64, bytes.len() as u64)?;
+            asked = position + BYTES_PER_STEP;
+        }
         let end = line_end(bytes, position);
         let line = &bytes[position..end];
         let start = position + line.iter().take_while(|b| b.is_ascii_whitespace()).count();

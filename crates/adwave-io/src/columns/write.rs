@@ -1,22 +1,26 @@
 //! Rows of numbers: XYZ, PTS, CSV.
 
-use std::io::{self, Write};
+use std::io::Write;
+
+use adwave::Progress;
 
 use crate::csv::write::push_csv_row;
 use crate::grouping::column_names;
 use crate::original::{RowEdit, Separator, TextRows};
+use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, Format, ShapeFile, WriteError, WriteReport};
 
 /// Writes the original with other coordinates and with added columns. `None` where a column of it was replaced, or
 /// where there is no line that could take the names of added ones.
-pub(crate) fn write_columns_again(
+pub(crate) fn update_columns(
     shape: &ShapeFile,
     rows: &TextRows,
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<Option<WriteReport>, WriteError> {
     if shape.edited.is_empty() {
-        rows.write_all(shape, &RowEdit::default(), out)?;
+        rows.write_all(shape, &RowEdit::default(), out, progress)?;
         return Ok(Some(WriteReport::default()));
     }
     let Some((_, names_end)) = rows.names else { return Ok(None) };
@@ -39,7 +43,7 @@ pub(crate) fn write_columns_again(
         out.write_all(name.as_bytes())?;
     }
     let edit = RowEdit { dropped: &[], append: Some(&append) };
-    rows.write_range((names_end, rows.bytes.len()), shape, &edit, out)?;
+    rows.write_range((names_end, rows.bytes.len()), shape, &edit, out, progress)?;
     Ok(Some(WriteReport::default()))
 }
 
@@ -50,7 +54,8 @@ pub(crate) fn write_columns(
     format: Format,
     report: &mut WriteReport,
     out: &mut dyn Write,
-) -> io::Result<()> {
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
     if !shape.faces.is_empty() {
         report.leave_out("faces");
     }
@@ -72,6 +77,7 @@ pub(crate) fn write_columns(
     }
     let mut line = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
+        at_row(progress, i as u64, shape.points.len() as u64)?;
         line.clear();
         let fields = shape.vertex_fields.iter().flat_map(|f| (0..f.n_channels).map(move |c| f.get(i, c)));
         for (k, x) in point.iter().copied().chain(fields).enumerate() {

@@ -1,8 +1,11 @@
-//! Values at vertices from a table: one row a vertex, one column a field.
+//! Values at vertices from a table: one row per vertex, one column per field.
 
 use std::path::Path;
 
+use adwave::Progress;
+
 use crate::limits::decompress;
+use crate::progress::at_row;
 use crate::read::read_file;
 use crate::text::{parse_f64, show};
 use crate::{Field, FieldValues, ReadError, ReadLimits};
@@ -13,9 +16,21 @@ use crate::{Field, FieldValues, ReadError, ReadLimits};
 /// # Errors
 /// One line with the file's name: it cannot be read, a cell is no number, or rows differ in length.
 pub fn read_csv_fields(path: &Path, limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
-    read_file(path, limits)
-        .and_then(|bytes| decompress(bytes, limits))
-        .and_then(|bytes| parse_csv_fields(&bytes, limits))
+    read_csv_fields_with(path, limits, Progress::none())
+}
+
+/// [`read_csv_fields`] that says how far it is and can be stopped.
+///
+/// # Errors
+/// As [`read_csv_fields`], and [`ReadError::Cancelled`].
+pub fn read_csv_fields_with(
+    path: &Path,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Vec<Field>, ReadError> {
+    read_file(path, limits, progress)
+        .and_then(|bytes| decompress(bytes, limits, progress))
+        .and_then(|bytes| parse(&bytes, limits, progress))
         .map_err(|e| e.in_file(path))
 }
 
@@ -31,6 +46,10 @@ pub fn read_csv_fields(path: &Path, limits: &ReadLimits) -> Result<Vec<Field>, R
 /// assert!(fields[1].get(0, 0).is_nan());
 /// ```
 pub fn parse_csv_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
+    parse(bytes, limits, Progress::none())
+}
+
+fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Vec<Field>, ReadError> {
     let first_line = &bytes[..crate::text::line_end(bytes, 0)];
     let delimiter = [b'\t', b';', b','].into_iter().find(|d| first_line.contains(d)).unwrap_or(b',');
     let mut reader = csv::ReaderBuilder::new()
@@ -41,7 +60,8 @@ pub fn parse_csv_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field>,
     let mut names: Vec<String> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut record = csv::ByteRecord::new();
-    loop {
+    for row in 0.. {
+        at_row(progress, row, 0)?;
         match reader.read_byte_record(&mut record) {
             Ok(true) => {}
             Ok(false) => break,
@@ -70,7 +90,7 @@ pub fn parse_csv_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field>,
         limits.check_points(columns[0].len() as u64)?;
     }
     if columns.first().is_none_or(Vec::is_empty) {
-        return Err(ReadError::Whole("the table has no row of numbers; give one row a vertex".into()));
+        return Err(ReadError::Whole("the table has no row of numbers; give one row per vertex".into()));
     }
     let name =
         |c: usize| names.get(c).filter(|n| !n.is_empty()).cloned().unwrap_or_else(|| (c + 1).to_string());

@@ -1,6 +1,9 @@
 //! The fields of a LAS point record.
 
+use adwave::{Cancelled, Progress};
+
 use crate::field::ByteOrder;
+use crate::progress::{at_row, collect};
 use crate::{Field, FieldValues, ValueType};
 
 /// The bytes of a record of the point format, without extra bytes.
@@ -62,73 +65,98 @@ impl ExtraBytes {
     }
 }
 
-/// All attributes of the points, each in its own type.
-pub(crate) fn fields(format: u8, rows: &[&[u8]], extra: &[ExtraBytes], order: ByteOrder) -> Vec<Field> {
-    let column = |value_type: ValueType, at: usize, n: usize| {
-        let mut values = value_type.empty();
-        for row in rows {
-            for c in 0..n {
-                values.push_bytes(&row[at + c * value_type.n_bytes()..], order);
+/// The point records, one after the other.
+pub(crate) struct Records<'a> {
+    pub(crate) bytes: &'a [u8],
+    pub(crate) record_bytes: usize,
+    pub(crate) n: usize,
+    pub(crate) progress: Progress<'a>,
+}
+
+impl Records<'_> {
+    fn record(&self, i: usize) -> &[u8] {
+        &self.bytes[i * self.record_bytes..][..self.record_bytes]
+    }
+
+    /// `n_channels` numbers of each record, the first at byte `at`.
+    fn column(&self, t: ValueType, at: usize, n_channels: usize) -> Result<FieldValues, Cancelled> {
+        let mut values = t.empty();
+        for i in 0..self.n {
+            at_row(self.progress, i as u64, self.n as u64)?;
+            for c in 0..n_channels {
+                values.push_bytes(&self.record(i)[at + c * t.n_bytes()..], ByteOrder::Little);
             }
         }
-        values
-    };
-    let bits = |at: usize, shift: u8, mask: u8| {
-        FieldValues::U8(rows.iter().map(|row| (row[at] >> shift) & mask).collect())
-    };
+        Ok(values)
+    }
+
+    /// Some bits of one byte of each record.
+    fn bits(&self, at: usize, shift: u8, mask: u8) -> Result<FieldValues, Cancelled> {
+        Ok(FieldValues::U8(collect(self.n, self.progress, |i| (self.record(i)[at] >> shift) & mask)?))
+    }
+}
+
+/// All attributes of the points, each in its own type.
+pub(crate) fn fields(
+    format: u8,
+    records: &Records<'_>,
+    extra: &[ExtraBytes],
+) -> Result<Vec<Field>, Cancelled> {
+    let column = |t: ValueType, at: usize, n: usize| records.column(t, at, n);
+    let bits = |at: usize, shift: u8, mask: u8| records.bits(at, shift, mask);
     let mut all = Vec::new();
     let mut add = |name: &str, n: usize, values: FieldValues| all.push(Field::new(name, n, values));
-    add("intensity", 1, column(ValueType::U16, 12, 1));
+    add("intensity", 1, column(ValueType::U16, 12, 1)?);
     let (time, color, nir) = if format < 6 {
-        add("return_number", 1, bits(14, 0, 7));
-        add("number_of_returns", 1, bits(14, 3, 7));
-        add("scan_direction", 1, bits(14, 6, 1));
-        add("edge_of_flight_line", 1, bits(14, 7, 1));
-        add("classification", 1, bits(15, 0, 31));
-        add("classification_flags", 1, bits(15, 5, 7));
-        add("scan_angle", 1, column(ValueType::I8, 16, 1));
-        add("user_data", 1, column(ValueType::U8, 17, 1));
-        add("point_source", 1, column(ValueType::U16, 18, 1));
+        add("return_number", 1, bits(14, 0, 7)?);
+        add("number_of_returns", 1, bits(14, 3, 7)?);
+        add("scan_direction", 1, bits(14, 6, 1)?);
+        add("edge_of_flight_line", 1, bits(14, 7, 1)?);
+        add("classification", 1, bits(15, 0, 31)?);
+        add("classification_flags", 1, bits(15, 5, 7)?);
+        add("scan_angle", 1, column(ValueType::I8, 16, 1)?);
+        add("user_data", 1, column(ValueType::U8, 17, 1)?);
+        add("point_source", 1, column(ValueType::U16, 18, 1)?);
         let has_time = matches!(format, 1 | 3 | 4 | 5);
         let color = matches!(format, 2 | 3 | 5).then_some(if has_time { 28 } else { 20 });
         (has_time.then_some(20), color, None)
     } else {
-        add("return_number", 1, bits(14, 0, 15));
-        add("number_of_returns", 1, bits(14, 4, 15));
-        add("classification_flags", 1, bits(15, 0, 15));
-        add("scanner_channel", 1, bits(15, 4, 3));
-        add("scan_direction", 1, bits(15, 6, 1));
-        add("edge_of_flight_line", 1, bits(15, 7, 1));
-        add("classification", 1, column(ValueType::U8, 16, 1));
-        add("user_data", 1, column(ValueType::U8, 17, 1));
-        add("scan_angle", 1, column(ValueType::I16, 18, 1));
-        add("point_source", 1, column(ValueType::U16, 20, 1));
+        add("return_number", 1, bits(14, 0, 15)?);
+        add("number_of_returns", 1, bits(14, 4, 15)?);
+        add("classification_flags", 1, bits(15, 0, 15)?);
+        add("scanner_channel", 1, bits(15, 4, 3)?);
+        add("scan_direction", 1, bits(15, 6, 1)?);
+        add("edge_of_flight_line", 1, bits(15, 7, 1)?);
+        add("classification", 1, column(ValueType::U8, 16, 1)?);
+        add("user_data", 1, column(ValueType::U8, 17, 1)?);
+        add("scan_angle", 1, column(ValueType::I16, 18, 1)?);
+        add("point_source", 1, column(ValueType::U16, 20, 1)?);
         (Some(22), matches!(format, 7 | 8 | 10).then_some(30), matches!(format, 8 | 10).then_some(36))
     };
     if let Some(at) = time {
-        add("gps_time", 1, column(ValueType::F64, at, 1));
+        add("gps_time", 1, column(ValueType::F64, at, 1)?);
     }
     if let Some(at) = color {
-        add("color", 3, column(ValueType::U16, at, 3));
+        add("color", 3, column(ValueType::U16, at, 3)?);
     }
     if let Some(at) = nir {
-        add("near_infrared", 1, column(ValueType::U16, at, 1));
+        add("near_infrared", 1, column(ValueType::U16, at, 1)?);
     }
     let mut at = record_bytes(format).unwrap_or(0);
     for own in extra {
         let n_bytes = own.value_type.n_bytes() * own.n_channels;
-        if rows.first().is_some_and(|row| row.len() < at + n_bytes) {
+        if records.record_bytes < at + n_bytes {
             break;
         }
-        let values = column(own.value_type, at, own.n_channels);
+        let values = column(own.value_type, at, own.n_channels)?;
         let values = match own.scale {
             Some((scale, offset)) => {
-                FieldValues::F64(values.to_f64().into_iter().map(|x| x * scale + offset).collect())
+                FieldValues::F64(collect(values.len(), records.progress, |i| values.get(i) * scale + offset)?)
             }
             None => values,
         };
         add(&own.name, own.n_channels, values);
         at += n_bytes;
     }
-    all
+    Ok(all)
 }

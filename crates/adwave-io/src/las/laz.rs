@@ -1,10 +1,10 @@
 //! Unpacking the records of a LAZ with the library `laz`, which reserves what sizes in the file say and panics on
 //! some broken files: the sizes are checked here first, and a panic becomes an error.
 
-use std::cell::Cell;
 use std::io::{Cursor, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Once;
+
+use adwave::{Cancelled, Progress};
 
 use crate::ReadError;
 use crate::las::read::Header;
@@ -36,46 +36,45 @@ fn broken(header: &Header, what: &str) -> ReadError {
 }
 
 /// All point records, one after the other.
-pub(crate) fn unpack(bytes: &[u8], header: &Header, description: &[u8]) -> Result<Vec<u8>, ReadError> {
+///
+/// A panic of the library on a broken file is caught and becomes an error. The panic hook of the program is left as it is:
+/// the standard one prints the panic's message to the standard error, and a program that does not want that sets its own.
+pub(crate) fn unpack(
+    bytes: &[u8],
+    header: &Header,
+    description: &[u8],
+    progress: Progress<'_>,
+) -> Result<Vec<u8>, ReadError> {
     if header.n_points == 0 {
         return Ok(Vec::new());
     }
     check(bytes, header, description).map_err(|what| broken(header, what))?;
-    let unpacked = quietly(|| unpack_checked(bytes, header, description));
+    // Nothing of the library outlives this, so what a panic leaves half done is never seen.
+    let unpacked = catch_unwind(AssertUnwindSafe(|| unpack_checked(bytes, header, description, progress)));
     match unpacked {
         Ok(Ok(points)) => Ok(points),
-        Ok(Err(what)) => Err(broken(header, &what)),
+        Ok(Err(Stop::Cancelled(cancelled))) => Err(cancelled.into()),
+        Ok(Err(Stop::Broken(what))) => Err(broken(header, &what)),
         Err(_) => Err(broken(header, "its parts contradict each other")),
     }
 }
 
-thread_local! {
-    static IS_QUIET: Cell<bool> = const { Cell::new(false) };
+/// Points unpacked between two questions whether to stop.
+const STEP: u64 = 1 << 15;
+
+/// Why unpacking ended early.
+enum Stop {
+    Cancelled(Cancelled),
+    Broken(String),
 }
 
-/// Catches a panic, and keeps its message from the terminal: the error says enough. Panics elsewhere are reported as
-/// before.
-fn quietly<T>(run: impl FnOnce() -> T) -> std::thread::Result<T> {
-    static FILTER: Once = Once::new();
-    FILTER.call_once(|| {
-        let usual = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |panic| {
-            if !IS_QUIET.get() {
-                usual(panic);
-            }
-        }));
-    });
-    IS_QUIET.set(true);
-    let outcome = catch_unwind(AssertUnwindSafe(run));
-    IS_QUIET.set(false);
-    outcome
-}
-
-/// Points unpacked at a time.
-const STEP: u64 = 1 << 16;
-
-fn unpack_checked(bytes: &[u8], header: &Header, description: &[u8]) -> Result<Vec<u8>, String> {
-    let one_line = |e: &dyn std::fmt::Display| e.to_string().replace('\n', " ");
+fn unpack_checked(
+    bytes: &[u8],
+    header: &Header,
+    description: &[u8],
+    progress: Progress<'_>,
+) -> Result<Vec<u8>, Stop> {
+    let one_line = |e: &dyn std::fmt::Display| Stop::Broken(e.to_string().replace('\n', " "));
     let description = laz::LazVlr::from_buffer(description).map_err(|e| one_line(&e))?;
     let mut source = Cursor::new(bytes);
     source.seek(SeekFrom::Start(header.points_start as u64)).map_err(|e| one_line(&e))?;
@@ -84,6 +83,7 @@ fn unpack_checked(bytes: &[u8], header: &Header, description: &[u8]) -> Result<V
     let mut points = Vec::new();
     let mut left = header.n_points;
     while left > 0 {
+        progress.step(header.n_points - left, header.n_points).map_err(Stop::Cancelled)?;
         let n = left.min(STEP);
         let start = points.len();
         points.resize(start + n as usize * header.record_bytes, 0);

@@ -4,8 +4,10 @@
 //! and extra bytes included, and no number of the header may be believed. The library `laz` unpacks compressed
 //! records; what it would trust blindly is checked first in [`crate::laz_check`].
 
-use crate::field::ByteOrder;
-use crate::las::fields::{ExtraBytes, fields};
+use adwave::Progress;
+
+use crate::las::fields::{ExtraBytes, Records, fields};
+use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
 /// What is needed of the header.
@@ -43,7 +45,11 @@ fn f64_at(bytes: &[u8], at: usize) -> Option<f64> {
 }
 
 /// Reads a LAS or LAZ.
-pub(crate) fn read_las(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
+pub(crate) fn read_las(
+    bytes: &[u8],
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let header = parse_header(bytes).ok_or_else(|| ReadError::Truncated {
         end: bytes.len() as u64,
         needed: 227,
@@ -62,7 +68,7 @@ pub(crate) fn read_las(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, R
                 "the LAZ has no record of its compression; get an unbroken file".into(),
             ));
         };
-        unpacked = crate::las::laz::unpack(bytes, &header, record.content)?;
+        unpacked = crate::las::laz::unpack(bytes, &header, record.content, progress)?;
         unpacked.as_slice()
     } else {
         &bytes[header.points_start..]
@@ -70,16 +76,21 @@ pub(crate) fn read_las(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, R
     let extra = |r: &&Record<'_>| r.user.starts_with(b"LASF_Spec") && r.id == 4;
     let extra = ExtraBytes::parse(records.iter().find(extra).map_or(&[], |r| r.content));
     let n = header.n_points as usize;
-    let rows: Vec<&[u8]> = points.chunks_exact(header.record_bytes).take(n).collect();
+    let n = n.min(points.len() / header.record_bytes);
+    let row = |i: usize| &points[i * header.record_bytes..][..header.record_bytes];
     let coordinate = |row: &[u8], axis: usize| {
         let whole = u32_at(row, 4 * axis).map_or(0, u32::cast_signed);
         f64::from(whole) * header.scale[axis] + header.offset[axis]
     };
     let mut shape =
-        ShapeFile::from_cloud(rows.iter().map(|row| [0, 1, 2].map(|axis| coordinate(row, axis))).collect());
+        ShapeFile::from_cloud(collect(n, progress, |i| [0, 1, 2].map(|axis| coordinate(row(i), axis)))?);
     shape.format = Some(if header.is_compressed { Format::Laz } else { Format::Las });
     shape.precision = Precision::F64;
-    shape.vertex_fields = fields(header.format, &rows, &extra, ByteOrder::Little);
+    shape.vertex_fields = fields(
+        header.format,
+        &Records { bytes: points, record_bytes: header.record_bytes, n, progress },
+        &extra,
+    )?;
     shape.extras.push("the LAS header and its records".into());
     Ok(shape)
 }

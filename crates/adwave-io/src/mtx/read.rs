@@ -1,5 +1,8 @@
 //! MatrixMarket coordinate matrices, read as weighted graphs.
 
+use adwave::Progress;
+
+use crate::progress::at_row;
 use crate::text::{line_end, line_of, parse_f64, parse_u64, show, words};
 use crate::{Direction, Edges, Format, ReadError, ReadLimits, ShapeFile};
 
@@ -11,7 +14,11 @@ enum Value {
 }
 
 /// Reads a square matrix as a graph: vertex i is row i, entry (i, j) an edge with its weight.
-pub(crate) fn read_mtx(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
+pub(crate) fn read_mtx(
+    bytes: &[u8],
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let (value, symmetry, mut position) = banner(bytes)?;
     let Some((start, size)) = next_line(bytes, &mut position) else {
         return Err(ReadError::in_line(
@@ -47,6 +54,7 @@ pub(crate) fn read_mtx(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, R
     }
     let mut edges = Edges { direction: symmetry, ..Edges::default() };
     for entry in 0..n_entries {
+        at_row(progress, entry, n_entries)?;
         let Some((start, line)) = next_line(bytes, &mut position) else {
             let message = format!("the file ends at entry {entry} of {n_entries}; get the whole file");
             return Err(ReadError::in_line(bytes, bytes.len(), message));

@@ -2,14 +2,18 @@
 
 use std::io::{self, Write};
 
+use adwave::Progress;
+
+use crate::progress::{Watched, at_row};
 use crate::text::{push_f32, push_f64};
-use crate::{Direction, Format, ShapeFile, WriteError, WriteReport, atomic_write};
+use crate::{Direction, Format, ShapeFile, WriteError, WriteReport, atomic_write_with};
 
 /// Writes the edges as a matrix, with their weights if they have some.
 pub(crate) fn write_mtx(
     shape: &ShapeFile,
     report: &mut WriteReport,
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let edges = &shape.edges;
     if edges.pairs.is_empty() && !shape.points.is_empty() {
@@ -30,6 +34,7 @@ pub(crate) fn write_mtx(
     let n = shape.n_vertices;
     writeln!(out, "%%MatrixMarket matrix coordinate {kind} {symmetry}\n{n} {n} {}", edges.pairs.len())?;
     for (e, &[a, b]) in edges.pairs.iter().enumerate() {
+        at_row(progress, e as u64, edges.pairs.len() as u64)?;
         // A symmetric matrix is written by its lower half.
         let (row, column) = if edges.direction == Direction::Both { (a.max(b), a.min(b)) } else { (a, b) };
         write_entry(out, row, column, |line| {
@@ -54,9 +59,9 @@ fn write_entry(
     out.write_all(&line)
 }
 
-/// A matrix in compressed rows: row `i` has the columns `indices[offsets[i]..offsets[i + 1]]`.
+/// A sparse matrix to be written, borrowed as three lists: row `i` has the columns `indices[offsets[i]..offsets[i + 1]]`.
 #[derive(Clone, Copy, Debug)]
-pub struct CompressedRows<'a> {
+pub struct SparseRows<'a> {
     /// Number of columns.
     pub n_columns: usize,
     /// Where each row begins, and the end of the last.
@@ -98,10 +103,24 @@ impl MatrixValues<'_> {
     }
 }
 
-impl CompressedRows<'_> {
+impl SparseRows<'_> {
     /// Number of rows.
     pub fn n_rows(&self) -> usize {
         self.offsets.len().saturating_sub(1)
+    }
+
+    /// The lists may come from anyone: an error where they contradict each other.
+    pub(crate) fn check(&self) -> Result<(), WriteError> {
+        let n = self.values.len();
+        let is_sound = self.indices.len() == n
+            && self.offsets.is_sorted()
+            && self.offsets.first().is_none_or(|&first| first == 0)
+            && self.offsets.last().copied().unwrap_or(0) == n;
+        if is_sound {
+            return Ok(());
+        }
+        let shape = vec![self.n_rows(), self.n_columns];
+        Err(WriteError::ArrayShape { name: "of sparse rows".into(), found: n as u64, shape })
     }
 }
 
@@ -109,11 +128,26 @@ impl CompressedRows<'_> {
 ///
 /// # Errors
 /// As [`atomic_write`].
-pub fn write_matrix_market(path: &std::path::Path, matrix: &CompressedRows<'_>) -> Result<(), WriteError> {
-    atomic_write(path, |out| {
+pub fn write_matrix_market(path: &std::path::Path, matrix: &SparseRows<'_>) -> Result<(), WriteError> {
+    write_matrix_market_with(path, matrix, Progress::none())
+}
+
+/// [`write_matrix_market`] that says how far it is and can be stopped.
+///
+/// # Errors
+/// As [`write_matrix_market`], and [`WriteError::Cancelled`].
+pub fn write_matrix_market_with(
+    path: &std::path::Path,
+    matrix: &SparseRows<'_>,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
+    matrix.check()?;
+    atomic_write_with(path, progress, |out| {
+        let out = &mut Watched::new(out, progress);
         let (n_rows, n_columns, n) = (matrix.n_rows(), matrix.n_columns, matrix.values.len());
         writeln!(out, "%%MatrixMarket matrix coordinate real general\n{n_rows} {n_columns} {n}")?;
         for row in 0..n_rows {
+            at_row(progress, row as u64, n_rows as u64)?;
             for entry in matrix.offsets[row]..matrix.offsets[row + 1] {
                 write_entry(out, row as u32, matrix.indices[entry], |line| {
                     line.push(b' ');

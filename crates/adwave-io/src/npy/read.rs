@@ -4,8 +4,11 @@
 
 use std::path::Path;
 
-use crate::field::ByteOrder;
+use adwave::Progress;
+
+use crate::field::{ByteOrder, Number, with_values};
 use crate::limits::decompress;
+use crate::progress::extend;
 use crate::read::read_file;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
 
@@ -31,9 +34,21 @@ impl NpyArray {
 /// # Errors
 /// One line with the file's name: it cannot be read, is no `.npy`, is cut, or holds values that are no numbers.
 pub fn read_npy(path: &Path, limits: &ReadLimits) -> Result<NpyArray, ReadError> {
-    read_file(path, limits)
-        .and_then(|bytes| decompress(bytes, limits))
-        .and_then(|bytes| read_npy_bytes(&bytes))
+    read_npy_with(path, limits, Progress::none())
+}
+
+/// [`read_npy`] that says how far it is and can be stopped.
+///
+/// # Errors
+/// As [`read_npy`], and [`ReadError::Cancelled`].
+pub fn read_npy_with(
+    path: &Path,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<NpyArray, ReadError> {
+    read_file(path, limits, progress)
+        .and_then(|bytes| decompress(bytes, limits, progress))
+        .and_then(|bytes| parse(&bytes, progress))
         .map_err(|e| e.in_file(path))
 }
 
@@ -42,6 +57,10 @@ pub fn read_npy(path: &Path, limits: &ReadLimits) -> Result<NpyArray, ReadError>
 /// # Errors
 /// As [`read_npy`], without the file's name.
 pub fn read_npy_bytes(bytes: &[u8]) -> Result<NpyArray, ReadError> {
+    parse(bytes, Progress::none())
+}
+
+fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NpyArray, ReadError> {
     let wrong = |at: usize, message: &str| ReadError::at_byte(at, message);
     if !bytes.starts_with(b"\x93NUMPY") {
         return Err(wrong(0, "this is no NumPy array; save it with numpy.save"));
@@ -71,14 +90,11 @@ pub fn read_npy_bytes(bytes: &[u8]) -> Result<NpyArray, ReadError> {
     };
     let mut values = value_type.empty();
     let width = value_type.n_bytes();
-    let mut push = |i: usize| values.push_bytes(&body[i * width..], order);
-    if text.contains("'fortran_order': True") && shape.len() > 1 {
-        for i in 0..product {
-            push(fortran_position(i, &shape));
-        }
-    } else {
-        (0..product).for_each(&mut push);
-    }
+    let is_fortran = text.contains("'fortran_order': True") && shape.len() > 1;
+    let place = |i: usize| if is_fortran { fortran_position(i, &shape) } else { i };
+    with_values!(&mut values, v => extend(v, product, progress, |i| {
+        Number::from_bytes(&body[place(i) * width..], order)
+    }))?;
     debug_assert!(needed <= body.len());
     Ok(NpyArray { shape, values })
 }

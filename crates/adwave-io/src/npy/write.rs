@@ -5,7 +5,7 @@ use std::path::Path;
 
 use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
 
-use crate::mtx::write::{CompressedRows, MatrixValues};
+use crate::mtx::write::{MatrixValues, SparseRows};
 use crate::{WriteError, atomic_write};
 
 /// Whether arrays are compressed.
@@ -199,9 +199,10 @@ pub fn write_npz(
 /// As [`atomic_write`].
 pub fn write_sparse_npz(
     path: &Path,
-    matrix: &CompressedRows<'_>,
+    matrix: &SparseRows<'_>,
     compression: Compression,
 ) -> Result<(), WriteError> {
+    matrix.check()?;
     let shape = [matrix.n_rows(), matrix.n_columns];
     let n = matrix.values.len();
     // SciPy wants both index arrays in one type, and 32 bits while they suffice.

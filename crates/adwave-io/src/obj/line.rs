@@ -1,6 +1,6 @@
 //! One statement of an OBJ.
 
-use crate::obj::read::{Kind, NONE, Piece};
+use crate::obj::read::{Chunk, Kind, NONE};
 use crate::text::{is_space, parse_f64, parse_f64_at, show};
 
 /// One line, or several joined by `\`.
@@ -58,22 +58,22 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Parses a statement into the piece; an error has the byte position and the message.
-pub(crate) fn parse_line(piece: &mut Piece, line: &Line<'_>) -> Result<(), Wrong> {
+/// Parses a statement into the chunk; an error has the byte position and the message.
+pub(crate) fn parse_line(chunk: &mut Chunk, line: &Line<'_>) -> Result<(), Wrong> {
     let mut cursor = Cursor { line: &line.bytes[line.start..line.end], position: 0 };
     let Some(keyword) = cursor.word() else { return Ok(()) };
     let wrong = |message: String| (line.start, message);
     match keyword {
         b"v" => {
             cursor.skip_gaps();
-            piece.rows.push((line.start + cursor.position) as u64);
+            chunk.rows.push((line.start + cursor.position) as u64);
             let point = numbers(&mut cursor, 3, "a vertex").map_err(wrong)?;
-            piece.points.push(point);
-            vertex_tail(piece, &mut cursor);
+            chunk.points.push(point);
+            vertex_tail(chunk, &mut cursor);
         }
         b"vn" => {
             let normal = numbers(&mut cursor, 3, "a normal").map_err(wrong)?;
-            piece.normals.push(normal);
+            chunk.normals.push(normal);
         }
         b"vt" => {
             let mut texcoord = numbers(&mut cursor, 1, "a texture coordinate").map_err(wrong)?;
@@ -84,15 +84,15 @@ pub(crate) fn parse_line(piece: &mut Piece, line: &Line<'_>) -> Result<(), Wrong
                 texcoord[n] = x;
                 n += 1;
             }
-            piece.n_texcoord_channels = piece.n_texcoord_channels.max(n);
-            piece.texcoords.push(texcoord);
+            chunk.n_texcoord_channels = chunk.n_texcoord_channels.max(n);
+            chunk.texcoords.push(texcoord);
         }
-        b"f" => face(piece, &mut cursor).map_err(wrong)?,
-        b"l" => polyline(piece, &mut cursor).map_err(wrong)?,
-        b"p" => piece.has_points_elements = true,
-        b"g" | b"o" | b"s" | b"mg" => piece.has_groups = true,
-        b"usemtl" | b"mtllib" | b"usemap" | b"maplib" => piece.has_materials = true,
-        _ => piece.has_other = true,
+        b"f" => face(chunk, &mut cursor).map_err(wrong)?,
+        b"l" => polyline(chunk, &mut cursor).map_err(wrong)?,
+        b"p" => chunk.has_points_elements = true,
+        b"g" | b"o" | b"s" | b"mg" => chunk.has_groups = true,
+        b"usemtl" | b"mtllib" | b"usemap" | b"maplib" => chunk.has_materials = true,
+        _ => chunk.has_other = true,
     }
     Ok(())
 }
@@ -110,7 +110,7 @@ fn numbers(cursor: &mut Cursor<'_>, n: usize, what: &str) -> Result<[f64; 3], St
 }
 
 /// The weight or colour after z. A word that is no number ends it: it is some program's remark.
-fn vertex_tail(piece: &mut Piece, cursor: &mut Cursor<'_>) {
+fn vertex_tail(chunk: &mut Chunk, cursor: &mut Cursor<'_>) {
     let mut tail = [f64::NAN; 4];
     let mut n = 0;
     while n < 4
@@ -119,45 +119,45 @@ fn vertex_tail(piece: &mut Piece, cursor: &mut Cursor<'_>) {
         tail[n] = x;
         n += 1;
     }
-    if n > 0 && piece.tail_len == 0 {
-        piece.tails = vec![[f64::NAN; 4]; piece.points.len() - 1];
+    if n > 0 && chunk.tail_len == 0 {
+        chunk.tails = vec![[f64::NAN; 4]; chunk.points.len() - 1];
     }
-    piece.tail_len = piece.tail_len.max(n);
-    if piece.tail_len > 0 {
-        piece.tails.push(tail);
+    chunk.tail_len = chunk.tail_len.max(n);
+    if chunk.tail_len > 0 {
+        chunk.tails.push(tail);
     }
 }
 
-fn face(piece: &mut Piece, cursor: &mut Cursor<'_>) -> Result<(), String> {
-    let first = piece.corners.len();
+fn face(chunk: &mut Chunk, cursor: &mut Cursor<'_>) -> Result<(), String> {
+    let first = chunk.corners.len();
     while let Some(word) = cursor.word() {
-        corner(piece, word)?;
+        corner(chunk, word)?;
     }
-    let n = piece.corners.len() - first;
+    let n = chunk.corners.len() - first;
     if n == 0 {
         return Err("a face has no corner; name its vertices".into());
     }
-    piece.face_sizes.push(n as u32);
+    chunk.face_sizes.push(n as u32);
     Ok(())
 }
 
-fn corner(piece: &mut Piece, word: &[u8]) -> Result<(), String> {
+fn corner(chunk: &mut Chunk, word: &[u8]) -> Result<(), String> {
     let bad = || format!("a face has the corner {}; write it as v, v/vt, v//vn or v/vt/vn", show(word));
-    let at = piece.corners.len();
+    let at = chunk.corners.len();
     let mut parts = word.split(|&b| b == b'/');
     let index = index(parts.next().unwrap_or(b"")).ok_or_else(bad)?;
-    let vertex = absolute(piece, Kind::Vertex, at, index).map_err(|()| zero(word))?;
-    piece.corners.push(vertex);
+    let vertex = absolute(chunk, Kind::Vertex, at, index).map_err(|()| zero(word))?;
+    chunk.corners.push(vertex);
     for (kind, part) in [(Kind::Texcoord, parts.next()), (Kind::Normal, parts.next())] {
         let value = match part {
             None | Some(b"") => NONE,
             Some(part) => {
                 let index = self::index(part).ok_or_else(bad)?;
-                absolute(piece, kind, at, index).map_err(|()| zero(word))?
+                absolute(chunk, kind, at, index).map_err(|()| zero(word))?
             }
         };
         let list =
-            if kind == Kind::Texcoord { &mut piece.corner_texcoords } else { &mut piece.corner_normals };
+            if kind == Kind::Texcoord { &mut chunk.corner_texcoords } else { &mut chunk.corner_normals };
         if value != NONE || part.is_some_and(|p| !p.is_empty()) {
             list.resize(at, NONE);
             list.push(value);
@@ -170,7 +170,7 @@ fn zero(word: &[u8]) -> String {
     format!("the index in {} is 0 or too large; OBJ counts from 1, backwards from -1", show(word))
 }
 
-fn polyline(piece: &mut Piece, cursor: &mut Cursor<'_>) -> Result<(), String> {
+fn polyline(chunk: &mut Chunk, cursor: &mut Cursor<'_>) -> Result<(), String> {
     let mut previous: Option<i64> = None;
     while let Some(word) = cursor.word() {
         let bad = || format!("a line element has {} where a vertex belongs; correct it", show(word));
@@ -178,9 +178,9 @@ fn polyline(piece: &mut Piece, cursor: &mut Cursor<'_>) -> Result<(), String> {
         let next = index(number).ok_or_else(bad)?;
         if let Some(previous) = previous {
             for end in [previous, next] {
-                let at = piece.edges.len();
-                let vertex = absolute(piece, Kind::EdgeEnd, at, end).map_err(|()| zero(word))?;
-                piece.edges.push(vertex);
+                let at = chunk.edges.len();
+                let vertex = absolute(chunk, Kind::EdgeEnd, at, end).map_err(|()| zero(word))?;
+                chunk.edges.push(vertex);
             }
         }
         previous = Some(next);
@@ -208,8 +208,8 @@ fn index(word: &[u8]) -> Option<i64> {
     Some(if negative { -n } else { n })
 }
 
-/// The index counted from 0; one that counts backwards is noted, to be resolved when the pieces before are known.
-fn absolute(piece: &mut Piece, kind: Kind, at: usize, index: i64) -> Result<u32, ()> {
+/// The index counted from 0; one that counts backwards is noted, to be resolved when the chunks before are known.
+fn absolute(chunk: &mut Chunk, kind: Kind, at: usize, index: i64) -> Result<u32, ()> {
     if index > 0 {
         return u32::try_from(index - 1).ok().filter(|&i| i < NONE - 1).ok_or(());
     }
@@ -217,10 +217,10 @@ fn absolute(piece: &mut Piece, kind: Kind, at: usize, index: i64) -> Result<u32,
         return Err(());
     }
     let n = match kind {
-        Kind::Vertex | Kind::EdgeEnd => piece.points.len(),
-        Kind::Texcoord => piece.texcoords.len(),
-        Kind::Normal => piece.normals.len(),
+        Kind::Vertex | Kind::EdgeEnd => chunk.points.len(),
+        Kind::Texcoord => chunk.texcoords.len(),
+        Kind::Normal => chunk.normals.len(),
     };
-    piece.relative.push((kind, at, n as i64 + index));
+    chunk.relative.push((kind, at, n as i64 + index));
     Ok(0)
 }

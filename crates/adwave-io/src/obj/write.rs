@@ -1,16 +1,20 @@
 //! Wavefront OBJ.
 
-use std::io::{self, Write};
+use std::io::Write;
+
+use adwave::Progress;
 
 use crate::original::{RowEdit, TextRows};
+use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
 /// Writes the original with other coordinates, and with other colours if these were replaced.
-pub(crate) fn write_obj_again(
+pub(crate) fn update_obj(
     shape: &ShapeFile,
     rows: &TextRows,
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<WriteReport, WriteError> {
     let mut report = WriteReport::default();
     for name in &shape.edited {
@@ -28,7 +32,7 @@ pub(crate) fn write_obj_again(
     };
     // Whatever stands after z makes room for the colour.
     let dropped: &[usize] = if color.is_some() { &[3, 4, 5, 6, 7] } else { &[] };
-    rows.write_all(shape, &RowEdit { dropped, append: Some(&append) }, out)?;
+    rows.write_all(shape, &RowEdit { dropped, append: Some(&append) }, out, progress)?;
     Ok(report)
 }
 
@@ -55,7 +59,12 @@ fn push_line(out: &mut Vec<u8>, keyword: &str, numbers: impl Iterator<Item = f64
 }
 
 /// Writes points, colours, normals, texture coordinates, faces and edges.
-pub(crate) fn write_obj(shape: &ShapeFile, report: &mut WriteReport, out: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn write_obj(
+    shape: &ShapeFile,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
     let color = shape.field("color").filter(|f| is_color(f));
     let weight = shape.field("w").filter(|f| f.n_channels == 1 && color.is_none());
     let normal = shape.field("normal").filter(|f| f.n_channels == 3);
@@ -73,6 +82,7 @@ pub(crate) fn write_obj(shape: &ShapeFile, report: &mut WriteReport, out: &mut d
     }
     let mut line = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
+        at_row(progress, i as u64, shape.points.len() as u64)?;
         line.clear();
         push_line(&mut line, "v", point.iter().copied().chain(weight.map(|w| w.get(i, 0))));
         if let Some(color) = color {
@@ -90,7 +100,8 @@ pub(crate) fn write_obj(shape: &ShapeFile, report: &mut WriteReport, out: &mut d
             out.write_all(&line)?;
         }
     }
-    for face in shape.faces.iter().filter(|f| !f.is_empty()) {
+    for (f, face) in shape.faces.iter().enumerate().filter(|(_, face)| !face.is_empty()) {
+        at_row(progress, f as u64, shape.faces.len() as u64)?;
         line.clear();
         line.push(b'f');
         for &v in face {

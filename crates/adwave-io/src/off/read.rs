@@ -1,7 +1,10 @@
 //! Object file format and its variants: `[ST][C][N][4]OFF`, text.
 
+use adwave::{Cancelled, Progress};
+
 use crate::lines::{Statement, Statements};
 use crate::original::{Original, Separator, TextRows};
+use crate::progress::at_row;
 use crate::sniff::off_keyword;
 use crate::text::{parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -16,7 +19,11 @@ struct Layout {
 }
 
 /// Reads an OFF.
-pub(crate) fn read_off(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
+pub(crate) fn read_off(
+    bytes: Vec<u8>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let mut lines = Statements::new(&bytes);
     let (layout, [n_vertices, n_faces]) = header(&bytes, &mut lines)?;
     limits.check_points(n_vertices)?;
@@ -28,6 +35,7 @@ pub(crate) fn read_off(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile,
     let mut rows = Vec::with_capacity(shape.n_vertices);
     let mut tails = Tails::default();
     for row in 0..n_vertices {
+        at_row(progress, row, n_vertices)?;
         let Some(line) = lines.next() else { return Err(ends(&bytes, "vertex", row, n_vertices)) };
         rows.push(line.start as u64);
         let mut values = words(line.text);
@@ -46,9 +54,9 @@ pub(crate) fn read_off(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile,
         }
         tails.end_row();
     }
-    vertex_fields(&mut shape, &layout, &tails);
+    vertex_fields(&mut shape, &layout, &tails, progress)?;
     check_size(&bytes, lines.position, n_faces, 2, "face")?;
-    read_faces(&bytes, &mut lines, n_faces, &mut shape)?;
+    read_faces(&bytes, &mut lines, n_faces, &mut shape, progress)?;
     if memchr::memchr(b'#', &bytes).is_some() {
         shape.extras.push("comments".into());
     }
@@ -165,10 +173,11 @@ impl Tails {
     }
 
     /// Values `from..from + n` of every row, NaN where a row is shorter; bytes when `color` and all are 0 … 255.
-    fn field(&self, name: &str, from: usize, n: usize) -> Field {
+    fn field(&self, name: &str, from: usize, n: usize, progress: Progress<'_>) -> Result<Field, Cancelled> {
         let mut values = Vec::with_capacity(self.ends.len() * n);
         let mut start = 0;
-        for &end in &self.ends {
+        for (i, &end) in self.ends.iter().enumerate() {
+            at_row(progress, i as u64, self.ends.len() as u64)?;
             let row = &self.values[start..end];
             values.extend((from..from + n).map(|c| row.get(c).copied().unwrap_or(f64::NAN)));
             start = end;
@@ -176,42 +185,49 @@ impl Tails {
         let has_fraction = self.has_fraction.iter().skip(from).take(n).any(|&f| f);
         if name == "color" && !has_fraction && values.iter().all(|x| (0.0..=255.0).contains(x)) {
             let bytes = values.iter().map(|&x| x as u8).collect();
-            return Field::new(name, n, FieldValues::U8(bytes));
+            return Ok(Field::new(name, n, FieldValues::U8(bytes)));
         }
-        Field::new(name, n, FieldValues::F64(values))
+        Ok(Field::new(name, n, FieldValues::F64(values)))
     }
 }
 
-fn vertex_fields(shape: &mut ShapeFile, layout: &Layout, tails: &Tails) {
+fn vertex_fields(
+    shape: &mut ShapeFile,
+    layout: &Layout,
+    tails: &Tails,
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
     let mut from = 0;
     let mut left = tails.longest;
     let mut add = |name: &str, n: usize, shape: &mut ShapeFile| {
         // Some writers put letters before `OFF` without writing the values.
         if n > 0 && left >= n {
-            shape.vertex_fields.push(tails.field(name, from, n));
+            shape.vertex_fields.push(tails.field(name, from, n, progress)?);
             from += n;
             left -= n;
         }
+        Ok(())
     };
     if layout.has_w {
-        add("w", 1, shape);
+        add("w", 1, shape)?;
     }
     if layout.has_normal {
-        add("normal", 3, shape);
+        add("normal", 3, shape)?;
     }
     let after_w_and_normal =
         tails.longest.saturating_sub(usize::from(layout.has_w) + 3 * usize::from(layout.has_normal));
     let for_color = after_w_and_normal.saturating_sub(2 * usize::from(layout.has_texcoord));
     // Others write colours without the letter.
     if layout.has_color || matches!(for_color, 3 | 4) {
-        add("color", if for_color >= 4 { 4 } else { 3 }, shape);
+        add("color", if for_color >= 4 { 4 } else { 3 }, shape)?;
     }
     if layout.has_texcoord {
-        add("texcoord", 2, shape);
+        add("texcoord", 2, shape)?;
     }
     if left > 0 {
-        shape.vertex_fields.push(tails.field("extra", from, left));
+        shape.vertex_fields.push(tails.field("extra", from, left, progress)?);
     }
+    Ok(())
 }
 
 fn read_faces(
@@ -219,10 +235,12 @@ fn read_faces(
     lines: &mut Statements<'_>,
     n_faces: u64,
     shape: &mut ShapeFile,
+    progress: Progress<'_>,
 ) -> Result<(), ReadError> {
     let mut tails = Tails::default();
     let mut face = Vec::new();
     for row in 0..n_faces {
+        at_row(progress, row, n_faces)?;
         let Some(line) = lines.next() else { return Err(ends(bytes, "face", row, n_faces)) };
         let mut values = words(line.text);
         let first = values.next().unwrap_or(b"");
@@ -258,8 +276,8 @@ fn read_faces(
     match tails.longest {
         0 => {}
         // One value is an index into a table of colours.
-        1 => shape.face_fields.push(tails.field("color_index", 0, 1)),
-        n => shape.face_fields.push(tails.field("color", 0, n)),
+        1 => shape.face_fields.push(tails.field("color_index", 0, 1, progress)?),
+        n => shape.face_fields.push(tails.field("color", 0, n, progress)?),
     }
     Ok(())
 }

@@ -1,9 +1,12 @@
 //! Object file format: OFF, and with attributes `[ST][C][N]OFF`.
 
-use std::io::{self, Write};
+use std::io::Write;
 
+use adwave::Progress;
+
+use crate::progress::at_row;
 use crate::text::push_f64;
-use crate::{Field, ShapeFile, WriteReport};
+use crate::{Field, ShapeFile, WriteError, WriteReport};
 
 fn push_fields(line: &mut Vec<u8>, fields: &[&Field], i: usize) {
     for field in fields {
@@ -15,7 +18,12 @@ fn push_fields(line: &mut Vec<u8>, fields: &[&Field], i: usize) {
 }
 
 /// Writes points with normal, colour and texture coordinate, and faces with colour.
-pub(crate) fn write_off(shape: &ShapeFile, report: &mut WriteReport, out: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn write_off(
+    shape: &ShapeFile,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
     let channels = |name: &str, n: &[usize]| shape.field(name).filter(|f| n.contains(&f.n_channels));
     let (normal, color, texcoord) =
         (channels("normal", &[3]), channels("color", &[3, 4]), channels("texcoord", &[2]));
@@ -32,6 +40,7 @@ pub(crate) fn write_off(shape: &ShapeFile, report: &mut WriteReport, out: &mut d
     writeln!(out, "{} {} 0", shape.points.len(), shape.faces.len())?;
     let mut line = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
+        at_row(progress, i as u64, shape.points.len() as u64)?;
         line.clear();
         for (axis, &x) in point.iter().enumerate() {
             if axis > 0 {
@@ -44,6 +53,7 @@ pub(crate) fn write_off(shape: &ShapeFile, report: &mut WriteReport, out: &mut d
         out.write_all(&line)?;
     }
     for (f, face) in shape.faces.iter().enumerate() {
+        at_row(progress, f as u64, shape.faces.len() as u64)?;
         line.clear();
         write!(line, "{}", face.len())?;
         for v in face {

@@ -2,41 +2,62 @@
 //!
 //! Thirty lines here instead of a library: those on crates.io trust the stated length or are not kept up.
 
+use adwave::{Cancelled, Progress};
+
+use crate::progress::at_row;
+
 /// The `n` bytes that `packed` holds, or the position in `packed` where it is wrong.
-pub(crate) fn decompress(packed: &[u8], n: usize) -> Result<Vec<u8>, usize> {
+pub(crate) fn decompress(
+    packed: &[u8],
+    n: usize,
+    progress: Progress<'_>,
+) -> Result<Result<Vec<u8>, usize>, Cancelled> {
     let mut plain = Vec::with_capacity(n);
-    let mut i = 0;
+    let (mut i, mut block) = (0, 0);
     while i < packed.len() {
-        let control = packed[i] as usize;
-        i += 1;
-        if control < 32 {
-            let literal = packed.get(i..i + control + 1).ok_or(i)?;
-            plain.extend_from_slice(literal);
-            i += control + 1;
-        } else {
-            let mut length = control >> 5;
-            if length == 7 {
-                length += *packed.get(i).ok_or(i)? as usize;
-                i += 1;
-            }
-            let low = *packed.get(i).ok_or(i)? as usize;
-            i += 1;
-            let back = ((control & 31) << 8) + low + 1;
-            let from = plain.len().checked_sub(back).ok_or(i)?;
-            for k in from..from + length + 2 {
-                plain.push(plain[k]);
-            }
-        }
-        if plain.len() > n {
-            return Err(i);
+        at_row(progress, block, 0)?;
+        block += 1;
+        if let Err(at) = step(packed, n, &mut plain, &mut i) {
+            return Ok(Err(at));
         }
     }
-    if plain.len() == n { Ok(plain) } else { Err(i) }
+    Ok(if plain.len() == n { Ok(plain) } else { Err(i) })
+}
+
+/// Adds what one literal or reference stands for.
+fn step(packed: &[u8], n: usize, plain: &mut Vec<u8>, position: &mut usize) -> Result<(), usize> {
+    let mut i = *position;
+    let control = packed[i] as usize;
+    i += 1;
+    if control < 32 {
+        let literal = packed.get(i..i + control + 1).ok_or(i)?;
+        plain.extend_from_slice(literal);
+        i += control + 1;
+    } else {
+        let mut length = control >> 5;
+        if length == 7 {
+            length += *packed.get(i).ok_or(i)? as usize;
+            i += 1;
+        }
+        let low = *packed.get(i).ok_or(i)? as usize;
+        i += 1;
+        let back = ((control & 31) << 8) + low + 1;
+        let from = plain.len().checked_sub(back).ok_or(i)?;
+        for k in from..from + length + 2 {
+            plain.push(plain[k]);
+        }
+    }
+    *position = i;
+    if plain.len() > n { Err(i) } else { Ok(()) }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::decompress;
+    use adwave::Progress;
+
+    fn decompress(packed: &[u8], n: usize) -> Result<Vec<u8>, usize> {
+        super::decompress(packed, n, Progress::none()).unwrap()
+    }
 
     #[test]
     fn literals_and_references() {

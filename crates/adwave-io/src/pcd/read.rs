@@ -1,8 +1,11 @@
 //! Point Cloud Library files: text, binary and compressed.
 
+use adwave::Progress;
+
 use crate::field::ByteOrder;
 use crate::grouping::group;
 use crate::original::{Original, Separator, TextRows};
+use crate::progress::{at_row, collect};
 use crate::text::{line_end, parse_f32, parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
@@ -39,32 +42,38 @@ struct Header {
 }
 
 /// Reads a PCD.
-pub(crate) fn read_pcd(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
+pub(crate) fn read_pcd(
+    bytes: Vec<u8>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let header = parse_header(&bytes)?;
     limits.check_points(header.n_points)?;
     let mut values: Vec<FieldValues> = header.columns.iter().map(|c| c.value_type.empty()).collect();
     let mut rows = None;
     match header.kind.as_slice() {
-        b"ascii" => rows = Some(read_rows(&bytes, &header, &mut values)?),
+        b"ascii" => rows = Some(read_rows(&bytes, &header, &mut values, progress)?),
         b"binary" => {
             let plain = &bytes[header.body..];
             check_rows(&bytes, &header)?;
-            for row in plain.chunks_exact(header.row_bytes.max(1)).take(header.n_points as usize) {
+            let rows = plain.chunks_exact(header.row_bytes.max(1)).take(header.n_points as usize);
+            for (i, row) in rows.enumerate() {
+                at_row(progress, i as u64, header.n_points)?;
                 for (column, list) in header.columns.iter().zip(&mut values) {
                     list.push_bytes(&row[column.offset..], ByteOrder::Little);
                 }
             }
         }
         b"binary_compressed" => {
-            let plain = unpack(&bytes, &header)?;
-            read_field_by_field(&plain, &header, &mut values);
+            let plain = unpack(&bytes, &header, progress)?;
+            read_field_by_field(&plain, &header, &mut values, progress)?;
         }
         other => {
             let message = format!("DATA {} is none of ascii, binary, binary_compressed", show(other));
             return Err(ReadError::in_line(&bytes, header.body.saturating_sub(1), message));
         }
     }
-    let mut shape = to_shape(&header, values)?;
+    let mut shape = to_shape(&header, values, progress)?;
     shape.format = Some(if rows.is_some() { Format::PcdAscii } else { Format::Pcd });
     let axis = |name: &str| header.columns.iter().position(|c| c.name == name).unwrap_or(usize::MAX);
     let rows = rows.map(|rows| TextRows {
@@ -196,7 +205,12 @@ fn check_rows(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
     })
 }
 
-fn read_rows(bytes: &[u8], header: &Header, values: &mut [FieldValues]) -> Result<Vec<u64>, ReadError> {
+fn read_rows(
+    bytes: &[u8],
+    header: &Header,
+    values: &mut [FieldValues],
+    progress: Progress<'_>,
+) -> Result<Vec<u64>, ReadError> {
     let mut rows = Vec::new();
     let mut position = header.body;
     while position < bytes.len() && (rows.len() as u64) < header.n_points {
@@ -207,6 +221,7 @@ fn read_rows(bytes: &[u8], header: &Header, values: &mut [FieldValues]) -> Resul
         let mut parts = words(line);
         let Some(blanks) = line.iter().position(|&b| !crate::text::is_space(b)) else { continue };
         let row = rows.len();
+        at_row(progress, row as u64, header.n_points)?;
         for (column, list) in header.columns.iter().zip(&mut *values) {
             let word = parts.next().ok_or_else(|| {
                 let n = header.columns.len();
@@ -233,7 +248,7 @@ fn read_rows(bytes: &[u8], header: &Header, values: &mut [FieldValues]) -> Resul
     Ok(rows)
 }
 
-fn unpack(bytes: &[u8], header: &Header) -> Result<Vec<u8>, ReadError> {
+fn unpack(bytes: &[u8], header: &Header, progress: Progress<'_>) -> Result<Vec<u8>, ReadError> {
     let size = |at: usize| {
         let b = bytes.get(at..at + 4)?;
         Some(u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])))
@@ -258,23 +273,34 @@ fn unpack(bytes: &[u8], header: &Header) -> Result<Vec<u8>, ReadError> {
         let message = format!("{n_plain} uncompressed bytes do not make {n} points; get an unbroken file");
         return Err(ReadError::at_byte(header.body + 4, message));
     }
-    crate::pcd::lzf::decompress(&bytes[start..start + n_packed as usize], n_plain as usize)
+    crate::pcd::lzf::decompress(&bytes[start..start + n_packed as usize], n_plain as usize, progress)?
         .map_err(|at| ReadError::at_byte(start + at, "the LZF compression is broken; get an unbroken file"))
 }
 
 /// Compressed points are stored field by field: all of the first field, all of the second, …
-fn read_field_by_field(plain: &[u8], header: &Header, values: &mut [FieldValues]) {
+fn read_field_by_field(
+    plain: &[u8],
+    header: &Header,
+    values: &mut [FieldValues],
+    progress: Progress<'_>,
+) -> Result<(), ReadError> {
     let n = header.n_points as usize;
     for (column, list) in header.columns.iter().zip(values) {
         let field = header.fields.iter().rfind(|f| f.0 <= column.offset).copied().unwrap_or((0, 1));
         let first = n * field.0 + (column.offset - field.0);
         for i in 0..n {
+            at_row(progress, i as u64, header.n_points)?;
             list.push_bytes(&plain[first + i * field.1..], ByteOrder::Little);
         }
     }
+    Ok(())
 }
 
-fn to_shape(header: &Header, values: Vec<FieldValues>) -> Result<ShapeFile, ReadError> {
+fn to_shape(
+    header: &Header,
+    values: Vec<FieldValues>,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let n = header.n_points as usize;
     let mut xyz: [Option<FieldValues>; 3] = [const { None }; 3];
     let mut columns = Vec::new();
@@ -287,7 +313,7 @@ fn to_shape(header: &Header, values: Vec<FieldValues>) -> Result<ShapeFile, Read
             // Only padding between fields.
             "_" => {}
             name @ ("rgb" | "rgba") if column.value_type.n_bytes() == 4 => {
-                colors = Some(unpack_color(&list, if name == "rgb" { 3 } else { 4 }));
+                colors = Some(unpack_color(&list, if name == "rgb" { 3 } else { 4 }, progress)?);
             }
             name => columns.push((name.to_string(), list)),
         }
@@ -295,24 +321,25 @@ fn to_shape(header: &Header, values: Vec<FieldValues>) -> Result<ShapeFile, Read
     let [Some(x), Some(y), Some(z)] = xyz else {
         return Err(ReadError::Whole("the PCD has no x, y and z".into()));
     };
-    let mut shape = ShapeFile::from_cloud((0..n).map(|i| [x.get(i), y.get(i), z.get(i)]).collect());
+    let mut shape = ShapeFile::from_cloud(collect(n, progress, |i| [x.get(i), y.get(i), z.get(i)])?);
     let single = [&x, &y, &z].iter().all(|c| c.value_type() == ValueType::F32);
     shape.precision = if single { Precision::F32 } else { Precision::F64 };
-    shape.vertex_fields = group(columns).0;
+    shape.vertex_fields = group(columns, progress)?.0;
     shape.vertex_fields.extend(colors);
     Ok(shape)
 }
 
 /// The bytes of a packed colour, which files hold as the bits of a float or as a whole number: blue lowest.
-fn unpack_color(list: &FieldValues, n_channels: usize) -> Field {
+fn unpack_color(list: &FieldValues, n_channels: usize, progress: Progress<'_>) -> Result<Field, ReadError> {
     let bits = |i: usize| match list {
         FieldValues::F32(v) => v[i].to_bits(),
         other => other.get(i) as i64 as u32,
     };
     let mut colors = Vec::with_capacity(list.len() * n_channels);
     for i in 0..list.len() {
+        at_row(progress, i as u64, list.len() as u64)?;
         let [blue, green, red, alpha] = bits(i).to_le_bytes();
         colors.extend_from_slice(&[red, green, blue, alpha][..n_channels]);
     }
-    Field::new("color", n_channels, FieldValues::U8(colors))
+    Ok(Field::new("color", n_channels, FieldValues::U8(colors)))
 }

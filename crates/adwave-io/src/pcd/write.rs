@@ -1,12 +1,15 @@
 //! Point Cloud Library files, binary or text.
 
-use std::io::{self, Write};
+use std::io::Write;
+
+use adwave::Progress;
 
 use crate::field::ByteOrder;
 use crate::grouping::one_word;
 use crate::original::Original;
+use crate::progress::at_row;
 use crate::text::{push_f32, push_f64};
-use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteReport};
+use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// A colour of bytes is packed into one number, as the library expects it.
 fn is_packed(field: &Field) -> bool {
@@ -40,7 +43,8 @@ pub(crate) fn write_pcd(
     format: Format,
     report: &mut WriteReport,
     out: &mut dyn Write,
-) -> io::Result<()> {
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
     if !shape.faces.is_empty() {
         report.leave_out("faces");
     }
@@ -71,6 +75,7 @@ pub(crate) fn write_pcd(
     writeln!(out, "WIDTH {width}\nHEIGHT {height}\nVIEWPOINT {viewpoint}\nPOINTS {n}\nDATA {encoding}")?;
     let mut row = Vec::new();
     for i in 0..shape.points.len() {
+        at_row(progress, i as u64, n)?;
         row.clear();
         if format == Format::Pcd {
             binary_row(shape, i, &mut row);

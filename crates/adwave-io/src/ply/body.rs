@@ -1,5 +1,7 @@
 //! The rows of a PLY, value by value.
 
+use adwave::Progress;
+
 use crate::field::ByteOrder;
 use crate::ply::header::{Element, Encoding, Kind};
 use crate::text::{Words, parse_f32, parse_f64, show};
@@ -10,6 +12,8 @@ pub(crate) struct Body<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) position: usize,
     pub(crate) encoding: Encoding,
+    /// Asked by whoever goes through the rows.
+    pub(crate) progress: Progress<'a>,
 }
 
 impl<'a> Body<'a> {

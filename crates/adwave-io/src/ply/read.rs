@@ -6,13 +6,19 @@
 use crate::grouping::group;
 use crate::original::Original;
 use crate::ply::body::Body;
+use crate::ply::fixed;
 use crate::ply::header::{Element, Encoding, Header, Kind, PlyOriginal, parse_header};
+use crate::progress::{at_row, collect};
 use crate::text::line_of;
 use crate::{Direction, Edges, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
-use adwave::shape::Polygons;
+use adwave::Progress;
 
 /// Reads a PLY.
-pub(crate) fn read_ply(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
+pub(crate) fn read_ply(
+    bytes: Vec<u8>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let header = parse_header(&bytes)?;
     let vertex = header.elements.iter().position(|e| e.name == "vertex");
     let n_vertices = vertex.map_or(0, |v| header.elements[v].n_rows);
@@ -22,7 +28,7 @@ pub(crate) fn read_ply(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile,
     shape.format = Some(if header.encoding == Encoding::Ascii { Format::PlyAscii } else { Format::Ply });
     let mut rows = (header.body, header.body);
     let mut field_properties = Vec::new();
-    let mut body = Body { bytes: &bytes, position: header.body, encoding: header.encoding };
+    let mut body = Body { bytes: &bytes, position: header.body, encoding: header.encoding, progress };
     for (e, element) in header.elements.iter().enumerate() {
         body.check_size(element)?;
         let start = body.position;
@@ -39,6 +45,7 @@ pub(crate) fn read_ply(bytes: Vec<u8>, limits: &ReadLimits) -> Result<ShapeFile,
             _ => {
                 if element.min_row_bytes(header.encoding) > 0 {
                     for row in 0..element.n_rows {
+                        at_row(progress, row, element.n_rows)?;
                         body.skip_row(element, row)?;
                     }
                 }
@@ -88,7 +95,14 @@ fn read_vertices(
             return Err(ReadError::Line { line: element.line as u64 + 1, message });
         }
     }
+    if let Some(vertices) = fixed::read_vertices(body, element)? {
+        shape.precision = if vertices.is_single { Precision::F32 } else { Precision::F64 };
+        shape.points = vertices.points;
+        let fields = (&mut shape.vertex_fields, &mut shape.extras);
+        return attach_columns(element, vertices.columns, fields, body.progress);
+    }
     for row in 0..element.n_rows {
+        at_row(body.progress, row, element.n_rows)?;
         for (property, column) in element.properties.iter().zip(&mut columns) {
             match column {
                 Some(column) => body.read_into(column, element, row)?,
@@ -103,17 +117,18 @@ fn read_vertices(
     }
     let single = xyz.iter().all(|c| c.value_type() == ValueType::F32);
     shape.precision = if single { Precision::F32 } else { Precision::F64 };
-    shape.points = (0..shape.n_vertices).map(|i| [xyz[0].get(i), xyz[1].get(i), xyz[2].get(i)]).collect();
-    Ok(attach_columns(element, columns, &mut shape.vertex_fields, &mut shape.extras))
+    shape.points =
+        collect(shape.n_vertices, body.progress, |i| [xyz[0].get(i), xyz[1].get(i), xyz[2].get(i)])?;
+    attach_columns(element, columns, (&mut shape.vertex_fields, &mut shape.extras), body.progress)
 }
 
 /// Makes fields of the columns; gives which properties each field is made of.
 fn attach_columns(
     element: &Element,
     columns: Vec<Option<FieldValues>>,
-    fields: &mut Vec<crate::Field>,
-    extras: &mut Vec<String>,
-) -> Vec<(String, Vec<usize>)> {
+    (fields, extras): (&mut Vec<crate::Field>, &mut Vec<String>),
+    progress: Progress<'_>,
+) -> Result<Vec<(String, Vec<usize>)>, ReadError> {
     let mut positions = Vec::new();
     let mut named = Vec::new();
     for (p, (property, column)) in element.properties.iter().zip(columns).enumerate() {
@@ -124,14 +139,14 @@ fn attach_columns(
             extras.push(format!("list `{}` of element `{}`", property.name, element.name));
         }
     }
-    let (made, mut members) = group(named);
+    let (made, mut members) = group(named, progress)?;
     *fields = made;
     for (_, columns) in &mut members {
         for column in columns {
             *column = positions[*column];
         }
     }
-    members
+    Ok(members)
 }
 
 fn is_corner_list(name: &str) -> bool {
@@ -145,10 +160,15 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
         let message = "element `face` has no list `vertex_indices`; its faces cannot be read".to_string();
         return Err(ReadError::Line { line: element.line as u64 + 1, message });
     }
-    // Every face takes bytes, so this reserves no more than the file has.
-    shape.faces = Polygons::with_capacity(element.n_rows as usize, 3 * element.n_rows as usize);
+    let mut first = 0;
+    if let Some(corners) = corners
+        && let Some(read) = fixed::read_faces(body, element, corners, shape.n_vertices)?
+    {
+        (shape.faces, columns, first) = (read.faces, read.columns, read.n_rows);
+    }
     let mut face = Vec::new();
-    for row in 0..element.n_rows {
+    for row in first..element.n_rows {
+        at_row(body.progress, row, element.n_rows)?;
         let start = body.position;
         for (p, property) in element.properties.iter().enumerate() {
             match &mut columns[p] {
@@ -159,7 +179,7 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
         }
         push_face(body, shape, &face, row, start)?;
     }
-    attach_columns(element, columns, &mut shape.face_fields, &mut shape.extras);
+    attach_columns(element, columns, (&mut shape.face_fields, &mut shape.extras), body.progress)?;
     Ok(())
 }
 
@@ -203,6 +223,7 @@ fn read_strips(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) ->
     let list = element.properties.iter().position(|p| is_corner_list(&p.name));
     let mut strip = Vec::new();
     for row in 0..element.n_rows {
+        at_row(body.progress, row, element.n_rows)?;
         let start = body.position;
         for (p, property) in element.properties.iter().enumerate() {
             if Some(p) != list || !matches!(property.kind, Kind::List { .. }) {
@@ -227,6 +248,7 @@ fn read_strips(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) ->
 fn read_edges(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
     let ends = [element.property("vertex1"), element.property("vertex2")];
     for row in 0..element.n_rows {
+        at_row(body.progress, row, element.n_rows)?;
         let start = body.position;
         let mut pair = [0_u32; 2];
         for (p, property) in element.properties.iter().enumerate() {

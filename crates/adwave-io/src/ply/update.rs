@@ -3,17 +3,21 @@
 
 use std::io::Write;
 
+use adwave::Progress;
+
 use crate::ply::body::Body;
 use crate::ply::header::{Encoding, Kind, PlyOriginal};
 use crate::ply::write::{Style, note_rounding, property_lines, push_fields};
+use crate::progress::at_row;
 use crate::text::{parse_f32, parse_f64};
 use crate::{Field, FieldValues, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Writes the original with other coordinates and fields.
-pub(crate) fn write_ply_again(
+pub(crate) fn update_ply(
     shape: &ShapeFile,
     ply: &PlyOriginal,
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<WriteReport, WriteError> {
     let mut report = WriteReport::default();
     let fields: Vec<&Field> = shape.vertex_fields.iter().filter(|f| shape.edited.contains(&f.name)).collect();
@@ -25,7 +29,7 @@ pub(crate) fn write_ply_again(
     let dropped: Vec<bool> = (0..element.properties.len()).map(replaced).collect();
     write_header(ply, &dropped, &fields, out)?;
     out.write_all(&ply.bytes[ply.header.body..ply.rows.0])?;
-    write_rows(shape, ply, &dropped, &fields, out)?;
+    write_rows(shape, ply, &dropped, &fields, out, progress)?;
     out.write_all(&ply.bytes[ply.rows.1..])?;
     Ok(report)
 }
@@ -59,6 +63,7 @@ fn write_rows(
     dropped: &[bool],
     fields: &[&Field],
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let element = &ply.header.elements[ply.vertex];
     let axes: Vec<Option<usize>> = element
@@ -75,9 +80,10 @@ fn write_rows(
         Encoding::Ascii => Style::Text,
         Encoding::Binary(order) => Style::Bytes(order),
     };
-    let mut body = Body { bytes: &ply.bytes, position: ply.rows.0, encoding: ply.header.encoding };
+    let mut body = Body { bytes: &ply.bytes, position: ply.rows.0, encoding: ply.header.encoding, progress };
     let mut row = Vec::new();
     for i in 0..shape.n_vertices {
+        at_row(progress, i as u64, element.n_rows)?;
         row.clear();
         for (p, property) in element.properties.iter().enumerate() {
             let start = body.position;

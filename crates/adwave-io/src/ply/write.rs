@@ -2,11 +2,14 @@
 
 use std::io::{self, Write};
 
+use adwave::Progress;
+
 use crate::field::ByteOrder;
 use crate::grouping::column_names;
 use crate::ply::header::type_name;
+use crate::progress::at_row;
 use crate::text::{push_f32, push_f64};
-use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteReport};
+use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// How values are written.
 #[derive(Clone, Copy)]
@@ -71,7 +74,8 @@ pub(crate) fn write_ply(
     format: Format,
     report: &mut WriteReport,
     out: &mut dyn Write,
-) -> io::Result<()> {
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
     let style = if format == Format::Ply { Style::Bytes(ByteOrder::Little) } else { Style::Text };
     let encoding = if format == Format::Ply { "binary_little_endian" } else { "ascii" };
     let fields: Vec<&Field> = shape.vertex_fields.iter().collect();
@@ -103,19 +107,20 @@ pub(crate) fn write_ply(
         }
     }
     writeln!(out, "end_header")?;
-    write_body(shape, &fields, &face_fields, count, style, out)
+    write_body(shape, (&fields, &face_fields), count, style, out, progress)
 }
 
 fn write_body(
     shape: &ShapeFile,
-    fields: &[&Field],
-    face_fields: &[&Field],
+    (fields, face_fields): (&[&Field], &[&Field]),
     count: ValueType,
     style: Style,
     out: &mut dyn Write,
-) -> io::Result<()> {
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
     let mut row = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
+        at_row(progress, i as u64, shape.points.len() as u64)?;
         row.clear();
         push_point(*point, shape.precision, style, &mut row);
         push_fields(fields, i, style, &mut row);
@@ -123,6 +128,7 @@ fn write_body(
         out.write_all(&row)?;
     }
     for (f, face) in shape.faces.iter().enumerate() {
+        at_row(progress, f as u64, shape.faces.len() as u64)?;
         row.clear();
         match (style, count) {
             (Style::Text, _) => write!(row, "{}", face.len())?,

@@ -2,9 +2,11 @@
 
 use crate::lines::{Statement, Statements};
 use crate::original::Original;
+use crate::progress::{at_row, collect};
 use crate::text::{parse_f64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile};
 use adwave::shape::Polygons;
+use adwave::{Cancelled, Progress};
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
@@ -15,15 +17,20 @@ pub(crate) fn binary_count(bytes: &[u8]) -> Option<u64> {
     Some(u64::from(u32::from_le_bytes([field[0], field[1], field[2], field[3]])))
 }
 
-/// Three vertices a triangle, in order.
-fn soup(points: Vec<[f64; 3]>) -> ShapeFile {
-    let n = points.len() as u32;
-    let corners: Vec<u32> = (0..n).collect();
-    ShapeFile::from_mesh(points, corners.chunks_exact(3).collect::<Polygons>())
+/// Three vertices per triangle, in order.
+fn soup(points: Vec<[f64; 3]>, progress: Progress<'_>) -> Result<ShapeFile, Cancelled> {
+    let corners: Vec<u32> = collect(points.len(), progress, |v| v as u32)?;
+    let offsets = collect(points.len() / 3 + 1, progress, |f| 3 * f as u32)?;
+    let faces = Polygons::from_parts(offsets, corners).expect("three corners per triangle");
+    Ok(ShapeFile::from_mesh(points, faces))
 }
 
 /// Reads a binary STL.
-pub(crate) fn read_stl(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
+pub(crate) fn read_stl(
+    bytes: &[u8],
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let Some(n) = binary_count(bytes) else {
         return Err(ReadError::Truncated {
             end: bytes.len() as u64,
@@ -46,7 +53,8 @@ pub(crate) fn read_stl(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, R
     let mut points = Vec::with_capacity(3 * n as usize);
     let mut normals = Vec::with_capacity(3 * n as usize);
     let mut attributes = Vec::with_capacity(n as usize);
-    for record in bytes[HEADER..needed as usize].chunks_exact(RECORD) {
+    for (row, record) in bytes[HEADER..needed as usize].chunks_exact(RECORD).enumerate() {
+        at_row(progress, row as u64, n)?;
         let (numbers, attribute) = record.split_at(48);
         let mut xyz = numbers.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
         normals.extend(xyz.by_ref().take(3));
@@ -56,7 +64,7 @@ pub(crate) fn read_stl(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, R
         }
         attributes.push(u16::from_le_bytes([attribute[0], attribute[1]]));
     }
-    let mut shape = soup(points);
+    let mut shape = soup(points, progress)?;
     shape.format = Some(Format::Stl);
     shape.precision = Precision::F32;
     shape.face_fields.push(Field::new("normal", 3, FieldValues::F32(normals)));
@@ -71,7 +79,11 @@ pub(crate) fn read_stl(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, R
 }
 
 /// Reads a text STL. Only the first word of a line counts: the name of a solid may be anything.
-pub(crate) fn read_stl_ascii(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
+pub(crate) fn read_stl_ascii(
+    bytes: &[u8],
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let mut points = Vec::new();
     let mut normals = Vec::new();
     let mut solids: Vec<u32> = Vec::new();
@@ -79,7 +91,8 @@ pub(crate) fn read_stl_ascii(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeF
     let mut in_facet = 0;
     let mut name = Vec::new();
     let mut ended = true;
-    for line in Statements::new(bytes) {
+    for (row, line) in Statements::new(bytes).enumerate() {
+        at_row(progress, row as u64, 0)?;
         let mut values = words(line.text);
         let keyword = values.next().unwrap_or(b"").to_ascii_lowercase();
         match keyword.as_slice() {
@@ -125,7 +138,7 @@ pub(crate) fn read_stl_ascii(bytes: &[u8], limits: &ReadLimits) -> Result<ShapeF
         return Err(ReadError::in_line(bytes, bytes.len(), message));
     }
     limits.check_points(points.len() as u64)?;
-    let mut shape = soup(points);
+    let mut shape = soup(points, progress)?;
     shape.format = Some(Format::StlAscii);
     shape.face_fields.push(Field::new("normal", 3, FieldValues::F64(normals)));
     if n_solids > 1 {

@@ -2,7 +2,10 @@
 
 use std::io::Write;
 
+use adwave::{Cancelled, Progress};
+
 use crate::original::Original;
+use crate::progress::{all, at_row};
 use crate::text::push_f64;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
 
@@ -12,6 +15,7 @@ pub(crate) fn write_stl(
     format: Format,
     report: &mut WriteReport,
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     // An STL of no triangles comes from an STL of none; a cloud would vanish.
     if shape.faces.is_empty() && !shape.points.is_empty() {
@@ -27,6 +31,7 @@ pub(crate) fn write_stl(
     report.leave_face_fields(shape, held);
     let mut triangles = Vec::new();
     for (f, face) in shape.faces.iter().enumerate() {
+        at_row(progress, f as u64, shape.faces.len() as u64)?;
         if face.len() < 3 {
             report.leave_out("faces of fewer than three corners");
         } else if face.len() > 3 {
@@ -41,9 +46,9 @@ pub(crate) fn write_stl(
         _ => Vec::new(),
     };
     if format == Format::StlAscii {
-        return write_ascii(shape, &triangles, normal, &header, out);
+        return write_ascii(shape, &triangles, normal, &header, out, progress);
     }
-    if shape.precision == Precision::F64 && !is_single(shape) {
+    if shape.precision == Precision::F64 && !is_single(shape, progress)? {
         report.leave_out("digits of coordinates beyond 32-bit floats");
     }
     let n = u32::try_from(triangles.len());
@@ -52,7 +57,8 @@ pub(crate) fn write_stl(
     head.resize(80, 0);
     out.write_all(&head)?;
     out.write_all(&n.to_le_bytes())?;
-    for &(f, corners) in &triangles {
+    for (row, &(f, corners)) in triangles.iter().enumerate() {
+        at_row(progress, row as u64, triangles.len() as u64)?;
         let mut record = [0; 50];
         let normal = normal_of(shape, normal, f, corners);
         let xyz = normal.into_iter().chain(corners.into_iter().flat_map(|v| shape.points[v as usize]));
@@ -65,8 +71,9 @@ pub(crate) fn write_stl(
     Ok(())
 }
 
-fn is_single(shape: &ShapeFile) -> bool {
-    shape.points.as_flattened().iter().all(|&x| f64::from(x as f32).to_bits() == x.to_bits() || x.is_nan())
+fn is_single(shape: &ShapeFile, progress: Progress<'_>) -> Result<bool, Cancelled> {
+    let is_single = |x: f64| f64::from(x as f32).to_bits() == x.to_bits() || x.is_nan();
+    all(shape.points.len(), progress, |i| shape.points[i].into_iter().all(is_single))
 }
 
 /// The file's normal while the points are the file's, else the one of the corners.
@@ -88,6 +95,7 @@ fn write_ascii(
     normal: Option<&Field>,
     header: &[u8],
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let name = if header.starts_with(b"solid") { header } else { b"solid" };
     let mut text = name.to_vec();
@@ -100,7 +108,8 @@ fn write_ascii(
         }
         text.push(b'\n');
     };
-    for &(f, corners) in triangles {
+    for (row, &(f, corners)) in triangles.iter().enumerate() {
+        at_row(progress, row as u64, triangles.len() as u64)?;
         push(&mut text, "facet normal", normal_of(shape, normal, f, corners));
         text.extend_from_slice(b"outer loop\n");
         for v in corners {

@@ -2,18 +2,22 @@
 
 use std::io::Write;
 
+use adwave::Progress;
+
 use crate::field::ByteOrder;
+use crate::progress::{at_row, collect};
 use crate::{Field, FieldValues, Precision, ShapeFile, WriteError, WriteReport};
 
 /// Uncompressed bytes of one block.
 const BLOCK: usize = 1 << 20;
 
 /// The arrays, compressed, in the order in which the XML names them.
-struct Appended {
+struct Appended<'a> {
     bytes: Vec<u8>,
+    progress: Progress<'a>,
 }
 
-impl Appended {
+impl Appended<'_> {
     /// Compresses an array and gives where it begins. Its head is the number of blocks, the size of a block, the
     /// size of the last if it is smaller, and the compressed size of each.
     fn add(&mut self, plain: &[u8]) -> Result<usize, WriteError> {
@@ -21,6 +25,7 @@ impl Appended {
         let mut sizes = Vec::new();
         let mut blocks = Vec::new();
         for block in plain.chunks(BLOCK) {
+            self.progress.check()?;
             let start = blocks.len();
             let mut zlib = flate2::write::ZlibEncoder::new(&mut blocks, flate2::Compression::fast());
             zlib.write_all(block)?;
@@ -44,6 +49,7 @@ impl Appended {
     ) -> Result<(), WriteError> {
         let mut plain = Vec::with_capacity(values.len() * values.value_type().n_bytes());
         for i in 0..values.len() {
+            at_row(self.progress, i as u64, values.len() as u64)?;
             values.write_bytes(i, ByteOrder::Little, &mut plain);
         }
         let offset = self.add(&plain)?;
@@ -113,8 +119,9 @@ pub(crate) fn write_vtp(
     shape: &ShapeFile,
     report: &mut WriteReport,
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let mut appended = Appended { bytes: Vec::new() };
+    let mut appended = Appended { bytes: Vec::new(), progress };
     let n = shape.points.len();
     let is_cloud = shape.faces.is_empty() && shape.edges.pairs.is_empty();
     let mut body = String::new();
@@ -128,18 +135,21 @@ pub(crate) fn write_vtp(
     body += "<Points>\n";
     let flat = shape.points.as_flattened();
     let points = match shape.precision {
-        Precision::F32 => FieldValues::F32(flat.iter().map(|&x| x as f32).collect()),
-        Precision::F64 => FieldValues::F64(flat.to_vec()),
+        Precision::F32 => FieldValues::F32(collect(flat.len(), progress, |i| flat[i] as f32)?),
+        Precision::F64 => FieldValues::F64(collect(flat.len(), progress, |i| flat[i])?),
     };
     appended.add_numbers(&mut body, "Points", 3, &points)?;
     body += "</Points>\n";
     let n_verts = if is_cloud { n } else { 0 };
-    appended.add_cells(&mut body, "Verts", (0..n_verts as i64).collect(), (1..=n_verts as i64).collect())?;
+    let verts = collect(n_verts, progress, |i| i as i64)?;
+    let vert_ends = collect(n_verts, progress, |i| i as i64 + 1)?;
+    appended.add_cells(&mut body, "Verts", verts, vert_ends)?;
     let lines = shape.edges.pairs.as_flattened().iter().map(|&v| v.into()).collect();
     let line_ends = (1..=shape.edges.pairs.len() as i64).map(|e| 2 * e).collect();
     appended.add_cells(&mut body, "Lines", lines, line_ends)?;
-    let corners = shape.faces.corners().iter().map(|&v| v.into()).collect();
-    let ends = shape.faces.offsets()[1..].iter().map(|&o| o.into()).collect();
+    let (corners, ends) = (shape.faces.corners(), &shape.faces.offsets()[1..]);
+    let corners = collect(corners.len(), progress, |k| corners[k].into())?;
+    let ends = collect(ends.len(), progress, |f| ends[f].into())?;
     appended.add_cells(&mut body, "Polys", corners, ends)?;
     if !shape.edges.weights.is_empty() {
         report.leave_out("weights of edges");
