@@ -12,7 +12,7 @@ use crate::multiscale::{
 };
 use crate::sgwt::{Frame, KernelFamily, Kernels, SgwtError};
 use crate::taubin::{TaubinError, WindowedSinc};
-use adwave::bands::{Bands, BandsError, BandsParams, Schedule};
+use adwave::bands::{Bands, BandsError, BandsParams, Schedule, Wavelets};
 use adwave::features::{FeatureError, FeatureParams, features};
 use adwave::saliency::{SaliencyError, SaliencyParams, saliency};
 use adwave::shape::Shape;
@@ -132,13 +132,12 @@ pub fn compare(
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     let start = Instant::now();
-    let bands = subject.walk.decompose(
-        subject.signal,
-        subject.n_channels,
-        subject.schedule,
-        subject.params,
-        progress,
-    )?;
+    let bands = subject
+        .walk
+        .request(subject.signal, subject.n_channels, subject.schedule)
+        .params(subject.params)
+        .progress(progress)
+        .bands()?;
     let seconds = start.elapsed().as_secs_f64();
     match method {
         Method::Harmonics => harmonics(subject, &bands, seconds, progress),
@@ -205,7 +204,7 @@ fn harmonics(
         row("gain left out above the last harmonic", None, gain(last)),
     ];
     let task = format!("smooth by the heat of width {sigma:.4} (model units)");
-    Ok(smoothing(subject, task, &bands.scaling[bands.n_levels()], theirs, rows))
+    Ok(smoothing(subject, task, bands.coarsest(), theirs, rows))
 }
 
 fn taubin(subject: &Subject<'_>, bands: &Bands, seconds: f64) -> Result<Comparison, CompareError> {
@@ -232,7 +231,7 @@ fn taubin(subject: &Subject<'_>, bands: &Bands, seconds: f64) -> Result<Comparis
         ),
     ];
     let task = format!("smooth with half the gain at the frequency {pass_band:.4} of the walk");
-    Ok(smoothing(subject, task, &bands.scaling[bands.n_levels()], theirs, rows))
+    Ok(smoothing(subject, task, bands.coarsest(), theirs, rows))
 }
 
 fn lee(
@@ -242,7 +241,7 @@ fn lee(
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     let start = Instant::now();
-    let ours = saliency(subject.walk, bands, &SaliencyParams::default())?.map;
+    let ours = saliency(subject.walk, &norms(subject, bands), &SaliencyParams::default(), progress)?.map;
     let mapped = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let theirs = lee_saliency(subject.shape, progress)?;
@@ -315,7 +314,7 @@ fn critical(
         return Err(CompareError::Channels(subject.n_channels));
     }
     let start = Instant::now();
-    let ours = features(subject.walk, bands, &FeatureParams::default())?;
+    let ours = features(subject.walk, &norms(subject, bands), &FeatureParams::default(), progress)?;
     let found = start.elapsed().as_secs_f64();
     let times: Vec<f64> = bands.sigma[2..bands.n_levels()].iter().map(|s| s * s / 4.0).collect();
     let start = Instant::now();
@@ -344,13 +343,13 @@ fn critical(
 /// `S_f(J) + Σ W_f(j)`, and how long it takes.
 fn put_together(bands: &Bands) -> (Vec<f64>, f64) {
     let start = Instant::now();
-    let mut sum = bands.scaling[bands.n_levels()].clone();
-    for wavelet in &bands.wavelet {
-        for (s, w) in sum.iter_mut().zip(wavelet) {
-            *s += w;
-        }
-    }
+    let sum = bands.reconstruct();
     (sum, start.elapsed().as_secs_f64())
+}
+
+/// The norms of the wavelets, for saliency and features.
+fn norms(subject: &Subject<'_>, bands: &Bands) -> Wavelets {
+    bands.to_wavelets(&subject.walk.geometry().vertex_map).into_norms()
 }
 
 fn channel(f: &[f64], n_channels: usize, c: usize) -> Vec<f64> {
@@ -363,12 +362,12 @@ fn interleave(channels: &[Vec<f64>]) -> Vec<f64> {
 }
 
 fn wavelets(bands: &Bands) -> Vec<Outcome> {
-    let outcome = |(k, values): (usize, &Vec<f64>)| Outcome {
+    let outcome = |(k, values): (usize, &[f64])| Outcome {
         name: format!("W{}", k + 1),
         n_channels: bands.n_channels,
-        values: values.clone(),
+        values: values.to_vec(),
     };
-    bands.wavelet.iter().enumerate().map(outcome).collect()
+    bands.wavelets().enumerate().map(outcome).collect()
 }
 
 fn sgwt(
@@ -536,7 +535,7 @@ fn multiscale(
     Ok(Comparison {
         task: "split into bands and put together".to_owned(),
         rows,
-        adwave: outcome(bands.scaling[bands.n_levels()].clone()),
+        adwave: outcome(bands.coarsest().to_vec()),
         other: outcome(vertex_map.scatter(&coarse, d)),
     })
 }
@@ -544,7 +543,7 @@ fn multiscale(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use adwave::operator::OperatorParams;
+
     use adwave::sample::Sample;
     use adwave::shape::Mesh;
 
@@ -553,7 +552,7 @@ mod tests {
         let sample = Sample::by_name("torus", Some(700)).unwrap();
         let points = sample.points.clone();
         let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap());
-        let walk = Decomposer::new(&shape, &OperatorParams::default());
+        let walk = Decomposer::new(&shape);
         let schedule = Schedule::dyadic(6).unwrap();
         let heights: Vec<f64> = points.iter().map(|p| p[2]).collect();
         let with = |method, signal: &[f64], n_channels| {

@@ -6,7 +6,6 @@ use crate::multiscale::{
 };
 use adwave::Decomposer;
 use adwave::Progress;
-use adwave::operator::OperatorParams;
 use adwave::shape::Shape;
 use std::time::Instant;
 
@@ -54,7 +53,7 @@ pub struct MeanLocality {
 /// # Errors
 /// [`MultiscaleError`] where the walk is too large or not reversible.
 pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, MultiscaleError> {
-    let decomposer = Decomposer::new(shape, &OperatorParams::default());
+    let decomposer = Decomposer::new(shape);
     let (walk, vertex_map) = (decomposer.diffusion(), &decomposer.geometry().vertex_map);
     let n = walk.n_vertices();
     let top = levels.iter().copied().max().unwrap_or(1);

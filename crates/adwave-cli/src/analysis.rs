@@ -1,23 +1,26 @@
-//! What `saliency`, `features`, `evaluate` and `report` begin with: a shape, a signal on it, a walk, and the bands.
+//! What `saliency`, `features`, `evaluate` and `report` begin with: a shape, a signal on it, its diffusion operator, and the bands.
 
 use crate::args::FieldArgs;
 use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{bands_params, check_levels, schedule_reaching};
-use crate::progress::{with_progress, with_spinner};
+use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, Signal};
 use crate::stopwatch::Stopwatch;
-use adwave::Decomposer;
-use adwave::bands::Bands;
+use adwave::bands::{Bands, BandsError, BandsParams, Schedule, Wavelets};
+use adwave::features::Response;
+use adwave::{BandsRequest, Decomposer};
 use std::time::Duration;
 
-/// A shape split into bands.
+/// A shape that is prepared for a signal.
 pub(crate) struct Analysis {
     pub(crate) input: Input,
     pub(crate) walk: Decomposer,
-    pub(crate) bands: Bands,
+    pub(crate) signal: Signal,
+    pub(crate) schedule: Schedule,
+    params: BandsParams,
     /// Why there are so many levels.
     pub(crate) why: String,
     pub(crate) seconds: Seconds,
@@ -31,12 +34,12 @@ pub(crate) struct Seconds {
 }
 
 impl Analysis {
-    /// Where no number of levels is asked for they go up to `reach` of the diagonal.
+    /// Where no number of levels is asked for they go up to `share` of the diagonal.
     pub(crate) fn new(
         shape: &ShapeArgs,
         field: &FieldArgs,
         levels: &LevelArgs,
-        reach: f64,
+        share: f64,
         global: &Global<'_>,
     ) -> Result<Self, CliError> {
         // What cannot be, before a large file is read.
@@ -44,7 +47,7 @@ impl Analysis {
         check_levels(levels)?;
         let mut watch = Stopwatch::start();
         let input = with_spinner(global, "reading", || load(shape))?;
-        Self::of(input, watch.lap(), shape, field, levels, reach, global)
+        Self::of(input, watch.lap(), shape, field, levels, share, global)
     }
 
     /// The same of a shape that was read in that many seconds.
@@ -54,32 +57,62 @@ impl Analysis {
         shape: &ShapeArgs,
         field: &FieldArgs,
         levels: &LevelArgs,
-        reach: f64,
+        share: f64,
         global: &Global<'_>,
     ) -> Result<Self, CliError> {
         let params = bands_params(levels)?;
         let mut watch = Stopwatch::start();
-        let (walk, signal) = with_spinner(global, "building the walk", || {
-            // First the signal: a name that does not exist shows before the walk is built.
-            let signal = signal::load_with_texture(&input, &field.field, field.texture.as_deref())?;
-            let walk = Decomposer::new(&input.shape, &shape.operator());
-            let walk = signal::mask(walk, &signal, &field.field, global)?;
-            Ok::<(Decomposer, Signal), CliError>((walk, signal))
+        // First the signal: a name that does not exist shows before the operator is built.
+        let signal = signal::load_with_texture(&input, &field.field, field.texture.as_deref())?;
+        let walk = prepare(global, &input.shape, &shape.operator())?;
+        let walk = signal::mask(walk, &signal, &field.field, global)?;
+        let (schedule, why) = schedule_reaching(share, levels, &walk)?;
+        let seconds = Seconds { read, walk: watch.lap(), bands: 0.0 };
+        Ok(Self { input, walk, signal, schedule, params, why, seconds })
+    }
+
+    /// Asks for something of the signal's bands, and notes how long that took.
+    fn ask<T>(
+        &mut self,
+        global: &Global<'_>,
+        what: impl FnOnce(BandsRequest<'_>) -> Result<T, BandsError>,
+    ) -> Result<T, CliError> {
+        let mut watch = Stopwatch::start();
+        let found = with_progress(global, "splitting", |progress| {
+            let request = self.walk.request(&self.signal.values, self.signal.n_channels, &self.schedule);
+            what(request.params(&self.params).progress(progress))
         })?;
-        let (schedule, why) = schedule_reaching(reach, levels, &walk)?;
-        let built = watch.lap();
-        let bands = with_progress(global, "splitting", |progress| {
-            walk.decompose(&signal.values, signal.n_channels, &schedule, &params, progress)
-        })?;
-        let seconds = Seconds { read, walk: built, bands: watch.lap() };
-        Ok(Self { input, walk, bands, why, seconds })
+        self.seconds.bands = watch.lap();
+        Ok(found)
+    }
+
+    /// All bands.
+    pub(crate) fn bands(&mut self, global: &Global<'_>) -> Result<Bands, CliError> {
+        self.ask(global, |request| request.bands())
+    }
+
+    /// The wavelet coefficients for saliency and features: their norms unless every channel counts by itself.
+    pub(crate) fn wavelets(
+        &mut self,
+        global: &Global<'_>,
+        response: Option<Response>,
+    ) -> Result<Wavelets, CliError> {
+        match response {
+            Some(Response::Channels) => self.ask(global, |request| request.wavelets()),
+            _ => self.ask(global, |request| request.norms()),
+        }
+    }
+
+    /// Widths σ_j of the levels 0 … J in model units.
+    pub(crate) fn sigma(&self) -> Vec<f64> {
+        self.schedule.sigma(self.walk.diffusion().step_length())
     }
 
     /// `NAME: N vertices, coords` and why so many levels.
     pub(crate) fn headline(&self, field: &str) -> String {
-        let n = self.bands.n_vertices;
+        let n = self.walk.n_vertices();
         let masked = self.walk.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
-        let masked = if masked > 0 { format!(", {masked} of them left out") } else { String::new() };
+        let masked = if masked > 0 { format!(", {masked} of them masked") } else { String::new() };
         format!("{}: {n} vertices{masked}, {field}\n{}\n", self.input.name, self.why)
     }
 

@@ -1,5 +1,6 @@
 //! What can go wrong, and the exit code that says so.
 
+use adwave::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
 /// A failed run. Its text is one line.
@@ -30,6 +31,15 @@ impl CliError {
         }
     }
 
+    /// An error of one of the libraries, by its kind.
+    pub(crate) fn classified(error: impl ClassifiedError) -> Self {
+        match error.kind() {
+            ErrorKind::Cancelled => Self::Cancelled,
+            ErrorKind::Machine => Self::Environment(error.to_string()),
+            ErrorKind::Input | ErrorKind::Memory => Self::Input(error.to_string()),
+        }
+    }
+
     /// Bad input described by an error of one of the libraries.
     pub(crate) fn input(error: impl std::fmt::Display) -> Self {
         Self::Input(error.to_string())
@@ -42,6 +52,12 @@ impl From<adwave::bands::BandsError> for CliError {
             adwave::bands::BandsError::Cancelled(_) => Self::Cancelled,
             other => Self::input(other),
         }
+    }
+}
+
+impl From<adwave_io::ShapeFileError> for CliError {
+    fn from(error: adwave_io::ShapeFileError) -> Self {
+        Self::input(error)
     }
 }
 

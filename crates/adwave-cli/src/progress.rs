@@ -1,7 +1,10 @@
 //! A progress bar, on a terminal only.
 
+use crate::error::CliError;
 use crate::global::Global;
-use adwave::Progress;
+use adwave::operator::OperatorParams;
+use adwave::shape::Shape;
+use adwave::{Decomposer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -25,6 +28,16 @@ pub(crate) fn with_spinner<T>(global: &Global<'_>, what: &str, work: impl FnOnce
     let result = work();
     bar.finish_and_clear();
     result
+}
+
+/// Prepares a shape.
+pub(crate) fn prepare(
+    global: &Global<'_>,
+    shape: &Shape,
+    params: &OperatorParams,
+) -> Result<Decomposer, CliError> {
+    with_progress(global, "preparing", |progress| Decomposer::with_params(shape, params, progress))
+        .map_err(|_| CliError::Cancelled)
 }
 
 /// A bar that is drawn on a terminal only.

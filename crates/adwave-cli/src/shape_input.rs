@@ -3,8 +3,8 @@
 use crate::args::{Kind, ShapeArgs};
 use crate::error::CliError;
 use adwave::sample::{NoiseSigma, Sample};
-use adwave::shape::{Graph, Mesh, PointCloud, Shape};
-use adwave_io::{Direction, ReadLimits, ShapeFile, read_bytes, read_path};
+use adwave::shape::Shape;
+use adwave_io::{ReadLimits, ShapeFile, ShapeKind, read_bytes, read_path};
 use std::io::Read;
 use std::path::Path;
 
@@ -56,7 +56,13 @@ pub(crate) fn load_source(source: &Source<'_>) -> Result<Input, CliError> {
         }
         read(source.shape)?
     };
-    let shape = to_shape(&file, source.kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    let kind = match source.kind {
+        None => file.kind(),
+        Some(Kind::Mesh) => ShapeKind::Mesh,
+        Some(Kind::Cloud) => ShapeKind::Cloud,
+        Some(Kind::Graph) => ShapeKind::Graph,
+    };
+    let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
     Ok(Input { file, shape, name })
 }
 
@@ -90,49 +96,4 @@ fn read(source: &str) -> Result<ShapeFile, CliError> {
         let text = error.to_string();
         CliError::Input(if text.contains(source) { text } else { format!("{source}: {text}") })
     })
-}
-
-/// The shape that a file holds: a mesh where it has faces, a cloud where it has points, else a graph.
-fn to_shape(file: &ShapeFile, kind: Option<Kind>) -> Result<Shape, Box<dyn std::error::Error>> {
-    let kind = kind.unwrap_or(if !file.faces().is_empty() {
-        Kind::Mesh
-    } else if !file.points().is_empty() || file.edges().pairs.is_empty() {
-        Kind::Cloud
-    } else {
-        Kind::Graph
-    });
-    Ok(match kind {
-        Kind::Mesh if file.faces().is_empty() => return Err("there are no faces to take it as a mesh".into()),
-        Kind::Mesh => Shape::Mesh(Mesh::new(file.points().to_vec(), file.faces().clone())?),
-        Kind::Cloud => Shape::Cloud(PointCloud::new(file.points().to_vec())?),
-        Kind::Graph if file.edges().pairs.is_empty() => {
-            let edges: Vec<_> = edges_of_faces(file).into_iter().map(|[a, b]| (a, b, 1.0)).collect();
-            if edges.is_empty() {
-                return Err("there are no edges to take it as a graph".into());
-            }
-            Shape::Graph(Graph::new(file.n_vertices(), &edges)?)
-        }
-        Kind::Graph => {
-            let edges = file.edges();
-            // A matrix that lists both directions has every edge twice; half of each makes the edge.
-            let part = if edges.direction == Direction::RowToColumn { 0.5 } else { 1.0 };
-            let weight = |k: usize| part * edges.weights.get(k).copied().unwrap_or(1.0);
-            let list: Vec<_> = edges.pairs.iter().enumerate().map(|(k, &[a, b])| (a, b, weight(k))).collect();
-            Shape::Graph(Graph::new(file.n_vertices(), &list)?)
-        }
-    })
-}
-
-/// The distinct undirected edges of the faces.
-fn edges_of_faces(file: &ShapeFile) -> Vec<[u32; 2]> {
-    let mut edges: Vec<[u32; 2]> = file
-        .faces()
-        .iter()
-        .flat_map(|face| (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]))
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .filter(|[a, b]| a != b)
-        .collect();
-    edges.sort_unstable();
-    edges.dedup();
-    edges
 }

@@ -37,7 +37,12 @@ fn eight_levels_of_every_model_and_scan_rebuild_it() {
         let graphs =
             if is_mesh { vec![CloudGraph::Union] } else { vec![CloudGraph::Union, CloudGraph::Directed] };
         for graph in graphs {
-            let decomposer = Decomposer::new(&shape, &OperatorParams::default().with_cloud_graph(graph));
+            let decomposer = Decomposer::with_params(
+                &shape,
+                &OperatorParams::default().with_cloud_graph(graph),
+                Progress::none(),
+            )
+            .expect("nobody can stop this");
             let walk = decomposer.diffusion();
             for x in 0..walk.n_vertices() {
                 let sum = walk.diagonal(x) + walk.row(x).1.iter().sum::<f64>();
@@ -45,14 +50,15 @@ fn eight_levels_of_every_model_and_scan_rebuild_it() {
             }
             let split = |signal: &[f64], n_channels: usize| {
                 let params = BandsParams::default();
-                decomposer.decompose(signal, n_channels, &schedule, &params, Progress::none()).unwrap()
+                decomposer.request(signal, n_channels, &schedule).params(&params).bands().unwrap()
             };
             let coords = shape.points().unwrap().as_flattened();
             let rebuilt = split(coords, 3).reconstruct();
             let error = rebuilt.iter().zip(coords).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(error <= RECONSTRUCTION * shape.diagonal(), "{name}: rebuilt with an error of {error}");
             let constant = vec![0.7; shape.n_vertices()];
-            let level = &split(&constant, 1).scaling[8];
+            let bands = split(&constant, 1);
+            let level = bands.coarsest();
             let moved = level.iter().map(|v| (v - 0.7).abs()).fold(0.0, f64::max);
             assert!(moved <= CONSTANT, "{name}: a constant moved by {moved}");
         }

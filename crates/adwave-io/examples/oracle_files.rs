@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use adwave::shape::Polygons;
 use adwave_io::{
-    ArrayValues, CompressedRows, Compression, Edges, Field, FieldValues, MatrixValues, ShapeFile, WriteError,
+    ArrayValues, Compression, Edges, Field, FieldValues, MatrixValues, ShapeFile, SparseRows, WriteError,
     write_matrix_market, write_npy, write_npz, write_path, write_sparse_npz,
 };
 
@@ -14,23 +14,26 @@ fn main() -> Result<(), WriteError> {
     let points = vec![[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [1.0, 1.0, 0.3], [0.0, 1.0, 0.4], [0.5, 2.0, 0.5]];
     let faces: Polygons = [&[0_u32, 1, 2, 3][..], &[3, 2, 4]].into_iter().collect();
     let mut mesh = ShapeFile::from_mesh(points.clone(), faces);
-    mesh.add_vertex_field(Field::new("quality", 1, FieldValues::F32(vec![0.0, 0.1, 0.2, 0.3, 0.4])));
-    mesh.add_vertex_field(Field::new("flow", 3, FieldValues::F64((0..15).map(f64::from).collect())));
-    mesh.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..15).collect())));
-    mesh.add_vertex_field(Field::new("label", 1, FieldValues::I64(vec![-1, 0, 1, 2, 3])));
-    mesh.add_face_field(Field::new("part", 1, FieldValues::U16(vec![7, 9])));
+    mesh.add_vertex_field(Field::new("quality", 1, FieldValues::F32(vec![0.0, 0.1, 0.2, 0.3, 0.4])))
+        .expect("one row each");
+    mesh.add_vertex_field(Field::new("flow", 3, FieldValues::F64((0..15).map(f64::from).collect())))
+        .expect("one row each");
+    mesh.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..15).collect()))).expect("one row each");
+    mesh.add_vertex_field(Field::new("label", 1, FieldValues::I64(vec![-1, 0, 1, 2, 3])))
+        .expect("one row each");
+    mesh.add_face_field(Field::new("part", 1, FieldValues::U16(vec![7, 9]))).expect("one row each");
     for name in ["mesh.vtp", "mesh.ply", "mesh.obj", "mesh.off", "mesh.stl"] {
         write_path(&mesh, &folder.join(name), None)?;
     }
     write_path(&mesh, &folder.join("ascii.ply"), Some(adwave_io::Format::PlyAscii))?;
     write_path(&ShapeFile::from_cloud(points.clone()), &folder.join("cloud.vtp"), None)?;
     let mut wire = ShapeFile::from_graph(5, Edges { pairs: vec![[0, 1], [1, 4]], ..Edges::default() });
-    wire.set_points(points);
+    wire.set_points(points).expect("one row each");
     write_path(&wire, &folder.join("wire.vtp"), None)?;
     // More than one block of the compression.
     let n = 300_000;
     let mut large = ShapeFile::from_cloud((0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect());
-    large.add_vertex_field(Field::new("i", 1, FieldValues::I32((0..n).collect())));
+    large.add_vertex_field(Field::new("i", 1, FieldValues::I32((0..n).collect()))).expect("one row each");
     write_path(&large, &folder.join("large.vtp"), None)?;
 
     write_npy(&folder.join("a.npy"), &[2, 3], ArrayValues::F64(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]))?;
@@ -45,7 +48,7 @@ fn main() -> Result<(), WriteError> {
         write_npz(&folder.join(name), &arrays, compression)?;
     }
     // [[0, 1.5, 0], [2, 0, -3]]
-    let matrix = CompressedRows {
+    let matrix = SparseRows {
         n_columns: 3,
         offsets: &[0, 1, 3],
         indices: &[1, 0, 2],

@@ -4,7 +4,10 @@ use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, mpsc};
+use std::time::Duration;
+
+use adwave::Progress;
 
 use crate::WriteError;
 
@@ -34,6 +37,35 @@ impl Drop for Listed {
     }
 }
 
+/// Larger files are flushed by a thread of their own, so that the wait can be ended: no system call does that.
+const WAITED_FOR: u64 = 1 << 23;
+/// Time between two questions whether to stop.
+const PATIENCE: Duration = Duration::from_millis(10);
+
+/// Flushes the file to the disk and closes it.
+fn flush_to_disk(file: File, progress: Progress<'_>) -> Result<(), WriteError> {
+    progress.check()?;
+    if file.metadata()?.len() < WAITED_FOR {
+        return Ok(file.sync_all()?);
+    }
+    let (sender, receiver) = mpsc::channel();
+    std::thread::Builder::new().spawn(move || {
+        let flushed = file.sync_all();
+        drop(file);
+        // Whoever waited may have been told to stop.
+        let _ = sender.send(flushed);
+    })?;
+    loop {
+        match receiver.recv_timeout(PATIENCE) {
+            Ok(flushed) => return Ok(flushed?),
+            Err(mpsc::RecvTimeoutError::Timeout) => progress.check()?,
+            Err(mpsc::RecvTimeoutError::Disconnected) => {
+                return Err(io::Error::other("the thread that flushes the file ended early").into());
+            }
+        }
+    }
+}
+
 /// Writes a file as a whole: into a temporary file in the same folder, flushed to the disk and renamed. An existing
 /// file keeps its permissions, and a symbolic link its target; what is no regular file (a pipe, `/dev/null`) is
 /// written directly. On an error the old file is as it was and no temporary file is left.
@@ -51,11 +83,24 @@ pub fn atomic_write<T>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
 ) -> Result<T, WriteError> {
-    replace(path, write).map_err(|e| e.in_file(path))
+    atomic_write_with(path, Progress::none(), write)
+}
+
+/// [`atomic_write`] that can also be stopped while the file is flushed to the disk; `write` asks for itself.
+///
+/// # Errors
+/// As [`atomic_write`], and [`WriteError::Cancelled`]; the old file is as it was then too.
+pub fn atomic_write_with<T>(
+    path: &Path,
+    progress: Progress<'_>,
+    write: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
+) -> Result<T, WriteError> {
+    replace(path, progress, write).map_err(|e| e.in_file(path))
 }
 
 fn replace<T>(
     path: &Path,
+    progress: Progress<'_>,
     write: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
 ) -> Result<T, WriteError> {
     // The link stays, its target is replaced; a link to nothing makes the target.
@@ -93,8 +138,7 @@ fn replace<T>(
     if let Some(old) = old {
         file.set_permissions(old.permissions())?;
     }
-    file.sync_all()?;
-    drop(file);
+    flush_to_disk(file, progress)?;
     temporary.persist(&target).map_err(|e| e.error)?;
     drop(listed);
     Ok(result)

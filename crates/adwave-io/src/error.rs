@@ -2,6 +2,8 @@
 
 use std::io;
 
+use adwave::{Cancelled, ClassifiedError, ErrorKind};
+
 /// Why bytes are not read as a shape.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
@@ -81,6 +83,36 @@ pub enum ReadError {
     /// Something else about the file as a whole.
     #[error("{0}")]
     Whole(String),
+    /// Reading was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl ClassifiedError for ReadError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::InFile { source, .. } => source.kind(),
+            Self::Io(error) => kind_of_io(error),
+            Self::Limit { .. } => ErrorKind::Memory,
+            Self::Cancelled(error) => error.kind(),
+            Self::Empty
+            | Self::UnknownFormat { .. }
+            | Self::Line { .. }
+            | Self::Byte { .. }
+            | Self::Truncated { .. }
+            | Self::FaceIndex { .. }
+            | Self::Whole(_) => ErrorKind::Input,
+        }
+    }
+}
+
+/// Content that is no text is the caller's to mend; all else of the system is the machine's.
+pub(crate) fn kind_of_io(error: &io::Error) -> ErrorKind {
+    match error.kind() {
+        io::ErrorKind::InvalidData => ErrorKind::Input,
+        io::ErrorKind::OutOfMemory => ErrorKind::Memory,
+        _ => ErrorKind::Machine,
+    }
 }
 
 impl ReadError {
@@ -114,7 +146,10 @@ pub enum WriteError {
     },
     /// Writing failed; an older file of that name is as it was.
     #[error("cannot be written ({0}); an older file of that name is unchanged")]
-    Io(#[from] io::Error),
+    Io(#[source] io::Error),
+    /// Writing was told to stop; an older file of that name is as it was.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The folder is not there.
     #[error("the folder {folder} does not exist; make it first")]
     NoFolder {
@@ -153,10 +188,62 @@ pub enum WriteError {
     },
 }
 
+impl From<io::Error> for WriteError {
+    /// An error of the system, or the request to stop that came through a [`std::io::Write`].
+    fn from(error: io::Error) -> Self {
+        let is_cancelled = error.get_ref().is_some_and(|inner| inner.is::<Cancelled>());
+        if is_cancelled { Self::Cancelled(Cancelled) } else { Self::Io(error) }
+    }
+}
+
+impl ClassifiedError for WriteError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::InFile { source, .. } => source.kind(),
+            Self::Io(error) => kind_of_io(error),
+            Self::Cancelled(error) => error.kind(),
+            Self::NoFolder { .. } => ErrorKind::Machine,
+            Self::UnknownFormat
+            | Self::NotWritable { .. }
+            | Self::CannotHold { .. }
+            | Self::ArrayShape { .. } => ErrorKind::Input,
+        }
+    }
+}
+
 impl WriteError {
     /// The same error with the file's name before it.
     #[must_use]
     pub fn in_file(self, path: &std::path::Path) -> Self {
         Self::InFile { path: path.display().to_string(), source: Box::new(self) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn kinds_say_who_can_do_something() {
+        let missing = || io::Error::from(io::ErrorKind::NotFound);
+        let limit = ReadError::Limit { what: "vertices", found: 2, limit: 1 };
+        let path = Path::new("a.ply");
+        for (error, kind) in [
+            (ReadError::Empty, ErrorKind::Input),
+            (ReadError::Whole("x".into()).in_file(path), ErrorKind::Input),
+            (limit.in_file(path), ErrorKind::Memory),
+            (ReadError::Io(missing()).in_file(path), ErrorKind::Machine),
+            (ReadError::Cancelled(Cancelled).in_file(path).in_file(path), ErrorKind::Cancelled),
+        ] {
+            assert_eq!(error.kind(), kind, "{error}");
+        }
+        for (error, kind) in [
+            (WriteError::UnknownFormat.in_file(path), ErrorKind::Input),
+            (WriteError::from(missing()), ErrorKind::Machine),
+            (WriteError::from(io::Error::other(Cancelled)).in_file(path), ErrorKind::Cancelled),
+        ] {
+            assert_eq!(error.kind(), kind, "{error}");
+        }
     }
 }

@@ -1,5 +1,9 @@
 //! Named values at the vertices or faces of a shape, in the number type of the file they came from.
 
+use adwave::{Cancelled, Progress};
+
+use crate::progress::at_row;
+
 /// Numbers of one type.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // the names are the types
@@ -33,6 +37,8 @@ macro_rules! with_values {
         }
     };
 }
+
+pub(crate) use with_values;
 
 /// The type of one number in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -194,10 +200,10 @@ impl FieldValues {
     }
 
     /// Numbers of several lists of one type, interleaved: first of each list, second of each list, and so on.
-    pub(crate) fn interleave(channels: &[&Self]) -> Option<Self> {
-        let first = channels.first()?;
+    pub(crate) fn interleave(channels: &[&Self], progress: Progress<'_>) -> Result<Option<Self>, Cancelled> {
+        let Some(first) = channels.first() else { return Ok(None) };
         if channels.iter().any(|c| c.len() != first.len() || c.value_type() != first.value_type()) {
-            return None;
+            return Ok(None);
         }
         macro_rules! interleave {
             ($variant:ident) => {{
@@ -207,12 +213,13 @@ impl FieldValues {
                     .collect();
                 let mut all = Vec::with_capacity(first.len() * lists.len());
                 for i in 0..first.len() {
+                    at_row(progress, i as u64, first.len() as u64)?;
                     all.extend(lists.iter().map(|list| list[i]));
                 }
                 Self::$variant(all)
             }};
         }
-        Some(match first {
+        Ok(Some(match first {
             Self::U8(_) => interleave!(U8),
             Self::I8(_) => interleave!(I8),
             Self::U16(_) => interleave!(U16),
@@ -223,12 +230,12 @@ impl FieldValues {
             Self::I64(_) => interleave!(I64),
             Self::F32(_) => interleave!(F32),
             Self::F64(_) => interleave!(F64),
-        })
+        }))
     }
 }
 
 /// A number that has a fixed count of bytes.
-pub(crate) trait Number: Copy {
+pub(crate) trait Number: Copy + Send {
     fn from_f64(x: f64) -> Self;
     fn from_bytes(bytes: &[u8], order: ByteOrder) -> Self;
     fn write_bytes(self, order: ByteOrder, out: &mut Vec<u8>);
@@ -295,6 +302,23 @@ impl Field {
         Self { name: name.into(), n_channels, values }
     }
 
+    /// [`new`](Self::new) for values whose number is not known to be right.
+    ///
+    /// # Errors
+    /// [`ShapeFileError::FieldValues`](crate::ShapeFileError::FieldValues) when `n_channels` is 0 or does not divide the
+    /// number of values.
+    pub fn try_new(
+        name: impl Into<String>,
+        n_channels: usize,
+        values: FieldValues,
+    ) -> Result<Self, crate::ShapeFileError> {
+        let (name, found) = (name.into(), values.len());
+        if n_channels == 0 || !found.is_multiple_of(n_channels) {
+            return Err(crate::ShapeFileError::FieldValues { name, found, n_channels });
+        }
+        Ok(Self { name, n_channels, values })
+    }
+
     /// The same field with other numbers, in its own type: whole-number types round and keep to their range.
     ///
     /// ```
@@ -317,7 +341,7 @@ impl Field {
 
     /// Number of vertices (or faces).
     pub fn len(&self) -> usize {
-        self.values.len() / self.n_channels
+        self.values.len().checked_div(self.n_channels).unwrap_or(0)
     }
 
     /// Whether it has no vertex.

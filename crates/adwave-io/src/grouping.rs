@@ -1,5 +1,7 @@
 //! Columns of a file as fields and back: `nx ny nz` is the field `normal` of three channels.
 
+use adwave::{Cancelled, Progress};
+
 use crate::{Field, FieldValues};
 
 /// The columns that make one field of a known name.
@@ -20,8 +22,11 @@ const KNOWN: &[(&str, &[&str])] = &[
 /// The field's name and the positions of the columns that it is made of.
 pub(crate) type FieldColumns = (String, Vec<usize>);
 
-/// Fields from columns of one number a vertex, and which columns each is made of.
-pub(crate) fn group(columns: Vec<(String, FieldValues)>) -> (Vec<Field>, Vec<FieldColumns>) {
+/// Fields from columns of one number per vertex, and which columns each is made of.
+pub(crate) fn group(
+    columns: Vec<(String, FieldValues)>,
+    progress: Progress<'_>,
+) -> Result<(Vec<Field>, Vec<FieldColumns>), Cancelled> {
     let mut fields: Vec<Field> = Vec::new();
     let mut members = Vec::new();
     let mut used = vec![false; columns.len()];
@@ -39,14 +44,14 @@ pub(crate) fn group(columns: Vec<(String, FieldValues)>) -> (Vec<Field>, Vec<Fie
         let lists: Vec<FieldValues> = positions.iter().filter_map(|&p| columns[p].1.take()).collect();
         let values = match <[FieldValues; 1]>::try_from(lists) {
             Ok([single]) => Some(single),
-            Err(lists) => FieldValues::interleave(&lists.iter().collect::<Vec<_>>()),
+            Err(lists) => FieldValues::interleave(&lists.iter().collect::<Vec<_>>(), progress)?,
         };
         let Some(values) = values else { continue };
         let name = unique(&fields, name);
         members.push((name.clone(), positions.clone()));
         fields.push(Field { name, n_channels: positions.len(), values });
     }
-    (fields, members)
+    Ok((fields, members))
 }
 
 type Columns = [(String, Option<FieldValues>)];
@@ -94,7 +99,7 @@ fn unique(fields: &[Field], name: String) -> String {
     (2..=fields.len() + 2).map(|n| format!("{name}_{n}")).find(|name| !taken(name)).unwrap_or(name)
 }
 
-/// The column names that a field is written with, one a channel; the inverse of [`group`].
+/// The column names that a field is written with, one per channel; the inverse of [`group`].
 pub(crate) fn column_names(field: &Field) -> Vec<String> {
     let own = |names: &[&str]| names.iter().map(ToString::to_string).collect();
     match (field.name.as_str(), field.n_channels) {
@@ -129,7 +134,7 @@ mod tests {
                 .enumerate()
                 .map(|(c, name)| (name, FieldValues::F32(vec![c as f32, (n + c) as f32])))
                 .collect();
-            let (fields, members) = group(columns);
+            let (fields, members) = group(columns, Progress::none()).unwrap();
             assert_eq!(fields, [field]);
             assert_eq!(members[0].1, (0..n).collect::<Vec<_>>());
         }
@@ -138,7 +143,7 @@ mod tests {
     #[test]
     fn a_name_that_comes_twice_is_kept_twice() {
         let column = |x| ("q".to_string(), FieldValues::U8(vec![x]));
-        let (fields, _) = group(vec![column(1), column(2)]);
+        let (fields, _) = group(vec![column(1), column(2)], Progress::none()).unwrap();
         assert_eq!((fields[0].name.as_str(), fields[1].name.as_str()), ("q", "q_2"));
     }
 }

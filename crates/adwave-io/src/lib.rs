@@ -19,6 +19,23 @@
 //! | NPY, NPZ (as arrays) | NPY | yes | – |
 //!
 //! All may be compressed by gzip.
+//!
+//! # Map
+//!
+//! | where | what |
+//! |---|---|
+//! | `read`, `write` | a path or bytes, the format found or chosen |
+//! | `sniff`, `format`, `limits`, `error` | which format, its names, how much a file may ask for, what went wrong |
+//! | `shape_file`, `shape` | what was read, and the shape that it is |
+//! | `field`, `grouping` | values per vertex or face; columns as fields and back |
+//! | `original` | the bytes of a text that is written again with other coordinates |
+//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
+//! | `npy`, `csv` | arrays and tables as fields, and written |
+//! | `texture` | colours of pictures at vertices |
+//! | `recipe` | edits as TOML |
+//! | `atomic` | files replaced as a whole |
+//! | `progress` | how far reading and writing are, and whether to stop |
+//! | `text`, `lines` | numbers, words and lines of text formats |
 
 // Headers are a few lines of text; `write!` into a string would bring an error that cannot happen.
 #![allow(clippy::format_push_string, clippy::format_collect)]
@@ -26,62 +43,49 @@
 #![allow(clippy::cast_possible_wrap)]
 
 mod atomic;
-mod columns_meaning;
-mod columns_read;
-mod columns_write;
-mod csv_fields;
+mod columns;
+mod csv;
 mod error;
 mod field;
 mod format;
-mod gifti_read;
+mod gifti;
 mod grouping;
-mod las_fields;
-mod las_read;
-mod laz_check;
+mod las;
 mod limits;
 mod lines;
-mod lzf;
-mod mtx_read;
-mod mtx_write;
-mod npy_read;
-mod npz_write;
-mod obj_attributes;
-mod obj_line;
-mod obj_read;
-mod obj_write;
-mod off_read;
-mod off_write;
+mod mtx;
+mod npy;
+mod obj;
+mod off;
 mod original;
-mod pcd_read;
-mod pcd_write;
-mod ply_body;
-mod ply_header;
-mod ply_read;
-mod ply_update;
-mod ply_write;
+mod pcd;
+mod ply;
+mod progress;
 mod read;
 mod recipe;
+mod shape;
 mod shape_file;
 mod sniff;
-mod stl_read;
-mod stl_write;
+mod stl;
 mod text;
 mod texture;
-mod vtp_write;
+mod vtp;
 mod write;
 
-pub use atomic::{atomic_write, remove_temporaries};
-pub use csv_fields::{parse_csv_fields, read_csv_fields};
+pub use atomic::{atomic_write, atomic_write_with, remove_temporaries};
+pub use csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
+pub use csv::write::{csv_number, push_csv_row};
 pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;
-pub use gifti_read::read_gifti_fields;
+pub use gifti::read::{read_gifti_fields, read_gifti_fields_with};
 pub use limits::ReadLimits;
-pub use mtx_write::{CompressedRows, MatrixValues, write_matrix_market};
-pub use npy_read::{NpyArray, read_npy, read_npy_bytes};
-pub use npz_write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
-pub use read::{read_bytes, read_path};
+pub use mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};
+pub use npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
+pub use npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
+pub use read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
-pub use shape_file::{Direction, Edges, Precision, ShapeFile};
+pub use shape::{ShapeFileError, ShapeKind};
+pub use shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
 pub use texture::{TextureError, texture_colors};
-pub use write::{WriteReport, write_bytes, write_path};
+pub use write::{WriteReport, write_bytes, write_bytes_with, write_path, write_path_with};

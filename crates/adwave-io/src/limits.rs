@@ -2,7 +2,10 @@
 
 use std::io::Read;
 
+use adwave::Progress;
+
 use crate::ReadError;
+use crate::progress::BYTES_PER_STEP;
 
 /// Bounds on what is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +43,11 @@ impl ReadLimits {
 }
 
 /// The bytes as they are, or what the gzip members in them hold.
-pub(crate) fn decompress(bytes: Vec<u8>, limits: &ReadLimits) -> Result<Vec<u8>, ReadError> {
+pub(crate) fn decompress(
+    bytes: Vec<u8>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Vec<u8>, ReadError> {
     limits.check_bytes(bytes.len() as u64)?;
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(bytes);
@@ -48,10 +55,18 @@ pub(crate) fn decompress(bytes: Vec<u8>, limits: &ReadLimits) -> Result<Vec<u8>,
     let mut plain = Vec::new();
     let mut reader =
         flate2::read::MultiGzDecoder::new(bytes.as_slice()).take(limits.max_bytes.saturating_add(1));
-    if let Err(error) = reader.read_to_end(&mut plain) {
-        let n = plain.len();
-        let message = format!("the gzip stream breaks after {n} plain bytes ({error}); get the whole file");
-        return Err(ReadError::at_byte(bytes.len(), message));
+    loop {
+        progress.check()?;
+        let before = plain.len();
+        if let Err(error) = reader.by_ref().take(BYTES_PER_STEP as u64).read_to_end(&mut plain) {
+            let n = plain.len();
+            let message =
+                format!("the gzip stream breaks after {n} plain bytes ({error}); get the whole file");
+            return Err(ReadError::at_byte(bytes.len(), message));
+        }
+        if plain.len() == before {
+            break;
+        }
     }
     limits.check_bytes(plain.len() as u64)?;
     Ok(plain)
@@ -70,8 +85,8 @@ mod tests {
         }
         let bomb = gz.finish().unwrap();
         let limits = ReadLimits { max_bytes: 1 << 20, ..ReadLimits::default() };
-        assert!(matches!(decompress(bomb.clone(), &limits), Err(ReadError::Limit { .. })));
-        assert_eq!(decompress(bomb, &ReadLimits::default()).unwrap().len(), 64 << 16);
+        assert!(matches!(decompress(bomb.clone(), &limits, Progress::none()), Err(ReadError::Limit { .. })));
+        assert_eq!(decompress(bomb, &ReadLimits::default(), Progress::none()).unwrap().len(), 64 << 16);
     }
 
     #[test]
@@ -80,7 +95,10 @@ mod tests {
         gz.write_all(b"OFF\n0 0 0\n").unwrap();
         let whole = gz.finish().unwrap();
         for end in 2..whole.len() {
-            assert!(decompress(whole[..end].to_vec(), &ReadLimits::default()).is_err(), "{end}");
+            assert!(
+                decompress(whole[..end].to_vec(), &ReadLimits::default(), Progress::none()).is_err(),
+                "{end}"
+            );
         }
     }
 }

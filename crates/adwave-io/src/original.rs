@@ -1,21 +1,23 @@
 //! The bytes of the file that a shape came from, kept so that it can be written again with nothing lost: only the
 //! coordinates that changed are replaced, everything else is copied.
 
-use crate::ply_header::PlyOriginal;
+use crate::ply::header::PlyOriginal;
+use crate::progress::at_row;
 use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
-use crate::{Precision, ShapeFile};
+use crate::{Precision, ShapeFile, WriteError};
+use adwave::Progress;
 
 /// What is kept of the original, by format.
 #[derive(Debug)]
 pub(crate) enum Original {
-    /// A text with one row a vertex.
+    /// A text with one row per vertex.
     Rows(TextRows),
     /// A PLY, text or binary.
     Ply(PlyOriginal),
     /// The header line or 80 bytes of an STL.
     StlHeader(Vec<u8>),
     /// The `VIEWPOINT` line and the width and height of a PCD.
-    Pcd(crate::pcd_read::PcdOriginal),
+    Pcd(crate::pcd::read::PcdOriginal),
 }
 
 /// What separates the values of a row.
@@ -46,7 +48,7 @@ pub(crate) type Append<'a> = dyn Fn(usize, &mut Vec<u8>) + 'a;
 /// How the rows differ from the original beside the coordinates.
 #[derive(Default)]
 pub(crate) struct RowEdit<'a> {
-    /// Positions in the row that are left out.
+    /// Positions in the row that are dropped.
     pub(crate) dropped: &'a [usize],
     /// Writes what is added at the end of row `i`, with the separators before each value.
     pub(crate) append: Option<&'a Append<'a>>,
@@ -75,8 +77,9 @@ impl TextRows {
         shape: &ShapeFile,
         edit: &RowEdit<'_>,
         out: &mut dyn std::io::Write,
-    ) -> std::io::Result<()> {
-        self.write_range((0, self.bytes.len()), shape, edit, out)
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
+        self.write_range((0, self.bytes.len()), shape, edit, out, progress)
     }
 
     /// Writes bytes `from..to` of the original with the rows in it changed.
@@ -86,11 +89,13 @@ impl TextRows {
         shape: &ShapeFile,
         edit: &RowEdit<'_>,
         out: &mut dyn std::io::Write,
-    ) -> std::io::Result<()> {
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
         const FLUSH: usize = 1 << 18;
         let mut buffer = Vec::with_capacity(FLUSH + 1024);
         let mut copied = from;
         for (i, &row) in self.rows.iter().enumerate() {
+            at_row(progress, i as u64, self.rows.len() as u64)?;
             let row = row as usize;
             self.copy(copied, row, &mut buffer, out)?;
             copied = self.write_row(row, i, shape, edit, &mut buffer);
@@ -100,10 +105,10 @@ impl TextRows {
             }
         }
         self.copy(copied, to, &mut buffer, out)?;
-        out.write_all(&buffer)
+        Ok(out.write_all(&buffer)?)
     }
 
-    /// Copies original bytes: small pieces by way of the buffer, large ones directly.
+    /// Copies original bytes: few by way of the buffer, many directly.
     fn copy(
         &self,
         from: usize,
@@ -111,13 +116,13 @@ impl TextRows {
         buffer: &mut Vec<u8>,
         out: &mut dyn std::io::Write,
     ) -> std::io::Result<()> {
-        let piece = &self.bytes[from..to.max(from)];
-        if piece.len() > 1 << 16 {
+        let part = &self.bytes[from..to.max(from)];
+        if part.len() > 1 << 16 {
             out.write_all(buffer)?;
             buffer.clear();
-            out.write_all(piece)
+            out.write_all(part)
         } else {
-            buffer.extend_from_slice(piece);
+            buffer.extend_from_slice(part);
             Ok(())
         }
     }

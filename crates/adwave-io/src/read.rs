@@ -1,10 +1,14 @@
 //! Reading a shape from a file or from bytes.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
+use adwave::{Cancelled, Progress};
+use rayon::prelude::*;
+
 use crate::limits::decompress;
+use crate::progress::BYTES_PER_STEP;
 use crate::sniff::sniff;
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
@@ -15,23 +19,87 @@ use crate::{Format, ReadError, ReadLimits, ShapeFile};
 /// One line that begins with the file's name: the file cannot be read, its format is unknown, it is malformed (with
 /// line or byte), or it is larger than the limits.
 pub fn read_path(path: &Path, limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
-    read_file(path, limits)
-        .and_then(|bytes| read_bytes(bytes, path.to_str(), limits))
+    read_path_with(path, limits, Progress::none())
+}
+
+/// [`read_path`] that says how far it is and can be stopped: bytes while the file is read, then rows while it is parsed.
+///
+/// # Errors
+/// As [`read_path`], and [`ReadError::Cancelled`] soon after it is told to stop.
+pub fn read_path_with(
+    path: &Path,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    read_file(path, limits, progress)
+        .and_then(|bytes| read_bytes_with(bytes, path.to_str(), limits, progress))
         .map_err(|e| e.in_file(path))
 }
 
 /// The bytes of a file, no more than the limit. A pipe is read to its end.
-pub(crate) fn read_file(path: &Path, limits: &ReadLimits) -> Result<Vec<u8>, ReadError> {
-    let file = File::open(path)?;
+pub(crate) fn read_file(
+    path: &Path,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Vec<u8>, ReadError> {
+    let mut file = File::open(path)?;
     let metadata = file.metadata()?;
     if metadata.is_dir() {
         return Err(ReadError::Whole("is a folder; give a file".into()));
     }
     limits.check_bytes(metadata.len())?;
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
-    file.take(limits.max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    let total = metadata.len();
+    let mut bytes = read_at_once(&file, if metadata.is_file() { total } else { 0 }, progress)?;
+    if bytes.is_empty() {
+        bytes.reserve_exact(total as usize);
+    } else {
+        io::Seek::seek(&mut file, io::SeekFrom::Start(total))?;
+    }
+    // What is left: all of it, or what was added since its length was asked for.
+    let most = limits.max_bytes.saturating_add(1);
+    loop {
+        let before = bytes.len();
+        let step = (most - before as u64).min(BYTES_PER_STEP as u64);
+        (&file).take(step).read_to_end(&mut bytes)?;
+        progress.step(bytes.len() as u64, total.max(bytes.len() as u64))?;
+        if bytes.len() == before || bytes.len() as u64 == most {
+            break;
+        }
+    }
     limits.check_bytes(bytes.len() as u64)?;
     Ok(bytes)
+}
+
+/// Shorter files are read by one thread.
+const LARGE: u64 = 1 << 22;
+
+/// The first `n` bytes of a large regular file, by all threads: making room for fresh memory takes longer than copying into
+/// it. Nothing where the file is small, has become shorter, or the system has no reads at a position.
+fn read_at_once(file: &File, n: u64, progress: Progress<'_>) -> Result<Vec<u8>, ReadError> {
+    if n < LARGE {
+        return Ok(Vec::new());
+    }
+    let mut bytes = vec![0; n as usize];
+    let read = bytes.par_chunks_mut(BYTES_PER_STEP).enumerate().try_for_each(|(k, chunk)| {
+        progress.check()?;
+        read_exact_at(file, chunk, (k * BYTES_PER_STEP) as u64).map_err(ReadError::Io)
+    });
+    match read {
+        Ok(()) => Ok(bytes),
+        Err(ReadError::Cancelled(_)) => Err(Cancelled.into()),
+        // The plain way meets the same error again if it is one.
+        Err(_) => Ok(Vec::new()),
+    }
+}
+
+#[cfg(unix)]
+fn read_exact_at(file: &File, bytes: &mut [u8], at: u64) -> io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, bytes, at)
+}
+
+#[cfg(not(unix))]
+fn read_exact_at(_: &File, _: &mut [u8], _: u64) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
 }
 
 /// Reads the shape in bytes, compressed by gzip or not. `name_hint` is a file name that the content overrules.
@@ -43,24 +111,39 @@ pub fn read_bytes(
     name_hint: Option<&str>,
     limits: &ReadLimits,
 ) -> Result<ShapeFile, ReadError> {
-    let mut bytes = decompress(bytes, limits)?;
+    read_bytes_with(bytes, name_hint, limits, Progress::none())
+}
+
+/// [`read_bytes`] that says how far it is and can be stopped.
+///
+/// # Errors
+/// As [`read_bytes`], and [`ReadError::Cancelled`] soon after it is told to stop.
+pub fn read_bytes_with(
+    bytes: Vec<u8>,
+    name_hint: Option<&str>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    let mut bytes = decompress(bytes, limits, progress)?;
     let format = sniff(&bytes, name_hint)?;
     if is_text(format, &bytes) {
-        old_line_ends(&mut bytes);
+        old_line_ends(&mut bytes, progress)?;
     }
     let mut shape = match format.family() {
-        Format::Obj => crate::obj_read::read_obj(bytes, limits),
-        Format::Ply => crate::ply_read::read_ply(bytes, limits),
-        Format::Off => crate::off_read::read_off(bytes, limits),
-        Format::Stl if format == Format::StlAscii => crate::stl_read::read_stl_ascii(&bytes, limits),
-        Format::Stl => crate::stl_read::read_stl(&bytes, limits),
-        Format::Xyz | Format::Pts | Format::Csv => {
-            crate::columns_read::read_columns(bytes, limits, name_hint)
+        Format::Obj => crate::obj::read::read_obj(bytes, limits, progress),
+        Format::Ply => crate::ply::read::read_ply(bytes, limits, progress),
+        Format::Off => crate::off::read::read_off(bytes, limits, progress),
+        Format::Stl if format == Format::StlAscii => {
+            crate::stl::read::read_stl_ascii(&bytes, limits, progress)
         }
-        Format::Pcd => crate::pcd_read::read_pcd(bytes, limits),
-        Format::Las | Format::Laz => crate::las_read::read_las(&bytes, limits),
-        Format::Gifti => crate::gifti_read::read_gifti(&bytes, limits),
-        Format::Mtx => crate::mtx_read::read_mtx(&bytes, limits),
+        Format::Stl => crate::stl::read::read_stl(&bytes, limits, progress),
+        Format::Xyz | Format::Pts | Format::Csv => {
+            crate::columns::read::read_columns(bytes, limits, name_hint, progress)
+        }
+        Format::Pcd => crate::pcd::read::read_pcd(bytes, limits, progress),
+        Format::Las | Format::Laz => crate::las::read::read_las(&bytes, limits, progress),
+        Format::Gifti => crate::gifti::read::read_gifti(&bytes, limits, progress),
+        Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits, progress),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
     }?;
     shape.n_original_fields = shape.vertex_fields.len();
@@ -76,12 +159,20 @@ fn is_text(format: Format, bytes: &[u8]) -> bool {
 }
 
 /// Lines that end with a carriage return alone (before 2001 on the Macintosh) get line feeds instead.
-fn old_line_ends(bytes: &mut [u8]) {
-    if memchr::memchr(b'\n', bytes).is_none() {
-        for b in bytes {
+fn old_line_ends(bytes: &mut [u8], progress: Progress<'_>) -> Result<(), Cancelled> {
+    for chunk in bytes.chunks(BYTES_PER_STEP) {
+        progress.check()?;
+        if memchr::memchr(b'\n', chunk).is_some() {
+            return Ok(());
+        }
+    }
+    for chunk in bytes.chunks_mut(BYTES_PER_STEP) {
+        progress.check()?;
+        for b in chunk {
             if *b == b'\r' {
                 *b = b'\n';
             }
         }
     }
+    Ok(())
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use adwave::shape::Polygons;
 
 use crate::original::Original;
-use crate::{Field, Format};
+use crate::{Field, Format, ShapeFileError};
 
 /// The number type of the coordinates in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub enum Direction {
 pub struct Edges {
     /// Two vertex indices each.
     pub pairs: Vec<[u32; 2]>,
-    /// One weight an edge, or empty when the file has none.
+    /// One weight per edge, or empty when the file has none.
     pub weights: Vec<f64>,
     /// Whether each pair stands for both directions.
     pub direction: Direction,
@@ -48,10 +48,11 @@ pub struct Edges {
 /// let mut shape = read_bytes(text.to_vec(), Some("a.obj"), &ReadLimits::default()).unwrap();
 /// let mut points = shape.points().to_vec();
 /// points[0][2] = 0.25;
-/// shape.set_points(points);
+/// shape.set_points(points)?;
 /// let mut out = Vec::new();
 /// write_bytes(&shape, Format::Obj, &mut out).unwrap();
 /// assert_eq!(out, b"# kept\nv 0 0 0.25\nv 1.50 0 0\nv 0 1 0\nf 1 2 3\n");
+/// # Ok::<(), adwave_io::ShapeFileError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct ShapeFile {
@@ -72,6 +73,27 @@ pub struct ShapeFile {
     pub(crate) edited: Vec<String>,
     /// Whether the points are as in the original.
     pub(crate) moved: bool,
+}
+
+/// What a file says of a shape, each part on its own; see [`ShapeFile::into_parts`].
+#[derive(Clone, Debug)]
+pub struct ShapeParts {
+    /// Number of vertices; of a graph without coordinates too.
+    pub n_vertices: usize,
+    /// The vertices in the file's order; empty for a graph without coordinates.
+    pub points: Vec<[f64; 3]>,
+    /// The faces in the file's order.
+    pub faces: Polygons,
+    /// The edges that the file lists itself.
+    pub edges: Edges,
+    /// The attributes of the vertices, one row per vertex each.
+    pub vertex_fields: Vec<Field>,
+    /// The attributes of the faces, one row per face each.
+    pub face_fields: Vec<Field>,
+    /// The format that the bytes had.
+    pub format: Option<Format>,
+    /// The number type of the coordinates in the file.
+    pub precision: Precision,
 }
 
 impl ShapeFile {
@@ -134,7 +156,7 @@ impl ShapeFile {
         &self.vertex_fields
     }
 
-    /// The attributes of the faces, one row a face each.
+    /// The attributes of the faces, one row per face each.
     pub fn face_fields(&self) -> &[Field] {
         &self.face_fields
     }
@@ -174,20 +196,23 @@ impl ShapeFile {
 
     /// Replaces the coordinates of all vertices.
     ///
-    /// # Panics
-    /// When there are not as many points as vertices.
-    pub fn set_points(&mut self, points: Vec<[f64; 3]>) {
-        assert_eq!(points.len(), self.n_vertices, "one point for each vertex");
+    /// # Errors
+    /// [`ShapeFileError::PointCount`] when there are not as many points as vertices.
+    pub fn set_points(&mut self, points: Vec<[f64; 3]>) -> Result<(), ShapeFileError> {
+        if points.len() != self.n_vertices {
+            return Err(ShapeFileError::PointCount { found: points.len(), n_vertices: self.n_vertices });
+        }
         self.points = points;
         self.moved = true;
+        Ok(())
     }
 
     /// Adds an attribute of the vertices, in place of one of the same name.
     ///
-    /// # Panics
-    /// When the field does not have one row a vertex.
-    pub fn add_vertex_field(&mut self, field: Field) {
-        assert_eq!(field.len(), self.n_vertices, "one row for each vertex");
+    /// # Errors
+    /// [`ShapeFileError`] when the field does not have whole rows, one per vertex.
+    pub fn add_vertex_field(&mut self, field: Field) -> Result<(), ShapeFileError> {
+        check_rows(&field, self.n_vertices, "vertices")?;
         if !self.edited.contains(&field.name) {
             self.edited.push(field.name.clone());
         }
@@ -195,24 +220,88 @@ impl ShapeFile {
             Some(old) => *old = field,
             None => self.vertex_fields.push(field),
         }
+        Ok(())
     }
 
     /// Adds an attribute of the faces, in place of one of the same name.
     ///
-    /// # Panics
-    /// When the field does not have one row a face.
-    pub fn add_face_field(&mut self, field: Field) {
-        assert_eq!(field.len(), self.faces.len(), "one row for each face");
+    /// # Errors
+    /// [`ShapeFileError`] when the field does not have whole rows, one per face.
+    pub fn add_face_field(&mut self, field: Field) -> Result<(), ShapeFileError> {
+        check_rows(&field, self.faces.len(), "faces")?;
         // The original's faces are copied as they are, so they cannot carry another attribute.
         self.original = None;
         match self.face_fields.iter_mut().find(|f| f.name == field.name) {
             Some(old) => *old = field,
             None => self.face_fields.push(field),
         }
+        Ok(())
+    }
+
+    /// Gives everything away without a copy; the original bytes are dropped.
+    ///
+    /// ```
+    /// use adwave_io::ShapeFile;
+    /// let parts = ShapeFile::from_cloud(vec![[0.0, 1.0, 2.0]]).into_parts();
+    /// assert_eq!((parts.n_vertices, parts.points.as_flattened()), (1, &[0.0, 1.0, 2.0][..]));
+    /// ```
+    pub fn into_parts(self) -> ShapeParts {
+        ShapeParts {
+            n_vertices: self.n_vertices,
+            points: self.points,
+            faces: self.faces,
+            edges: self.edges,
+            vertex_fields: self.vertex_fields,
+            face_fields: self.face_fields,
+            format: self.format,
+            precision: self.precision,
+        }
     }
 
     /// Forgets the original bytes: frees their memory, and writing makes a plain new file.
     pub fn forget_original(&mut self) {
         self.original = None;
+    }
+}
+
+/// The field's public parts may have been changed since it was made, so its rows are counted anew.
+fn check_rows(field: &Field, n: usize, of: &'static str) -> Result<(), ShapeFileError> {
+    let (found, n_channels) = (field.values.len(), field.n_channels);
+    if n_channels == 0 || !found.is_multiple_of(n_channels) {
+        return Err(ShapeFileError::FieldValues { name: field.name.clone(), found, n_channels });
+    }
+    if found / n_channels != n {
+        return Err(ShapeFileError::FieldRows { name: field.name.clone(), found: found / n_channels, n, of });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FieldValues;
+
+    #[test]
+    fn wrong_lengths_are_errors_that_name_the_numbers() {
+        let mut file = ShapeFile::from_cloud(vec![[0.0; 3]; 4]);
+        assert_eq!(
+            file.set_points(vec![[0.0; 3]; 5]).unwrap_err().to_string(),
+            "there are 5 points for 4 vertices; give one point per vertex"
+        );
+        let gaze = Field::new("gaze", 2, FieldValues::F32(vec![0.0; 6]));
+        assert_eq!(
+            file.add_vertex_field(gaze.clone()).unwrap_err().to_string(),
+            "field `gaze` has 3 rows for 4 vertices; give one row for each"
+        );
+        assert_eq!(
+            file.add_face_field(gaze.clone()).unwrap_err().to_string(),
+            "field `gaze` has 3 rows for 0 faces; give one row for each"
+        );
+        let broken = Field { n_channels: 0, ..gaze };
+        assert_eq!(
+            file.add_vertex_field(broken).unwrap_err().to_string(),
+            "field `gaze` has 6 values, which are not whole rows of 0 channels"
+        );
+        assert!(file.vertex_fields().is_empty());
     }
 }

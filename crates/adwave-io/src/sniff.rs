@@ -61,11 +61,11 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
         return Some(Format::Mtx);
     }
     let is_xml = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<");
-    if is_xml && crate::gifti_read::is_gifti(&bytes[..bytes.len().min(LOOK)]) {
+    if is_xml && crate::gifti::read::is_gifti(&bytes[..bytes.len().min(LOOK)]) {
         return Some(Format::Gifti);
     }
     // Many binary STL begin with `solid` too; only the length tells.
-    if crate::stl_read::binary_count(bytes).is_some_and(|n| bytes.len() as u64 == 84 + 50 * n) {
+    if crate::stl::read::binary_count(bytes).is_some_and(|n| bytes.len() as u64 == 84 + 50 * n) {
         return Some(Format::Stl);
     }
     let head = &bytes[..bytes.len().min(LOOK)];

@@ -3,10 +3,13 @@
 use std::io::Write;
 use std::path::Path;
 
-use crate::original::Original;
-use crate::{Format, ShapeFile, WriteError, atomic_write};
+use adwave::Progress;
 
-/// What writing has left out because the format cannot hold it.
+use crate::original::{Original, RowEdit};
+use crate::progress::{Watched, all};
+use crate::{Format, ShapeFile, WriteError, atomic_write_with};
+
+/// What is not in the written file because the format cannot hold it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WriteReport {
     /// One phrase each, such as ``vertex field `gaze` ``.
@@ -44,6 +47,19 @@ impl WriteReport {
 /// # Errors
 /// One line that begins with the file's name; an older file of that name is unchanged then.
 pub fn write_path(shape: &ShapeFile, path: &Path, format: Option<Format>) -> Result<WriteReport, WriteError> {
+    write_path_with(shape, path, format, Progress::none())
+}
+
+/// [`write_path`] that says how far it is, in rows of vertices and then of faces, and can be stopped.
+///
+/// # Errors
+/// As [`write_path`], and [`WriteError::Cancelled`] soon after it is told to stop.
+pub fn write_path_with(
+    shape: &ShapeFile,
+    path: &Path,
+    format: Option<Format>,
+    progress: Progress<'_>,
+) -> Result<WriteReport, WriteError> {
     let by_name = || {
         let named = Format::from_path(path)?;
         Some(shape.format.filter(|own| own.family() == named).unwrap_or(named))
@@ -52,12 +68,12 @@ pub fn write_path(shape: &ShapeFile, path: &Path, format: Option<Format>) -> Res
         return Err(WriteError::UnknownFormat.in_file(path));
     };
     let compress = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
-    atomic_write(path, |out| {
+    atomic_write_with(path, progress, |out| {
         if !compress {
-            return write_bytes(shape, format, out);
+            return write_bytes_with(shape, format, out, progress);
         }
         let mut gz = flate2::write::GzEncoder::new(out, flate2::Compression::default());
-        let report = write_bytes(shape, format, &mut gz)?;
+        let report = write_bytes_with(shape, format, &mut gz, progress)?;
         gz.finish()?;
         Ok(report)
     })
@@ -72,12 +88,27 @@ pub fn write_bytes(
     format: Format,
     out: &mut dyn Write,
 ) -> Result<WriteReport, WriteError> {
+    write_bytes_with(shape, format, out, Progress::none())
+}
+
+/// [`write_bytes`] that says how far it is and can be stopped.
+///
+/// # Errors
+/// As [`write_bytes`], and [`WriteError::Cancelled`] soon after it is told to stop.
+pub fn write_bytes_with(
+    shape: &ShapeFile,
+    format: Format,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<WriteReport, WriteError> {
+    let out = &mut Watched::new(out, progress);
+    check_indices(shape, format, progress)?;
     if shape.points.len() != shape.n_vertices && format != Format::Mtx {
         let what = "a graph without coordinates".into();
         return Err(WriteError::CannotHold { format, what });
     }
     if shape.format == Some(format)
-        && let Some(report) = write_again(shape, format, out)?
+        && let Some(report) = update(shape, format, out, progress)?
     {
         return Ok(report);
     }
@@ -86,49 +117,67 @@ pub fn write_bytes(
         report.leave_out(extra.clone());
     }
     match format {
-        Format::Obj => crate::obj_write::write_obj(shape, &mut report, out)?,
-        Format::Ply | Format::PlyAscii => crate::ply_write::write_ply(shape, format, &mut report, out)?,
-        Format::Off => crate::off_write::write_off(shape, &mut report, out)?,
-        Format::Stl | Format::StlAscii => crate::stl_write::write_stl(shape, format, &mut report, out)?,
-        Format::Xyz | Format::Pts | Format::Csv => {
-            crate::columns_write::write_columns(shape, format, &mut report, out)?;
+        Format::Obj => crate::obj::write::write_obj(shape, &mut report, out, progress)?,
+        Format::Ply | Format::PlyAscii => {
+            crate::ply::write::write_ply(shape, format, &mut report, out, progress)?
         }
-        Format::Pcd | Format::PcdAscii => crate::pcd_write::write_pcd(shape, format, &mut report, out)?,
-        Format::Mtx => crate::mtx_write::write_mtx(shape, &mut report, out)?,
-        Format::Vtp => crate::vtp_write::write_vtp(shape, &mut report, out)?,
+        Format::Off => crate::off::write::write_off(shape, &mut report, out, progress)?,
+        Format::Stl | Format::StlAscii => {
+            crate::stl::write::write_stl(shape, format, &mut report, out, progress)?
+        }
+        Format::Xyz | Format::Pts | Format::Csv => {
+            crate::columns::write::write_columns(shape, format, &mut report, out, progress)?;
+        }
+        Format::Pcd | Format::PcdAscii => {
+            crate::pcd::write::write_pcd(shape, format, &mut report, out, progress)?
+        }
+        Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
+        Format::Vtp => crate::vtp::write::write_vtp(shape, &mut report, out, progress)?,
         Format::Las | Format::Laz | Format::Gifti => return Err(WriteError::NotWritable { format }),
     }
     Ok(report)
 }
 
+/// A shape that comes from no file may name vertices that it does not have.
+fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
+    let (corners, n) = (shape.faces.corners(), shape.n_vertices);
+    if !all(corners.len(), progress, |k| (corners[k] as usize) < n)? {
+        let face = shape.faces.iter().position(|f| f.iter().any(|&v| v as usize >= n)).unwrap_or(0);
+        let what = format!("face {face}, which names a vertex beyond the {n} that there are");
+        return Err(WriteError::CannotHold { format, what });
+    }
+    Ok(())
+}
+
 /// Writes the original with the changes, where the changes allow that.
-fn write_again(
+fn update(
     shape: &ShapeFile,
     format: Format,
     out: &mut dyn Write,
+    progress: Progress<'_>,
 ) -> Result<Option<WriteReport>, WriteError> {
     let Some(original) = &shape.original else { return Ok(None) };
     match &**original {
         Original::Rows(rows) if format == Format::Obj => {
-            crate::obj_write::write_obj_again(shape, rows, out).map(Some)
+            crate::obj::write::update_obj(shape, rows, out, progress).map(Some)
         }
         Original::Rows(rows) if format == Format::Off && shape.edited.is_empty() => {
-            rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
+            rows.write_all(shape, &RowEdit::default(), out, progress)?;
             Ok(Some(WriteReport::default()))
         }
         Original::Rows(rows) if matches!(format, Format::Xyz | Format::Csv) => {
-            crate::columns_write::write_columns_again(shape, rows, out)
+            crate::columns::write::update_columns(shape, rows, out, progress)
         }
         Original::Rows(rows) if format == Format::Pts && shape.edited.is_empty() => {
-            rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
+            rows.write_all(shape, &RowEdit::default(), out, progress)?;
             Ok(Some(WriteReport::default()))
         }
         Original::Pcd(pcd) if shape.edited.is_empty() => {
             let Some(rows) = &pcd.rows else { return Ok(None) };
-            rows.write_all(shape, &crate::original::RowEdit::default(), out)?;
+            rows.write_all(shape, &RowEdit::default(), out, progress)?;
             Ok(Some(WriteReport::default()))
         }
-        Original::Ply(ply) => crate::ply_update::write_ply_again(shape, ply, out).map(Some),
+        Original::Ply(ply) => crate::ply::update::update_ply(shape, ply, out, progress).map(Some),
         _ => Ok(None),
     }
 }

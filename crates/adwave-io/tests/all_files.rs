@@ -194,7 +194,7 @@ fn moved_points_keep_everything_else() {
             continue;
         }
         let points: Vec<[f64; 3]> = shape.points().iter().map(|p| p.map(|x| x * 0.5 + 1.0)).collect();
-        shape.set_points(points);
+        shape.set_points(points).unwrap();
         let mut bytes = Vec::new();
         write_bytes(&shape, format, &mut bytes).unwrap();
         let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();

@@ -43,7 +43,7 @@ fn obj_edit_keeps_groups_comments_and_line_ends() {
     let text = "\u{feff}# é\r\nmtllib a b.mtl\r\nv 0.10 1 2 # first\r\nv 3 4 5 0.5 0.5 1\r\nvn 0 0 1\r\ng x\r\nusemtl m\r\ns 1\r\nf 1//1 2//1 1//1\r\n";
     let mut shape = read(text, "a.obj");
     assert_eq!(written(&shape, Format::Obj), text.as_bytes());
-    shape.set_points(vec![[0.1, 1.0, 2.5], [3.0, 4.0, 5.0]]);
+    shape.set_points(vec![[0.1, 1.0, 2.5], [3.0, 4.0, 5.0]]).unwrap();
     assert_eq!(written(&shape, Format::Obj), text.replace("1 2 #", "1 2.5 #").as_bytes());
 }
 
@@ -126,9 +126,9 @@ fn ply_keeps_elements_properties_and_comments() {
     assert_eq!(shape.field("color").unwrap().values, FieldValues::U8(vec![255, 0, 9, 1, 2, 3]));
     assert_eq!(shape.edges().pairs, [[0, 1]]);
     assert_eq!(written(&shape, Format::PlyAscii), text.as_bytes());
-    shape.set_points(vec![[1.0, 2.5, 3.5], [4.0, 5.0, 6.0]]);
+    shape.set_points(vec![[1.0, 2.5, 3.5], [4.0, 5.0, 6.0]]).unwrap();
     assert_eq!(written(&shape, Format::PlyAscii), text.replace("255 3.0", "255 3.5").as_bytes());
-    shape.add_vertex_field(adwave_io::Field::new("saliency", 1, FieldValues::F32(vec![0.5, 0.1])));
+    shape.add_vertex_field(adwave_io::Field::new("saliency", 1, FieldValues::F32(vec![0.5, 0.1]))).unwrap();
     let more = String::from_utf8(written(&shape, Format::PlyAscii)).unwrap();
     assert!(more.contains("property uchar blue\nproperty float saliency\nelement edge"), "{more}");
     assert!(more.contains("255 3.5 1 7 2.50 1 0 9 0.5\n1 6 0 5 4 2 3 0.1\n0 1 0.5\n"), "{more}");
@@ -204,7 +204,7 @@ fn old_macintosh_line_ends_are_line_ends() {
 #[test]
 fn what_a_format_cannot_hold_is_reported() {
     let mut shape = read("g a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.1\nf 1 2 4 3\n", "a.obj");
-    shape.add_vertex_field(adwave_io::Field::new("gaze", 1, FieldValues::F32(vec![1.0; 4])));
+    shape.add_vertex_field(adwave_io::Field::new("gaze", 1, FieldValues::F32(vec![1.0; 4]))).unwrap();
     let mut bytes = Vec::new();
     let report = write_bytes(&shape, Format::Stl, &mut bytes).unwrap();
     for what in ["groups", "vertex field `gaze`", "polygons", "digits of coordinates"] {

@@ -83,18 +83,18 @@ fn shape() -> impl Strategy<Value = ShapeFile> {
             if !pairs.is_empty() {
                 let mut whole =
                     ShapeFile::from_graph(shape.n_vertices(), Edges { pairs, ..Edges::default() });
-                whole.set_points(shape.points().to_vec());
+                whole.set_points(shape.points().to_vec()).unwrap();
                 if !is_mesh {
                     shape = whole;
                 }
             }
             shape.set_precision(if is_single { Precision::F32 } else { Precision::F64 });
             for field in fields {
-                shape.add_vertex_field(field);
+                shape.add_vertex_field(field).unwrap();
             }
             if is_mesh {
                 for field in face_fields {
-                    shape.add_face_field(field);
+                    shape.add_face_field(field).unwrap();
                 }
             }
             shape
@@ -183,11 +183,11 @@ proptest! {
         for format in both_ways().into_iter().filter(|f| !matches!(f, Format::Stl | Format::StlAscii)) {
             let Some(mut read) = there_and_back(&shape, format) else { continue };
             let n = read.n_vertices();
-            read.add_vertex_field(Field::new("added", 1, FieldValues::U16(vec![extra; n])));
+            read.add_vertex_field(Field::new("added", 1, FieldValues::U16(vec![extra; n]))).unwrap();
             let own = read.format().unwrap();
             there_and_back(&read, own);
             // And one that takes the place of the file's.
-            read.add_vertex_field(Field::new("color", 3, FieldValues::U8(vec![7; 3 * n])));
+            read.add_vertex_field(Field::new("color", 3, FieldValues::U8(vec![7; 3 * n]))).unwrap();
             there_and_back(&read, own);
         }
     }

@@ -1,9 +1,8 @@
 use super::*;
-use adwave::bands::{BandsParams, Schedule};
-use adwave::operator::OperatorParams;
+use adwave::Decomposer;
+use adwave::bands::Schedule;
 use adwave::sample::Sample;
 use adwave::shape::{Graph, Mesh};
-use adwave::{Decomposer, Progress};
 
 fn torus() -> Shape {
     let sample = Sample::by_name("torus", Some(1200)).unwrap();
@@ -40,14 +39,13 @@ fn the_first_wavelets_are_half_the_differential_coordinates_of_the_walk() {
     // Eq. 16: Ψ₁ = ½(I − Q).
     let shape = torus();
     let points = shape.points().unwrap().as_flattened();
-    let decomposer = Decomposer::new(&shape, &OperatorParams::default());
+    let decomposer = Decomposer::new(&shape);
     let l = Differential::from_walk(decomposer.diffusion(), decomposer.geometry().vertex_map.clone());
     let delta = l.coordinates(points, 3).unwrap();
     let schedule = Schedule::dyadic(1).unwrap();
-    let bands =
-        decomposer.decompose(points, 3, &schedule, &BandsParams::default(), Progress::none()).unwrap();
+    let bands = decomposer.decompose(points, 3, &schedule).unwrap();
     let half: Vec<f64> = delta.iter().map(|d| 0.5 * d).collect();
-    assert!(difference(&half, &bands.wavelet[0]) < 1e-13);
+    assert!(difference(&half, bands.wavelet(1)) < 1e-13);
 }
 
 #[test]

@@ -46,7 +46,7 @@ impl DiffusionWavelets {
     /// use adwave_baselines::multiscale::{DiffusionWavelets, MultiscaleParams};
     /// let edges: Vec<_> = (0..9).map(|i| (i, i + 1, 1.0)).collect();
     /// let shape = Shape::Graph(Graph::new(10, &edges)?);
-    /// let decomposer = Decomposer::new(&shape, &OperatorParams::default());
+    /// let decomposer = Decomposer::new(&shape);
     /// let wavelets = DiffusionWavelets::new(decomposer.diffusion(), &MultiscaleParams::default(), Progress::none())?;
     /// let signal: Vec<f64> = (0..10).map(|i| f64::from(i * i)).collect();
     /// let back = wavelets.synthesise(&wavelets.analyse(&signal)?)?;

@@ -1,5 +1,4 @@
 use super::*;
-use adwave::operator::OperatorParams;
 use adwave::sample::Sample;
 use adwave::shape::{Graph, Mesh, Shape};
 use adwave::{Decomposer, Progress};
@@ -15,7 +14,7 @@ fn sphere() -> Shape {
 }
 
 fn walk(shape: &Shape) -> Diffusion {
-    Decomposer::new(shape, &OperatorParams::default()).diffusion().clone()
+    Diffusion::clone(Decomposer::new(shape).diffusion())
 }
 
 fn signal(n: usize) -> Vec<f64> {

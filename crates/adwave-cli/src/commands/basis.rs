@@ -4,9 +4,8 @@ use crate::args::ShapeArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{available_memory, check_writable, number, print, table, write_error, write_shape};
-use crate::progress::{with_progress, with_spinner};
+use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::load;
-use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, MatrixValues};
@@ -65,14 +64,14 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
     let schedule = Schedule::dyadic(level)?;
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let n_vertices = input.shape.n_vertices();
-    let decomposer = Decomposer::new(&input.shape, &args.shape.operator());
+    let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
     let start = Instant::now();
     let functions =
         with_progress(global, "walking", |progress| decomposer.basis_of_vertex(vertex, &schedule, progress))?;
     let seconds = start.elapsed().as_secs_f64();
     let mut file = super::transform::fresh(&input.file);
     for (name, values) in [("phi", &functions.scaling_function), ("psi", &functions.wavelet)] {
-        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values.clone())));
+        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values.clone())))?;
     }
     write_shape(global, &file, &args.output)?;
     let (phi, psi) = (functions.scaling_function[vertex], functions.wavelet[vertex]);
@@ -119,7 +118,7 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
         params = params.with_memory_limit(bytes);
     }
     let input = with_spinner(global, "reading", || load(&args.shape))?;
-    let decomposer = Decomposer::new(&input.shape, &args.shape.operator());
+    let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
     let vertex_map = &decomposer.geometry().vertex_map;
     let start = Instant::now();
     let mut basis = with_progress(global, "walking", |progress| {
@@ -185,7 +184,7 @@ fn numbered(output: &Path, part: &str, extension: &str) -> PathBuf {
 }
 
 fn write_matrix(path: &Path, matrix: &CompressedRows<f32>, matrix_market: bool) -> Result<(), CliError> {
-    let rows = adwave_io::CompressedRows {
+    let rows = adwave_io::SparseRows {
         n_columns: matrix.n_rows(),
         offsets: &matrix.offsets,
         indices: &matrix.columns,

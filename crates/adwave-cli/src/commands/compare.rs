@@ -5,10 +5,9 @@ use crate::commands::transform::fresh;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{bands_params, number, print, schedule, table, write_shape};
-use crate::progress::{with_progress, with_spinner};
+use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, COORDS};
-use adwave::Decomposer;
 use adwave_baselines::compare::{CompareError, Comparison, Method, Outcome, Subject, compare};
 use adwave_io::{Field, FieldValues};
 use clap::Args;
@@ -85,8 +84,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     };
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load_with_texture(&input, field, args.field.texture.as_deref())?;
-    let walk =
-        with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let walk = prepare(global, &input.shape, &args.shape.operator())?;
     let (schedule, why) = schedule(&args.levels, &walk)?;
     let subject = Subject {
         shape: &input.shape,
@@ -149,10 +147,10 @@ fn write(
     for outcome in outcomes {
         let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse");
         if is_shape && !file.points().is_empty() {
-            file.set_points(outcome.values.as_chunks().0.to_vec());
+            file.set_points(outcome.values.as_chunks().0.to_vec())?;
         } else {
             let values = FieldValues::F64(outcome.values.clone());
-            file.add_vertex_field(Field::new(outcome.name.as_str(), outcome.n_channels, values));
+            file.add_vertex_field(Field::new(outcome.name.as_str(), outcome.n_channels, values))?;
         }
     }
     write_shape(global, &file, path).map(|_| ())

@@ -5,12 +5,11 @@ use crate::global::Global;
 use crate::output::{number, print, steps_json, steps_text, table, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::make_sample;
-use adwave::bands::{Bands, BandsParams, Schedule};
+use adwave::Decomposer;
+use adwave::bands::{Bands, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset, displacement};
-use adwave::operator::OperatorParams;
 use adwave::region::{Length, Region};
 use adwave::shape::{Mesh, Shape, bounding_box, enclosed_volume};
-use adwave::{Decomposer, Progress};
 use adwave_io::{Field, FieldValues, Levels, Recipe, ShapeFile, write_recipe};
 use clap::Args;
 use serde_json::{Value, json};
@@ -39,16 +38,15 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         Shape::Mesh(Mesh::new(file.points().to_vec(), file.faces().clone()).map_err(CliError::input)?);
 
     let start = Instant::now();
-    let decomposer = Decomposer::new(&shape, &OperatorParams::default());
+    let decomposer = Decomposer::new(&shape);
     let walk_ms = start.elapsed().as_secs_f64() * 1e3;
     let (n_levels, why) = decomposer.default_levels();
     let schedule = Schedule::dyadic(n_levels)?;
     let coords = file.points().as_flattened();
-    let bands = with_progress(global, "splitting", |p| {
-        decomposer.decompose(coords, 3, &schedule, &BandsParams::default(), p)
-    })?;
+    let bands =
+        with_progress(global, "splitting", |p| decomposer.request(coords, 3, &schedule).progress(p).bands())?;
     let level_ms = level_times(&decomposer, coords, &schedule)?;
-    let energy = bands.energy(&decomposer.areas());
+    let energy = bands.energy(&decomposer.areas())?;
 
     write_shape(global, &file, &at("creature.ply"))?;
     write_bands(global, &file, &bands, &at("bands.vtp"))?;
@@ -58,14 +56,14 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         let start = Instant::now();
         let edit = Edit::new(std::slice::from_ref(&layer));
         let edited = with_progress(global, name, |p| {
-            decomposer.filter(coords, 3, &schedule, &edit, &BandsParams::default(), p)
+            decomposer.request(coords, 3, &schedule).progress(p).filter(&edit)
         })?;
         let ms = start.elapsed().as_secs_f64() * 1e3;
         let points: Vec<[f64; 3]> = edited.as_chunks().0.to_vec();
         let moved = displacement(file.points(), &points);
         let after = enclosed_volume(&points, &decomposer_triangles(&file));
         let mut out = file.clone();
-        out.set_points(points);
+        out.set_points(points)?;
         write_shape(global, &out, &at(&format!("{name}.ply")))?;
         if name == LOCAL_EDIT {
             let recipe =
@@ -121,7 +119,7 @@ fn level_times(decomposer: &Decomposer, coords: &[f64], schedule: &Schedule) -> 
         .map(|n| {
             let start = Instant::now();
             let schedule = Schedule::dyadic(n)?;
-            decomposer.decompose(coords, 3, &schedule, &BandsParams::default(), Progress::none())?;
+            decomposer.decompose(coords, 3, &schedule)?;
             Ok(start.elapsed().as_secs_f64() * 1e3)
         })
         .collect()
@@ -129,8 +127,8 @@ fn level_times(decomposer: &Decomposer, coords: &[f64], schedule: &Schedule) -> 
 
 fn write_bands(global: &Global<'_>, file: &ShapeFile, bands: &Bands, path: &Path) -> Result<(), CliError> {
     let mut file = file.clone();
-    for (j, band) in bands.wavelet.iter().enumerate() {
-        file.add_vertex_field(Field::new(format!("W{}", j + 1), 3, FieldValues::F64(band.clone())));
+    for (j, band) in bands.wavelets().enumerate() {
+        file.add_vertex_field(Field::new(format!("W{}", j + 1), 3, FieldValues::F64(band.to_vec())))?;
     }
     write_shape(global, &file, path).map(|_| ())
 }

@@ -4,9 +4,8 @@ use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{number, print, schedule, steps_json, steps_text, table};
-use crate::progress::with_spinner;
+use crate::progress::{prepare, with_spinner};
 use crate::shape_input::load;
-use adwave::Decomposer;
 use adwave::shape::{Health, Shape, bounding_box};
 use clap::Args;
 use serde_json::{Value, json};
@@ -28,7 +27,7 @@ pub(crate) struct InfoArgs {
 pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
     let (input, decomposer, health) = with_spinner(global, "reading", || {
         let input = load(&args.shape)?;
-        let decomposer = Decomposer::new(&input.shape, &args.shape.operator());
+        let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
         let health = decomposer.health(&input.shape);
         Ok::<_, CliError>((input, decomposer, health))
     })?;

@@ -74,12 +74,15 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     }
     let params = args.map.params(&args.border);
     params.check().map_err(CliError::input)?;
-    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, DEFAULT_REACH, global)?;
+    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, DEFAULT_REACH, global)?;
+    let wavelets = analysis.wavelets(global, None)?;
     let start = Instant::now();
-    let saliency = saliency(&analysis.walk, &analysis.bands, &params).map_err(CliError::input)?;
+    let saliency =
+        saliency(&analysis.walk, &wavelets, &params, global.progress()).map_err(CliError::classified)?;
     let took = start.elapsed();
     let levels = if args.per_level {
-        saliency_per_level(&analysis.walk, &analysis.bands, &params).map_err(CliError::input)?
+        saliency_per_level(&analysis.walk, &wavelets, &params, global.progress())
+            .map_err(CliError::classified)?
     } else {
         Vec::new()
     };
@@ -119,7 +122,7 @@ fn report(
         "shape": analysis.input.name,
         "output": args.output.display().to_string(),
         "field": args.field.field,
-        "vertices": analysis.bands.n_vertices,
+        "vertices": analysis.walk.n_vertices(),
         "levels_reason": analysis.why,
         "levels": saliency.levels.iter().map(|l| json!({
             "level": l.level, "sigma": l.sigma, "mean": l.mean, "max": l.max,
@@ -159,14 +162,14 @@ fn write_field(
 ) -> Result<(), CliError> {
     let mut file = fresh(&analysis.input.file);
     let mut add = |name: String, map: &[f64]| {
-        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(map.to_vec())));
+        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(map.to_vec())))
     };
-    add("saliency".to_owned(), &saliency.map);
+    add("saliency".to_owned(), &saliency.map)?;
     for (level, map) in levels {
-        add(format!("saliency{}", level.level), map);
+        add(format!("saliency{}", level.level), map)?;
     }
     let top = value_range(&saliency.map, 0.0, args.color_top / 100.0).1;
     let color = colors.colors(&saliency.map, 0.0, top);
-    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)));
+    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)))?;
     write_shape(global, &file, &args.output).map(|_| ())
 }

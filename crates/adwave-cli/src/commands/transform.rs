@@ -7,11 +7,10 @@ use crate::output::{
     bands_params, check_writable, number, peak_memory, print, schedule, steps_json, steps_text, table,
     write_error, write_shape,
 };
-use crate::progress::{with_progress, with_spinner};
+use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
-use crate::signal;
+use crate::signal::{self, Signal};
 use crate::stopwatch::Stopwatch;
-use adwave::Decomposer;
 use adwave::bands::Bands;
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
 use clap::Args;
@@ -56,25 +55,28 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load(&input, &args.field)?;
     let read = watch.lap();
-    let decomposer =
-        with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
     let decomposer = signal::mask(decomposer, &signal, &args.field, global)?;
     let (schedule, why) = schedule(&args.levels, &decomposer)?;
     let prepared = watch.lap();
     let bands = with_progress(global, "splitting", |progress| {
-        decomposer.decompose(&signal.values, signal.n_channels, &schedule, &params, progress)
+        decomposer
+            .request(&signal.values, signal.n_channels, &schedule)
+            .params(&params)
+            .progress(progress)
+            .bands()
     })?;
     let split = watch.lap();
     with_spinner(global, "writing", || {
         if npz {
-            write_npz(&args.output, &input, &bands)
+            write_npz(&args.output, &input, &signal, &bands)
         } else {
-            write_fields(global, &args.output, &input, &bands)
+            write_fields(global, &args.output, &input, &signal, &bands)
         }
     })?;
     let written = watch.lap();
 
-    let energy = bands.energy(&decomposer.areas());
+    let energy = bands.energy(&decomposer.areas())?;
     let diagonal = decomposer.diagonal();
     let mut text = format!(
         "{}: {} vertices, {} channel{} of {}\n{why}\n\n",
@@ -118,15 +120,15 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
 }
 
 /// The arrays points, scaling, wavelet, steps and sigma.
-fn write_npz(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+fn write_npz(path: &Path, input: &Input, signal: &Signal, bands: &Bands) -> Result<(), CliError> {
     let (n, d, levels) = (bands.n_vertices, bands.n_channels, bands.n_levels());
-    let scaling: Vec<&[f64]> = bands.scaling.iter().map(Vec::as_slice).collect();
-    let wavelet: Vec<&[f64]> = bands.wavelet.iter().map(Vec::as_slice).collect();
+    let scaling = all_scaling(signal, bands);
+    let wavelet = &bands.as_slice()[..levels * n * d];
     let (scaling_shape, wavelet_shape) = ([levels + 1, n, d], [levels, n, d]);
     let (points_shape, levels_shape) = ([n, 3], [levels + 1]);
     let mut arrays: Vec<(&str, &[usize], ArrayValues<'_>)> = vec![
-        ("scaling", &scaling_shape, ArrayValues::F64Parts(&scaling)),
-        ("wavelet", &wavelet_shape, ArrayValues::F64Parts(&wavelet)),
+        ("scaling", &scaling_shape, ArrayValues::F64(&scaling)),
+        ("wavelet", &wavelet_shape, ArrayValues::F64(wavelet)),
         ("steps", &levels_shape, ArrayValues::F64(&bands.steps)),
         ("sigma", &levels_shape, ArrayValues::F64(&bands.sigma)),
     ];
@@ -137,17 +139,30 @@ fn write_npz(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> 
 }
 
 /// The shape with the fields S0 … SJ and W1 … WJ.
-fn write_fields(global: &Global<'_>, path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+fn write_fields(
+    global: &Global<'_>,
+    path: &Path,
+    input: &Input,
+    signal: &Signal,
+    bands: &Bands,
+) -> Result<(), CliError> {
     let mut file = fresh(&input.file);
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));
-    for (j, level) in bands.scaling.iter().enumerate() {
-        file.add_vertex_field(field(format!("S{j}"), level));
+    for (j, level) in all_scaling(signal, bands).chunks_exact(signal.values.len()).enumerate() {
+        file.add_vertex_field(field(format!("S{j}"), level))?;
     }
-    for (j, level) in bands.wavelet.iter().enumerate() {
-        file.add_vertex_field(field(format!("W{}", j + 1), level));
+    for (j, level) in bands.wavelets().enumerate() {
+        file.add_vertex_field(field(format!("W{}", j + 1), level))?;
     }
     write_shape(global, &file, path).map(|_| ())
+}
+
+/// S_f(0) … S_f(J), S_f(0) being the signal itself.
+fn all_scaling(signal: &Signal, bands: &Bands) -> Vec<f64> {
+    let mut scaling = bands.all_scaling();
+    scaling[..signal.values.len()].copy_from_slice(&signal.values);
+    scaling
 }
 
 /// A copy of a shape that further fields can be added to.

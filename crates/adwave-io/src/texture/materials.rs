@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use adwave::Progress;
+
 use crate::read::read_file;
 use crate::text::{line_end, parse_f64, words};
 use crate::{ReadError, ReadLimits};
@@ -23,7 +25,7 @@ pub(super) fn read_materials(
             library.split(' ').map(|name| folder.join(name)).collect()
         };
         for path in paths {
-            let bytes = read_file(&path, limits).map_err(|e| e.in_file(&path))?;
+            let bytes = read_file(&path, limits, Progress::none()).map_err(|e| e.in_file(&path))?;
             parse_library(&bytes, &mut pictures);
         }
     }

@@ -6,6 +6,8 @@ mod picture;
 
 use std::path::Path;
 
+use adwave::{ClassifiedError, ErrorKind, Progress};
+
 use crate::limits::decompress;
 use crate::read::read_file;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile};
@@ -38,7 +40,19 @@ pub enum TextureError {
         path: String,
         /// Why.
         cause: String,
+        /// Whether the picture or the machine is to blame.
+        kind: ErrorKind,
     },
+}
+
+impl ClassifiedError for TextureError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Read(error) => error.kind(),
+            Self::NoCoordinates { .. } | Self::NoTexture { .. } => ErrorKind::Input,
+            Self::Picture { kind, .. } => *kind,
+        }
+    }
 }
 
 /// The colours of a texture at the vertices: the field `texture`, red, green and blue in [0, 1] as the picture has them.
@@ -68,7 +82,8 @@ pub fn texture_colors(
             Some(_) => TextureError::NoTexture { shape: name() },
         });
     }
-    let bytes = read_file(path, limits).and_then(|bytes| decompress(bytes, limits));
+    let bytes = read_file(path, limits, Progress::none())
+        .and_then(|bytes| decompress(bytes, limits, Progress::none()));
     let bytes = bytes.map_err(|e| e.in_file(path))?;
     let corners = Corners::parse(&bytes, shape.n_vertices());
     if corners.places.is_empty() {

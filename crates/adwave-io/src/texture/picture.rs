@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::TextureError;
-use image::{ImageReader, RgbImage};
+use crate::error::kind_of_io;
+use adwave::ErrorKind;
+use image::{ImageError, ImageReader, RgbImage};
 
 /// No picture is wider or higher.
 const LARGEST_SIDE: u32 = 1 << 16;
@@ -17,17 +19,18 @@ pub(super) struct Picture {
 
 impl Picture {
     pub(super) fn open(path: &Path) -> Result<Self, TextureError> {
-        let wrong = |cause: String| TextureError::Picture { path: path.display().to_string(), cause };
+        let wrong =
+            |kind, cause: String| TextureError::Picture { path: path.display().to_string(), cause, kind };
         let mut reader = ImageReader::open(path)
             .and_then(ImageReader::with_guessed_format)
-            .map_err(|e| wrong(e.to_string()))?;
+            .map_err(|e| wrong(kind_of_io(&e), e.to_string()))?;
         let mut limits = image::Limits::default();
         (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
         limits.max_alloc = Some(MAX_BYTES);
         reader.limits(limits);
-        let pixels = reader.decode().map_err(|e| wrong(e.to_string()))?.into_rgb8();
+        let pixels = reader.decode().map_err(|e| wrong(kind_of(&e), e.to_string()))?.into_rgb8();
         if pixels.width() == 0 || pixels.height() == 0 {
-            return Err(wrong("it has no pixels".into()));
+            return Err(wrong(ErrorKind::Input, "it has no pixels".into()));
         }
         Ok(Self { pixels })
     }
@@ -51,6 +54,16 @@ impl Picture {
             let [a, b, c, d] = [a, b, c, d].map(|p| f64::from(p[k]) / 255.0);
             (a * (1.0 - fx) + b * fx) * (1.0 - fy) + (c * (1.0 - fx) + d * fx) * fy
         })
+    }
+}
+
+fn kind_of(error: &ImageError) -> ErrorKind {
+    match error {
+        // The picture ends too early.
+        ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => ErrorKind::Input,
+        ImageError::IoError(e) => kind_of_io(e),
+        ImageError::Limits(_) => ErrorKind::Memory,
+        _ => ErrorKind::Input,
     }
 }
 

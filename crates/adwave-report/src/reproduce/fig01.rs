@@ -3,11 +3,12 @@
 use super::draw::{Frame, Sheet};
 use super::numbers::{bands, norms, positions, rms, walk};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
-use adwave::bands::{BandsParams, Schedule};
-use adwave::features::{FeatureParams, features};
+use crate::analysis::{features, saliency};
+use adwave::bands::Schedule;
+use adwave::features::FeatureParams;
 use adwave::filter::{Edit, Gains, Layer, Preset};
 use adwave::region::{Length, Region};
-use adwave::saliency::{SaliencyParams, saliency};
+use adwave::saliency::SaliencyParams;
 use adwave::shape::{bounding_box, diagonal};
 
 const N_VERTICES: usize = 50_000;
@@ -40,15 +41,15 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     ];
     let schedule = Schedule::dyadic(N_LEVELS)?;
     let edit = Edit::new(&layers);
-    let edited = walk.filter(coords, 3, &schedule, &edit, &BandsParams::default(), context.progress)?;
+    let edited = walk.request(coords, 3, &schedule).progress(context.progress).filter(&edit)?;
 
     let mut sheet = Sheet::new(4);
     for j in SHOWN {
-        sheet.push(Frame::moved(&model, positions(&bands.scaling[j]), format!("S_f({j})")));
+        sheet.push(Frame::moved(&model, positions(&bands.scaling(j)), format!("S_f({j})")));
     }
     for j in SHOWN {
-        let size_of_wavelet = norms(&bands.wavelet[j - 1], 3);
-        let frame = Frame::moved(&model, positions(&bands.scaling[j]), format!("|W_f({j})|"));
+        let size_of_wavelet = norms(bands.wavelet(j), 3);
+        let frame = Frame::moved(&model, positions(&bands.scaling(j)), format!("|W_f({j})|"));
         sheet.push(frame.field(&size_of_wavelet, "|W| (model units)"));
     }
     sheet.push(Frame::new(&model, "f: the shape"));
@@ -67,7 +68,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             j.to_string(),
             bands.steps[j].to_string(),
             digits(100.0 * bands.sigma[j] / size),
-            digits(100.0 * rms(&bands.wavelet[j - 1], &zero, 3) / size),
+            digits(100.0 * rms(bands.wavelet(j), &zero, 3) / size),
             found.iter().filter(|f| f.level == j).count().to_string(),
         ]);
     }

@@ -4,33 +4,30 @@ use super::charts::{N_POINTS, line, linear, row};
 use super::numbers::rms;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::Decomposer;
-use adwave::bands::{BandsParams, Schedule};
-use adwave::operator::OperatorParams;
+use adwave::bands::Schedule;
 use adwave_render::plot::Chart;
 
 const LEVELS: [usize; 3] = [0, 3, 6];
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
-    let walk = Decomposer::new(&line()?, &OperatorParams::default());
+    let walk = Decomposer::new(&line()?);
     let f: Vec<f64> = (0..N_POINTS).map(function).collect();
     let schedule = Schedule::dyadic(LEVELS[2])?;
-    let bands = walk.decompose(&f, 1, &schedule, &BandsParams::default(), context.progress)?;
+    let bands = walk.request(&f, 1, &schedule).progress(context.progress).bands()?;
     let mut head = vec!["point".to_owned()];
     head.extend((0..=LEVELS[2]).map(|j| format!("S_f({j})")));
     head.extend((1..=LEVELS[2]).map(|j| format!("W_f({j})")));
     let mut table = Table::new("fig04.csv", "All coefficients", &[]);
     table.head = head;
+    let scaling = bands.all_scaling();
     for x in 0..N_POINTS {
-        let values = bands.scaling.iter().chain(&bands.wavelet).map(|band| digits(band[x]));
+        let values = scaling.chunks_exact(N_POINTS).chain(bands.wavelets()).map(|band| digits(band[x]));
         table.rows.push(std::iter::once(x.to_string()).chain(values).collect());
     }
-    let mut rebuilt = bands.scaling[LEVELS[2]].clone();
-    for wavelet in &bands.wavelet {
-        rebuilt.iter_mut().zip(wavelet).for_each(|(a, b)| *a += b);
-    }
+    let rebuilt = bands.reconstruct();
     let error = rms(&rebuilt, &f, 1);
     let roughness = |s: &[f64]| s.windows(2).map(|w| (w[1] - w[0]).abs()).sum::<f64>();
-    let rough: Vec<f64> = bands.scaling.iter().map(|s| roughness(s)).collect();
+    let rough: Vec<f64> = scaling.chunks_exact(N_POINTS).map(roughness).collect();
     let falls = rough.windows(2).all(|w| w[1] <= w[0]);
     let verdict = Verdict::from_parts(
         &[falls, error < 1e-12],
@@ -42,8 +39,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             digits(error),
         ),
     );
-    let scaling = LEVELS.map(|j| row(format!("S_f({j})"), &bands.scaling[j])).to_vec();
-    let wavelet = [1, LEVELS[1], LEVELS[2]].map(|j| row(format!("W_f({j})"), &bands.wavelet[j - 1])).to_vec();
+    let scaling = LEVELS.map(|j| row(format!("S_f({j})"), &bands.scaling(j))).to_vec();
+    let wavelet = [1, LEVELS[1], LEVELS[2]].map(|j| row(format!("W_f({j})"), bands.wavelet(j))).to_vec();
     let chart = |title: &str, series| Chart {
         title: title.to_owned(),
         x: linear("point"),

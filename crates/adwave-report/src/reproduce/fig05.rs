@@ -47,8 +47,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             j.to_string(),
             shape.steps[j].to_string(),
             digits(100.0 * shape.sigma[j] / size),
-            digits(100.0 * diagonal(&positions(&shape.scaling[j])) / size),
-            digits(100.0 * spread(&field.scaling[j]) / at_first),
+            digits(100.0 * diagonal(&positions(&shape.scaling(j))) / size),
+            digits(100.0 * spread(&field.scaling(j)) / at_first),
         ]);
     }
 
@@ -56,7 +56,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let (low, high) = value_range(&curvature, 0.02, 0.98);
     let mut sheet = Sheet::new(shown.len());
     for j in shown {
-        let points = positions(&shape.scaling[j]);
+        let points = positions(&shape.scaling(j));
         let extent = diagonal(&points) / size;
         let mut frame = Frame::moved(&model, points.clone(), format!("shape, S_f({j})"));
         if extent < 0.02 {
@@ -67,7 +67,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     for j in shown {
         let frame = Frame::new(&model, format!("curvature, S_f({j})"));
-        sheet.push(frame.field_in(&field.scaling[j], "1/model unit", ValueRange::Fixed(low, high)));
+        sheet.push(frame.field_in(&field.scaling(j), "1/model unit", ValueRange::Fixed(low, high)));
     }
 
     let cases = [
@@ -75,7 +75,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             name: model.name.clone(),
             walk: walk_of_model,
             signal: curvature,
-            coarsest: field.scaling[n_levels].clone(),
+            coarsest: field.coarsest().to_vec(),
         },
         two_components(context)?,
     ];
@@ -242,6 +242,6 @@ fn two_components(context: &Context<'_>) -> Result<Case, FigureError> {
     let walk = walk(&both);
     let signal = mean_curvature(&both, &walk)?;
     let n_levels = levels(&walk, diagonal(both.points()));
-    let coarsest = bands(context, &walk, &signal, 1, n_levels)?.scaling.swap_remove(n_levels);
+    let coarsest = bands(context, &walk, &signal, 1, n_levels)?.coarsest().to_vec();
     Ok(Case { name: both.name.clone(), walk, signal, coarsest })
 }

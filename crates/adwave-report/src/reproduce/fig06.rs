@@ -3,7 +3,7 @@
 use super::charts::logarithmic;
 use super::numbers::walk;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
-use adwave::bands::{BandsParams, Schedule};
+use adwave::bands::Schedule;
 use adwave_baselines::harmonics::Harmonics;
 use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
 use adwave_baselines::linalg::EigenParams;
@@ -35,8 +35,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let mut sigma = 0.0;
         for _ in 0..N_RUNS {
             let start = Instant::now();
-            let bands =
-                walk.decompose(model.coordinates(), 3, &schedule, &BandsParams::default(), context.progress)?;
+            let bands = walk.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
             least = least.min(walking + start.elapsed().as_secs_f64());
             sigma = bands.sigma[j];
         }

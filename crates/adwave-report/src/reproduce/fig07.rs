@@ -5,7 +5,6 @@ use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, basis_by_squaring};
-use adwave::operator::OperatorParams;
 use adwave_render::plot::SparsityPattern;
 
 const N_LEVELS: usize = 8;
@@ -13,7 +12,7 @@ const N_LEVELS: usize = 8;
 const SPARSE: f64 = 0.25;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
-    let walk = Decomposer::new(&line()?, &OperatorParams::default());
+    let walk = Decomposer::new(&line()?);
     let params = BasisParams::new(Schedule::dyadic(N_LEVELS)?);
     let basis = basis_by_squaring(walk.diffusion(), &params, context.progress)?
         .in_shape_order(&walk.geometry().vertex_map)?;

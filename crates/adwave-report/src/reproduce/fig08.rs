@@ -3,7 +3,8 @@
 use super::draw::{Frame, Sheet};
 use super::numbers::{bands, correlation, mean_curvature, walk};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
-use adwave::saliency::{SaliencyParams, saliency, saliency_per_level};
+use crate::analysis::{saliency, saliency_per_level};
+use adwave::saliency::SaliencyParams;
 use adwave::shape::diagonal;
 
 const N_VERTICES: usize = 14_000;
@@ -41,7 +42,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut sum = vec![0.0; map.len()];
     let mut likeness = Vec::new();
     for (level, part) in &levels {
-        let size_of_wavelet: Vec<f64> = bands.wavelet[level.level - 1].iter().map(|w| w.abs()).collect();
+        let size_of_wavelet: Vec<f64> = bands.wavelet(level.level).iter().map(|w| w.abs()).collect();
         likeness.push(likeness_of_neighbours(&model.triangles, &size_of_wavelet));
         sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
         table.push([

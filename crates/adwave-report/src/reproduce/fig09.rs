@@ -3,7 +3,8 @@
 use super::draw::{Frame, Sheet};
 use super::numbers::{bands, correlation, mean_curvature, percent, rank_correlation, shared_top, walk};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
-use adwave::saliency::{SaliencyParams, Weighting, saliency};
+use crate::analysis::saliency;
+use adwave::saliency::{SaliencyParams, Weighting};
 use adwave::shape::bounding_box;
 use adwave_baselines::lee::lee_saliency;
 use std::time::Instant;

@@ -3,8 +3,9 @@
 use super::draw::{Frame, Sheet};
 use super::numbers::{bands, percent, walk};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
+use crate::analysis::features;
 use adwave::Decomposer;
-use adwave::features::{Feature, FeatureParams, Response, features};
+use adwave::features::{Feature, FeatureParams, Response};
 use adwave::measure::{Change, Changed, RepeatabilityParams, change, repeatability};
 use adwave::shape::{Shape, diagonal};
 

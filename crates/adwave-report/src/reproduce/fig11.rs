@@ -3,8 +3,9 @@
 use super::draw::{Frame, GREEN, ORANGE, Sheet};
 use super::numbers::{bands, distance, percent, walk};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict};
-use adwave::features::{Feature, FeatureParams, features};
-use adwave::saliency::{SaliencyParams, saliency};
+use crate::analysis::{features, saliency};
+use adwave::features::{Feature, FeatureParams};
+use adwave::saliency::SaliencyParams;
 use adwave::shape::diagonal;
 use adwave::signal::luminance;
 use adwave_baselines::feature_map::{CriticalKind, feature_map};

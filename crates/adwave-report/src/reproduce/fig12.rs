@@ -3,8 +3,9 @@
 use super::draw::{Frame, Sheet};
 use super::numbers::{bands, correlation, rank_correlation, walk};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
-use adwave::features::{FeatureParams, Response, features};
-use adwave::saliency::{SaliencyParams, saliency};
+use crate::analysis::{features, saliency};
+use adwave::features::{FeatureParams, Response};
+use adwave::saliency::SaliencyParams;
 use adwave::sample::{SAMPLE_NAMES, Sample};
 use adwave_io::ShapeFile;
 use std::sync::Arc;
@@ -66,8 +67,11 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             let widths = &split.sigma[1..];
             let schedule = adwave::bands::Schedule::lengths(widths, walk_of_mesh.diffusion().step_length())?;
             let params = adwave::bands::BandsParams::default();
-            let of_mesh =
-                walk_of_mesh.decompose(model.coordinates(), 3, &schedule, &params, context.progress)?;
+            let of_mesh = walk_of_mesh
+                .request(model.coordinates(), 3, &schedule)
+                .params(&params)
+                .progress(context.progress)
+                .bands()?;
             let skip = SaliencyParams::default().skip.min(of_mesh.n_levels() - 1);
             let of_mesh = saliency(&walk_of_mesh, &of_mesh, &SaliencyParams::default().with_skip(skip))?.map;
             (correlation(&map, &of_mesh), rank_correlation(&map, &of_mesh))

@@ -171,8 +171,11 @@ fn edited(
 ) -> Result<Vec<[f64; 3]>, FigureError> {
     let layers = [layer.clone()];
     let (schedule, params) = (Schedule::dyadic(n_levels)?, BandsParams::default());
-    let after =
-        walk.filter(points.as_flattened(), 3, &schedule, &Edit::new(&layers), &params, context.progress)?;
+    let after = walk
+        .request(points.as_flattened(), 3, &schedule)
+        .params(&params)
+        .progress(context.progress)
+        .filter(&Edit::new(&layers))?;
     Ok(positions(&after))
 }
 
@@ -193,7 +196,8 @@ fn measure(
     after: &[[f64; 3]],
     region: &Region,
 ) -> Result<Moved, FigureError> {
-    let weights = region.weights(walk, &|_| None, &[])?;
+    let weights = region.weights(walk.metric(), &|_| None, &[])?;
+    let weights = weights.to_vertices(&walk.geometry().vertex_map);
     let normals = vertex_normals(before, &model.triangles);
     let unit = 100.0 / diagonal(model.points());
     let (mut sum, mut total, mut largest, mut outside, mut n_inside) = (0.0, 0.0, 0.0_f64, 0.0_f64, 0);

@@ -7,6 +7,7 @@ use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset};
 use adwave::region::Region;
 use adwave::shape::{diagonal, vertex_normals};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// As in Table 2 of the paper.
@@ -46,8 +47,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let detail = |points: &[[f64; 3]]| -> Result<[f64; 2], FigureError> {
             let normals = vertex_normals(points, &model.triangles);
             let split = bands(context, &walk, normals.as_flattened(), 3, N_LEVELS)?;
-            let energy = |levels: &[Vec<f64>]| levels.iter().flatten().map(|w| w * w).sum::<f64>();
-            Ok([energy(&split.wavelet[..n_fine]), energy(&split.wavelet[n_fine..N_LEVELS - N_EDGE])])
+            let energy =
+                |levels: Range<usize>| levels.flat_map(|k| split.wavelet(k + 1)).map(|w| w * w).sum::<f64>();
+            Ok([energy(0..n_fine), energy(n_fine..N_LEVELS - N_EDGE)])
         };
         let before = detail(model.points())?;
         sheet.push(Frame::new(model, format!("original {}", model.name)));
@@ -55,7 +57,11 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             let layers = [Layer { gains: Gains::Preset(preset), region: Region::Everywhere {} }];
             let edit = Edit::new(&layers);
             let params = BandsParams::default();
-            let after = walk.filter(model.coordinates(), 3, &schedule, &edit, &params, context.progress)?;
+            let after = walk
+                .request(model.coordinates(), 3, &schedule)
+                .params(&params)
+                .progress(context.progress)
+                .filter(&edit)?;
             let after = positions(&after);
             let now = detail(&after)?;
             let [fine, other] = [now[0] / before[0], now[1] / before[1]];

@@ -33,12 +33,12 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let schedule = Schedule::dyadic(N_LEVELS)?;
     let our_preparing = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let bands = walk.decompose(coords, 3, &schedule, &BandsParams::default(), context.progress)?;
-    let our_low = bands.scaling[N_LEVELS].clone();
+    let bands = walk.request(coords, 3, &schedule).progress(context.progress).bands()?;
+    let our_low = bands.coarsest().to_vec();
     let our_band = {
-        let (fine, coarse) = (&bands.scaling[BAND[0]], &bands.scaling[BAND[1]]);
+        let (fine, coarse) = (&bands.scaling(BAND[0]), &bands.scaling(BAND[1]));
         let raise = |((f, a), b): ((&f64, &f64), &f64)| f + (GAIN - 1.0) * (a - b);
-        coords.iter().zip(fine).zip(coarse).map(raise).collect::<Vec<f64>>()
+        coords.iter().zip(fine.iter()).zip(coarse.iter()).map(raise).collect::<Vec<f64>>()
     };
     let our_filtering = start.elapsed().as_secs_f64();
 
@@ -147,7 +147,9 @@ fn edit_one_half(
     };
     let layers = [Layer { gains: Gains::Preset(Preset::Suppress), region }];
     let (edit, params) = (Edit::new(&layers), BandsParams::default());
-    let after = positions(&walk.filter(coords, 3, schedule, &edit, &params, context.progress)?);
+    let after = positions(
+        &walk.request(coords, 3, schedule).params(&params).progress(context.progress).filter(&edit)?,
+    );
     let moved = points.iter().zip(&after).filter(|(a, b)| a != b).count();
     Ok(moved as f64 / points.len().max(1) as f64)
 }

@@ -1,8 +1,8 @@
 //! The paper's models, found by name in folders that the user has.
 
 use adwave::sample::{Sample, SampleError};
-use adwave::shape::{Mesh, PointCloud, Shape, ShapeError, triangulate};
-use adwave_io::{Format, ReadError, ReadLimits, ShapeFile, read_path};
+use adwave::shape::{Shape, triangulate};
+use adwave_io::{Format, ReadError, ReadLimits, ShapeFile, ShapeFileError, ShapeKind, read_path};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -65,7 +65,7 @@ pub enum ModelError {
         /// Its file.
         path: String,
         /// Why.
-        source: ShapeError,
+        source: ShapeFileError,
     },
     /// A built-in shape cannot be made.
     #[error(transparent)]
@@ -110,7 +110,7 @@ impl Model {
     #[must_use]
     pub fn moved(&self, name: &str, points: Vec<[f64; 3]>) -> Self {
         let mut file = self.file.clone();
-        file.set_points(points);
+        file.set_points(points).expect("one position per vertex");
         Self::new(name.to_owned(), file, None).expect("as many finite points with the same faces")
     }
 
@@ -128,18 +128,14 @@ impl Model {
     /// A shape that was put together.
     ///
     /// # Errors
-    /// [`ShapeError`].
-    pub fn from_file(name: &str, file: ShapeFile) -> Result<Self, ShapeError> {
+    /// [`ShapeFileError`].
+    pub fn from_file(name: &str, file: ShapeFile) -> Result<Self, ShapeFileError> {
         Self::new(name.to_owned(), file, None)
     }
 
-    fn new(name: String, file: ShapeFile, path: Option<PathBuf>) -> Result<Self, ShapeError> {
-        let points = file.points().to_vec();
-        let shape = if file.faces().is_empty() {
-            Shape::Cloud(PointCloud::new(points)?)
-        } else {
-            Shape::Mesh(Mesh::new(points, file.faces().clone())?)
-        };
+    fn new(name: String, file: ShapeFile, path: Option<PathBuf>) -> Result<Self, ShapeFileError> {
+        let kind = if file.faces().is_empty() { ShapeKind::Cloud } else { ShapeKind::Mesh };
+        let shape = file.to_shape_as(kind)?;
         let triangles = triangulate(file.points(), file.faces());
         Ok(Self { name, file, path, shape, triangles })
     }

@@ -2,13 +2,12 @@
 
 use super::{Context, FigureError, Model};
 use adwave::Decomposer;
-use adwave::bands::{Bands, BandsParams, Schedule};
-use adwave::operator::OperatorParams;
+use adwave::bands::{Bands, Schedule};
 use adwave::signal::{SurfaceSignal, surface_signal};
 
 /// The walk of a model as the paper has it.
 pub(super) fn walk(model: &Model) -> Decomposer {
-    Decomposer::new(&model.shape, &OperatorParams::default())
+    Decomposer::new(&model.shape)
 }
 
 /// The bands of a signal on dyadic levels.
@@ -20,7 +19,7 @@ pub(super) fn bands(
     n_levels: usize,
 ) -> Result<Bands, FigureError> {
     let schedule = Schedule::dyadic(n_levels)?;
-    Ok(walk.decompose(signal, n_channels, &schedule, &BandsParams::default(), context.progress)?)
+    Ok(walk.request(signal, n_channels, &schedule).progress(context.progress).bands()?)
 }
 
 /// The mean curvature of a mesh or cloud, in 1/model unit.

@@ -3,9 +3,10 @@
 use super::charts::{logarithmic, named};
 use super::numbers::walk;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
-use adwave::bands::{BandsParams, Schedule};
+use crate::analysis::features;
+use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, basis, basis_by_squaring};
-use adwave::features::{FeatureParams, features};
+use adwave::features::FeatureParams;
 use adwave_render::plot::{Chart, Mark, Series};
 use std::time::Instant;
 
@@ -61,8 +62,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let fast = start.elapsed().as_secs_f64();
         let schedule = Schedule::dyadic(n_levels)?;
         let start = Instant::now();
-        let bands =
-            walk.decompose(model.coordinates(), 3, &schedule, &BandsParams::default(), context.progress)?;
+        let bands = walk.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
         let ours = prepared + start.elapsed().as_secs_f64();
         let start = Instant::now();
         let found = features(&walk, &bands, &FeatureParams::default());

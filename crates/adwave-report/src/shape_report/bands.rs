@@ -78,9 +78,9 @@ impl Spread {
         let (bands, areas) = (subject.bands, subject.walk.areas());
         let about_mean = |signal: &[f64]| about_mean(signal, bands.n_channels, &areas);
         Self {
-            total: about_mean(&bands.scaling[0]),
-            rest: about_mean(&bands.scaling[bands.n_levels()]),
-            bands: bands.energy(&areas),
+            total: about_mean(subject.values),
+            rest: about_mean(bands.coarsest()),
+            bands: bands.energy(&areas).expect("one area per vertex"),
         }
     }
 }
@@ -103,13 +103,14 @@ fn about_mean(signal: &[f64], n_channels: usize, areas: &[f64]) -> f64 {
 fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
     let bands = subject.bands;
     // Rounding alone leaves a constant signal a spread of about 1e-32 of its square.
-    let size = bands.scaling[0].iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+    let size = subject.values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
     let constant = spread.total <= (1e-13 * size).powi(2);
     let all: f64 = spread.bands.iter().sum();
     let share = |energy: f64, of: f64| if constant { f64::NAN } else { energy / of };
     (1..=bands.n_levels())
         .map(|level| {
-            let max = bands.wavelet[level - 1]
+            let max = bands
+                .wavelet(level)
                 .chunks_exact(bands.n_channels)
                 .map(|row| row.iter().map(|w| w * w).sum::<f64>())
                 .filter(|square| square.is_finite())
@@ -204,8 +205,8 @@ fn chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<Figure>,
 /// How much is left of a signal after each level; for the shape itself it is nearly all.
 fn decay(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
     let (bands, areas) = (subject.bands, subject.walk.areas());
-    let rms = |signal: &Vec<f64>| about_mean(signal, bands.n_channels, &areas).sqrt();
-    let left: Vec<f64> = bands.scaling.iter().map(rms).collect();
+    let rms = |signal: &[f64]| about_mean(signal, bands.n_channels, &areas).sqrt();
+    let left: Vec<f64> = bands.all_scaling().chunks_exact(subject.values.len()).map(rms).collect();
     let (first, last) = (left[0], left[bands.n_levels()]);
     if subject.is_geometry() || !(first > 0.0 && left.iter().all(|v| v.is_finite())) {
         return Ok(None);
@@ -250,7 +251,8 @@ fn plotted(chart: &Chart, alt: &str, caption: String) -> Result<Figure, String> 
 
 fn smoothed(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figure>, String> {
     let bands = subject.bands;
-    let scale = Scale::of(&subject.scalar(&bands.scaling[0]));
+    let scale = Scale::of(&subject.scalar(subject.values));
+    let scaling = bands.all_scaling();
     let frames: Vec<Frame<'_>> = shown(bands.n_levels())
         .into_iter()
         .map(|j| {
@@ -258,9 +260,9 @@ fn smoothed(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figure
                 format!("S_{j}, after {}: {}.", steps(bands.steps[j]), width(subject, bands.sigma[j]));
             let frame = Frame::plain(format!("{} smoothed to level {j}", subject.signal), caption);
             if subject.is_geometry() {
-                frame.at(bands.scaling[j].as_chunks().0)
+                frame.at(scaling[(j * subject.values.len())..][..subject.values.len()].as_chunks().0)
             } else {
-                let values = subject.scalar(&bands.scaling[j]);
+                let values = subject.scalar(&bands.scaling(j));
                 frame.field(FieldLook::new(values, subject.scalar_name(), scale))
             }
         })
@@ -273,7 +275,7 @@ fn magnitudes(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figu
     let frames: Vec<Frame<'_>> = shown(bands.n_levels())
         .into_iter()
         .map(|j| {
-            let values = subject.scalar(&bands.wavelet[j - 1]);
+            let values = subject.scalar(bands.wavelet(j));
             let signed = bands.n_channels == 1;
             let scale = if signed { Scale::of(&values) } else { Scale::from_zero(&values, 0.99) };
             let name = if signed { format!("W_{j}") } else { format!("|W_{j}|") };

@@ -3,9 +3,10 @@
 use super::Subject;
 use super::drawing::{Frame, Studio};
 use super::place::Places;
+use crate::analysis::features;
 use crate::page::{Block, Figure, Legend, Section};
 use crate::table::{NONE, Table, digits};
-use adwave::features::{Feature, FeatureParams, features};
+use adwave::features::{Feature, FeatureParams};
 use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
 

@@ -46,6 +46,8 @@ pub struct Subject<'a> {
     pub walk: &'a Decomposer,
     /// The name of the signal: [`COORDS`], or that of a field.
     pub signal: &'a str,
+    /// The signal: n_vertices × n_channels, in the order of the shape.
+    pub values: &'a [f64],
     /// The signal's bands.
     pub bands: &'a Bands,
     /// Why there are so many levels.

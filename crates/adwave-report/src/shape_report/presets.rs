@@ -63,8 +63,8 @@ fn edit(subject: &Subject<'_>, name: &'static str, preset: Preset) -> Edited {
     let (bands, n_channels) = (subject.bands, subject.bands.n_channels);
     let gains = preset.gains(bands.n_levels());
     let start = Instant::now();
-    let mut values = bands.scaling[0].clone();
-    for (gain, band) in gains.iter().zip(&bands.wavelet) {
+    let mut values = subject.values.to_vec();
+    for (gain, band) in gains.iter().zip(bands.wavelets()) {
         if *gain != 1.0 {
             let factor = gain - 1.0;
             values.par_iter_mut().zip(band).with_min_len(1 << 14).for_each(|(v, w)| *v += factor * w);
@@ -75,7 +75,7 @@ fn edit(subject: &Subject<'_>, name: &'static str, preset: Preset) -> Edited {
         after.iter().zip(before).map(|(a, b)| (a - b).powi(2)).sum()
     };
     let squares: Vec<f64> =
-        values.chunks_exact(n_channels).zip(bands.scaling[0].chunks_exact(n_channels)).map(change).collect();
+        values.chunks_exact(n_channels).zip(subject.values.chunks_exact(n_channels)).map(change).collect();
     let known = || squares.iter().enumerate().filter(|(_, s)| s.is_finite());
     let furthest = known().max_by(|a, b| a.1.total_cmp(b.1)).filter(|(_, square)| **square > 0.0);
     let mean = known().map(|(_, s)| s).sum::<f64>() / known().count().max(1) as f64;
@@ -106,7 +106,7 @@ fn pictures(
     studio: &mut Studio<'_>,
     edited: &[Edited],
 ) -> Result<Vec<Figure>, String> {
-    let original = subject.scalar(&subject.bands.scaling[0]);
+    let original = subject.scalar(subject.values);
     let scale = Scale::of(&original);
     let frame = |values: &[f64], alt: String, caption: String| {
         let frame = Frame::plain(alt, caption);
@@ -117,7 +117,7 @@ fn pictures(
         }
     };
     let mut frames =
-        vec![frame(&subject.bands.scaling[0], format!("{} as it is", subject.name), "As it is.".to_owned())];
+        vec![frame(subject.values, format!("{} as it is", subject.name), "As it is.".to_owned())];
     for Edited { summary, values } in edited {
         let name = summary.name;
         frames.push(frame(

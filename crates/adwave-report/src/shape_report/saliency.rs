@@ -3,9 +3,10 @@
 use super::Subject;
 use super::drawing::{FieldLook, Frame, Scale, Studio};
 use super::place::{Places, patches, vertex_of};
+use crate::analysis::saliency;
 use crate::page::{Block, Section};
 use crate::table::{NONE, Table};
-use adwave::saliency::{SaliencyParams, saliency};
+use adwave::saliency::SaliencyParams;
 use adwave_render::value_range;
 use std::time::Instant;
 
@@ -51,7 +52,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let threshold = value_range(&by_class, 0.0, 1.0 - TOP).1;
     let found = patches(subject, &by_class, threshold);
     // What rounding leaves of a signal without details is no place that stands out.
-    let size = subject.bands.scaling[0].iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+    let size = subject.values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
     if sum <= (1e-12 * size).powi(3) || found.is_empty() {
         section.note("The map is the same everywhere: nothing stands out.");
         return (

@@ -27,7 +27,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
         );
         studio.draw_both(vec![plain()], vec![behind])
     } else {
-        let values = subject.scalar(&subject.bands.scaling[0]);
+        let values = subject.scalar(subject.values);
         let look = || {
             let scale = Scale::of(&values);
             FieldLook::new(values.clone(), subject.scalar_name(), scale)

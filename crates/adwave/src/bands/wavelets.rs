@@ -1,7 +1,7 @@
 //! Wavelet coefficients in the analysis order, for all that measures and edits them.
 
 use super::error::check_signal;
-use super::{BandsError, BandsInfo, Schedule, Transform};
+use super::{Bands, BandsError, BandsInfo, Schedule, Transform};
 use crate::shape::VertexMap;
 use crate::sparse::zeros;
 use crate::{Progress, parallel};
@@ -87,6 +87,32 @@ fn norms(rows: &[f64], d: usize) -> Vec<f64> {
         }
     });
     norms
+}
+
+impl Bands {
+    /// The wavelet coefficients in the analysis order; of a welded vertex the mean over its members that have a value.
+    /// O(n × levels × channels).
+    pub fn to_wavelets(&self, vertex_map: &VertexMap) -> Wavelets {
+        let d = self.n_channels;
+        let mut count = vec![0_u32; vertex_map.n_welded() * d];
+        let level = |band: &[f64]| {
+            let mut sum = zeros(vertex_map.n_welded() * d);
+            count.fill(0);
+            for (row, &x) in band.chunks_exact(d).zip(vertex_map.as_slice()) {
+                for (c, w) in row.iter().enumerate().filter(|(_, w)| !w.is_nan()) {
+                    sum[x as usize * d + c] += w;
+                    count[x as usize * d + c] += 1;
+                }
+            }
+            for (value, &n) in sum.iter_mut().zip(&count).filter(|(_, n)| **n != 1) {
+                *value /= f64::from(n);
+            }
+            sum
+        };
+        let levels = self.wavelets().map(level).collect();
+        let (steps, sigma, info) = (self.steps.clone(), self.sigma.clone(), self.info.clone());
+        Wavelets { n_channels: d, steps, sigma, levels, info }
+    }
 }
 
 impl Transform {

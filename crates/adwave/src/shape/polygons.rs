@@ -42,6 +42,26 @@ impl Polygons {
         Self { offsets: (0..=n).map(|f| 3 * f).collect(), corners: triangles.as_flattened().to_vec() }
     }
 
+    /// Faces from their two lists, without a copy: face `f` has the corners `corners[offsets[f]..offsets[f + 1]]`. Nothing
+    /// where the offsets do not begin at 0, grow, and end at the number of corners.
+    ///
+    /// ```
+    /// use adwave::shape::Polygons;
+    /// let faces = Polygons::from_parts(vec![0, 3, 5], vec![0, 1, 2, 2, 3]).unwrap();
+    /// assert_eq!(faces.get(1), [2, 3]);
+    /// assert_eq!(faces.into_parts(), (vec![0, 3, 5], vec![0, 1, 2, 2, 3]));
+    /// assert!(Polygons::from_parts(vec![0, 3], vec![0, 1]).is_none());
+    /// ```
+    pub fn from_parts(offsets: Vec<u32>, corners: Vec<u32>) -> Option<Self> {
+        let ends = (offsets.first().copied(), offsets.last().map(|&end| end as usize));
+        (ends == (Some(0), Some(corners.len())) && offsets.is_sorted()).then_some(Self { offsets, corners })
+    }
+
+    /// The offsets and the corners, without a copy; see [`from_parts`](Self::from_parts).
+    pub fn into_parts(self) -> (Vec<u32>, Vec<u32>) {
+        (self.offsets, self.corners)
+    }
+
     /// Adds a face at the end.
     ///
     /// # Panics

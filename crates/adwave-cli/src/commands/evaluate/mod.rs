@@ -6,11 +6,11 @@ use crate::analysis::Analysis;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{bands_params, print, table};
+use crate::progress::prepare;
 use crate::shape_input::Input;
 use crate::signal;
-use adwave::Decomposer;
 use adwave::bands::{DEFAULT_REACH, Schedule};
-use adwave::features::{FEATURE_REACH, Feature, features};
+use adwave::features::{FEATURE_REACH, Feature, Response, features};
 use adwave::measure::{
     Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
     repeatability,
@@ -25,10 +25,10 @@ pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliErr
     args.detect.params(&args.border).check().map_err(CliError::input)?;
     args.map.params(&args.border).check().map_err(CliError::input)?;
     let reach = if args.against.is_some() { DEFAULT_REACH } else { FEATURE_REACH };
-    let analysis = Analysis::new(&args.shape, &args.field, &args.levels, reach, global)?;
+    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, reach, global)?;
     match &args.against {
-        Some(looks) => against(args, global, &analysis, looks),
-        None => again(args, global, &analysis),
+        Some(looks) => against(args, global, &mut analysis, looks),
+        None => again(args, global, &mut analysis),
     }
 }
 
@@ -36,9 +36,10 @@ pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliErr
 fn against(
     args: &EvaluateArgs,
     global: &Global<'_>,
-    analysis: &Analysis,
+    analysis: &mut Analysis,
     looks: &str,
 ) -> Result<(), CliError> {
+    let wavelets = analysis.wavelets(global, None)?;
     let one_channel = |name: &str| {
         let signal = signal::load(&analysis.input, name)?;
         if signal.n_channels != 1 {
@@ -47,8 +48,8 @@ fn against(
         Ok(signal.values)
     };
     let looks = one_channel(looks)?;
-    let own = saliency(&analysis.walk, &analysis.bands, &args.map.params(&args.border))
-        .map_err(CliError::input)?
+    let own = saliency(&analysis.walk, &wavelets, &args.map.params(&args.border), global.progress())
+        .map_err(CliError::classified)?
         .map;
     let control = analysis.input.shape.points().map(centre_distance);
     let mut maps = vec![(format!("saliency of {}", args.field.field), own)];
@@ -77,7 +78,7 @@ fn against(
     );
     let json = json!({
         "shape": analysis.input.name,
-        "levels": analysis.bands.n_levels(),
+        "levels": analysis.schedule.n_levels(),
         "maps": rows.iter().map(|(name, a)| json!({
             "map": name, "vertices": a.n_vertices, "looked_at": a.n_positive, "auc": a.auc, "nss": a.nss,
             "correlation": a.correlation, "partial_correlation": a.partial_correlation,
@@ -87,8 +88,8 @@ fn against(
 }
 
 /// Repeatability under changes.
-fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &Analysis) -> Result<(), CliError> {
-    let reference = find(args, analysis)?;
+fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<(), CliError> {
+    let reference = find(args, global, analysis)?;
     let mut rows: Vec<(String, Vec<LevelRepeatability>)> = Vec::new();
     let percents = args.percents.iter().map(|p| (format!("noise {p} %"), Some(p / 100.0)));
     let kinds = percents.chain([("rotation".to_owned(), None)]);
@@ -127,8 +128,8 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &Analysis) -> Resul
     let text = analysis.headline(&args.field.field) + "\n" + &repeatability_table(&reference, &rows);
     let json = json!({
         "shape": analysis.input.name,
-        "levels": analysis.bands.n_levels(),
-        "sigma": analysis.bands.sigma,
+        "levels": analysis.schedule.n_levels(),
+        "sigma": analysis.sigma(),
         "features": reference.len(),
         "runs": args.runs.max(1),
         "changes": rows.iter().map(|(name, levels)| json!({
@@ -169,8 +170,10 @@ fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatab
     text
 }
 
-fn find(args: &EvaluateArgs, analysis: &Analysis) -> Result<Vec<Feature>, CliError> {
-    features(&analysis.walk, &analysis.bands, &args.detect.params(&args.border)).map_err(CliError::input)
+fn find(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<Vec<Feature>, CliError> {
+    let params = args.detect.params(&args.border);
+    let wavelets = analysis.wavelets(global, Some(params.response))?;
+    features(&analysis.walk, &wavelets, &params, global.progress()).map_err(CliError::classified)
 }
 
 /// The features of a changed shape, on levels of the same widths.
@@ -181,7 +184,7 @@ fn find_again(
     changed: &Changed,
 ) -> Result<Vec<Feature>, CliError> {
     let shape = &changed.shape;
-    let walk = Decomposer::new(shape, &args.shape.operator());
+    let walk = prepare(global, shape, &args.shape.operator())?;
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
     let is_own = ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]
         .contains(&args.field.field.as_str());
@@ -191,7 +194,7 @@ fn find_again(
         let signal = signal::load(&input, &args.field.field)?;
         (signal.n_channels, signal.values)
     } else if same_vertices {
-        (analysis.bands.n_channels, analysis.bands.scaling[0].clone())
+        (analysis.signal.n_channels, analysis.signal.values.clone())
     } else {
         // A field of the file is not known at other vertices.
         return Ok(Vec::new());
@@ -201,7 +204,7 @@ fn find_again(
         None => walk,
     };
     let step = changed.length_before(walk.diffusion().step_length());
-    let sigma = &analysis.bands.sigma[1..];
+    let sigma = &analysis.sigma()[1..];
     let dyadic = args.levels.steps.is_none() && args.levels.lengths.is_none() && args.levels.voices.is_none();
     let schedule = if dyadic {
         let octaves = 2.0 * (sigma[sigma.len() - 1] / step).log2();
@@ -210,6 +213,8 @@ fn find_again(
         Schedule::lengths(sigma, step)?
     };
     let params = bands_params(&args.levels)?;
-    let bands = walk.decompose(&values, n_channels, &schedule, &params, global.progress())?;
-    features(&walk, &bands, &args.detect.params(&args.border)).map_err(CliError::input)
+    let request = walk.request(&values, n_channels, &schedule).params(&params).progress(global.progress());
+    let params = args.detect.params(&args.border);
+    let wavelets = if params.response == Response::Channels { request.wavelets() } else { request.norms() }?;
+    features(&walk, &wavelets, &params, global.progress()).map_err(CliError::classified)
 }

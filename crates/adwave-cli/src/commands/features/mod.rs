@@ -59,13 +59,15 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
 }
 
 fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &Global<'_>) -> Result<Found, CliError> {
-    let analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_REACH, global)?;
+    let mut analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_REACH, global)?;
+    let params = args.detect.params(&args.border);
+    let wavelets = analysis.wavelets(global, Some(params.response))?;
     let start = Instant::now();
-    let features = features(&analysis.walk, &analysis.bands, &args.detect.params(&args.border))
-        .map_err(CliError::input)?;
+    let features =
+        features(&analysis.walk, &wavelets, &params, global.progress()).map_err(CliError::classified)?;
     let seconds = start.elapsed().as_secs_f64();
     let descriptors = if args.descriptors || args.other.is_some() {
-        describe(&analysis.walk, &analysis.bands, &features)
+        describe(&analysis.walk, &wavelets, &features)
     } else {
         Vec::new()
     };
@@ -96,14 +98,14 @@ fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) 
     let analysis = &found.analysis;
     let mut text = analysis.headline(&args.field.field);
     if found.features.is_empty() {
-        let _ = writeln!(text, "no features: {}", what_to_try(args, analysis.bands.n_channels));
+        let _ = writeln!(text, "no features: {}", what_to_try(args, analysis.signal.n_channels));
     } else {
         let n = found.features.len();
         let _ = writeln!(text, "{n} feature{}\n", if n == 1 { "" } else { "s" });
         text += &table(
             ["level", "sigma", "% of diagonal", "features"],
             by_level(&found.features).into_iter().map(|(level, count)| {
-                let sigma = analysis.bands.sigma[level];
+                let sigma = analysis.sigma()[level];
                 [level.to_string(), number(sigma), number(analysis.percent(sigma)), count.to_string()]
             }),
         );
@@ -169,10 +171,10 @@ fn report(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>
     let one = |found: &Found| {
         json!({
             "shape": found.analysis.input.name,
-            "vertices": found.analysis.bands.n_vertices,
+            "vertices": found.analysis.walk.n_vertices(),
             "levels_reason": found.analysis.why,
-            "steps": steps_json(&found.analysis.bands.steps),
-            "sigma": found.analysis.bands.sigma,
+            "steps": steps_json(&found.analysis.schedule.steps_from_zero()),
+            "sigma": found.analysis.sigma(),
             "features": found.features.iter().enumerate().map(|(k, f)| {
                 let mut json = feature_json(f);
                 if let Some(descriptor) = found.descriptors.get(k) {
@@ -249,7 +251,7 @@ fn write_spheres(path: &Path, found: &Found, global: &Global<'_>) -> Result<(), 
     let at = |value: &dyn Fn(&Feature) -> f64| -> Vec<f64> {
         spheres.feature_of.iter().map(|&k| value(&found.features[k as usize])).collect()
     };
-    let last = found.analysis.bands.n_levels() as f64;
+    let last = found.analysis.schedule.n_levels() as f64;
     let levels = at(&|f| f.level as f64);
     let color = ColorMap::from_name("turbo").expect("a name of the list").colors(&levels, 1.0, last);
     let numbers: [(&str, Vec<f64>); 5] = [
@@ -260,8 +262,8 @@ fn write_spheres(path: &Path, found: &Found, global: &Global<'_>) -> Result<(), 
         ("strength", at(&|f| f.strength)),
     ];
     for (name, values) in numbers {
-        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values)));
+        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values)))?;
     }
-    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)));
+    file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)))?;
     write_shape(global, &file, path).map(|_| ())
 }

@@ -8,12 +8,12 @@ use crate::output::{
     bands_params, check_writable, format_of, note, number, print, schedule, steps_json, write_error,
     write_shape,
 };
-use crate::progress::{with_progress, with_spinner};
+use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, COORDS};
 use adwave::Decomposer;
 use adwave::bands::Schedule;
-use adwave::filter::{Displacement, Edit, Gains, Layer, Preset, displacement};
+use adwave::filter::{Displacement, Edit, FilterError, Gains, Layer, Preset, displacement};
 use adwave::region::Region;
 use adwave::shape::{Shape, enclosed_volume, triangulate, vertex_normals};
 use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
@@ -44,15 +44,18 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
             input.name
         )));
     }
-    let decomposer =
-        with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
     let decomposer = signal::mask(decomposer, &signal, &field, global)?;
     let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer)?;
     let names = signal::field_names(&input.file);
     let lookup = |name: &str| signal::field(&input.file, name);
     let edit = Edit::new(&layers).with_fields(&lookup, &names);
+    // By the object that an interactive edit uses too, so that a recipe gives the same bits everywhere.
     let edited = with_progress(global, "filtering", |progress| {
-        decomposer.filter(&signal.values, signal.n_channels, &schedule, &edit, &params, progress)
+        let request = decomposer.request(&signal.values, signal.n_channels, &schedule);
+        let mut editor = request.params(&params).progress(progress).editor()?;
+        editor.set_edit(&edit)?;
+        Ok::<Vec<f64>, FilterError>(editor.into_edited())
     })?;
 
     let mut text =
@@ -77,14 +80,14 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
             "max_percent": 100.0 * moved.max / decomposer.diagonal().max(f64::MIN_POSITIVE),
         });
         report["volume"] = json!(volumes.map(|(before, after)| json!({"before": before, "after": after})));
-        input.file.set_points(points);
-        refresh_normals(args, global, &mut input);
+        input.file.set_points(points)?;
+        refresh_normals(args, global, &mut input)?;
     } else {
         let change = change(&signal.values, &edited);
         let _ = writeln!(text, "{field} changed by {} (rms), {} at most", number(change.0), number(change.1));
         report["changed"] = json!({"rms": change.0, "max": change.1});
         let old = input.file.field(&field).expect("the field that was filtered");
-        input.file.add_vertex_field(old.with_values_rounded(&edited));
+        input.file.add_vertex_field(old.with_values_rounded(&edited))?;
     }
     with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
     let _ = writeln!(text, "{}", args.output.display());
@@ -178,14 +181,15 @@ fn change(before: &[f64], after: &[f64]) -> (f64, f64) {
 }
 
 /// Computes the file's normals anew where that is asked for, or says that they are the old ones.
-fn refresh_normals(args: &FilterArgs, global: &Global<'_>, input: &mut Input) {
-    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return };
+fn refresh_normals(args: &FilterArgs, global: &Global<'_>, input: &mut Input) -> Result<(), CliError> {
+    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return Ok(()) };
     if args.update_normals {
         let triangles = triangulate(input.file.points(), mesh.faces());
         let normals = vertex_normals(input.file.points(), &triangles);
         let field = field.with_values_rounded(normals.as_flattened());
-        input.file.add_vertex_field(field);
+        input.file.add_vertex_field(field)?;
     } else {
         note(global, "the normals are those of the input; --update-normals computes them anew");
     }
+    Ok(())
 }

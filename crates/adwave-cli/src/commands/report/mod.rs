@@ -12,6 +12,7 @@ use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::load;
 use crate::signal::{default_name, field_names};
 use crate::stopwatch::Stopwatch;
+use adwave::bands::Bands;
 use adwave::features::FEATURE_REACH;
 use adwave_io::{Format, atomic_write};
 use adwave_render::Up;
@@ -29,9 +30,10 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let field = args.field.clone().unwrap_or_else(|| default_name(&input).to_owned());
     let signal = FieldArgs { field: field.clone(), texture: args.texture.clone() };
-    let analysis =
+    let mut analysis =
         Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, FEATURE_REACH, global)?;
-    let report = report(args, global, &analysis, &field)?;
+    let bands = analysis.bands(global)?;
+    let report = report(args, global, &analysis, &bands, &field)?;
     let html = report.page.html();
     atomic_write(&args.output, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;
     let seconds = start.elapsed().as_secs_f64();
@@ -54,6 +56,7 @@ fn report(
     args: &ReportArgs,
     global: &Global<'_>,
     analysis: &Analysis,
+    bands: &Bands,
     field: &str,
 ) -> Result<ShapeReport, CliError> {
     let input = &analysis.input;
@@ -68,7 +71,8 @@ fn report(
         shape: &input.shape,
         walk: &analysis.walk,
         signal: if input.file.field(field).is_some() { field } else { signal_name(field) },
-        bands: &analysis.bands,
+        values: &analysis.signal.values,
+        bands,
         levels_reason: &analysis.why,
         command: &command_line(global.arguments),
         seconds: &[("reading", seconds.read), ("walk", seconds.walk), ("bands", seconds.bands)],

@@ -1,0 +1,3 @@
+//! GIFTI: surfaces and values on them, read only.
+
+pub(crate) mod read;

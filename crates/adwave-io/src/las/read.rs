@@ -1,0 +1,158 @@
+//! LAS 1.0 – 1.4 and its compressed form LAZ.
+//!
+//! The header and the point records are parsed here, since every field of a record is wanted in its own type, bits
+//! and extra bytes included, and no number of the header may be believed. The library `laz` unpacks compressed
+//! records; what it would trust blindly is checked first in [`crate::laz_check`].
+
+use adwave::Progress;
+
+use crate::las::fields::{ExtraBytes, Records, fields};
+use crate::progress::collect;
+use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
+
+/// What is needed of the header.
+pub(crate) struct Header {
+    pub(crate) format: u8,
+    pub(crate) record_bytes: usize,
+    pub(crate) n_points: u64,
+    pub(crate) points_start: usize,
+    scale: [f64; 3],
+    offset: [f64; 3],
+    is_compressed: bool,
+}
+
+/// A variable-length record of the header.
+struct Record<'a> {
+    user: &'a [u8],
+    id: u16,
+    content: &'a [u8],
+}
+
+fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
+    Some(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?))
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
+    Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
+    Some(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?))
+}
+
+fn f64_at(bytes: &[u8], at: usize) -> Option<f64> {
+    u64_at(bytes, at).map(f64::from_bits)
+}
+
+/// Reads a LAS or LAZ.
+pub(crate) fn read_las(
+    bytes: &[u8],
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    let header = parse_header(bytes).ok_or_else(|| ReadError::Truncated {
+        end: bytes.len() as u64,
+        needed: 227,
+        element: "header".into(),
+        row: 0,
+    })?;
+    check_header(bytes, &header)?;
+    limits.check_points(header.n_points)?;
+    let records = variable_records(bytes);
+    let unpacked;
+    let points = if header.is_compressed {
+        limits.check_bytes(header.n_points.saturating_mul(header.record_bytes as u64))?;
+        let own = |r: &&Record<'_>| r.user.starts_with(b"laszip encoded") && r.id == 22204;
+        let Some(record) = records.iter().find(own) else {
+            return Err(ReadError::Whole(
+                "the LAZ has no record of its compression; get an unbroken file".into(),
+            ));
+        };
+        unpacked = crate::las::laz::unpack(bytes, &header, record.content, progress)?;
+        unpacked.as_slice()
+    } else {
+        &bytes[header.points_start..]
+    };
+    let extra = |r: &&Record<'_>| r.user.starts_with(b"LASF_Spec") && r.id == 4;
+    let extra = ExtraBytes::parse(records.iter().find(extra).map_or(&[], |r| r.content));
+    let n = header.n_points as usize;
+    let n = n.min(points.len() / header.record_bytes);
+    let row = |i: usize| &points[i * header.record_bytes..][..header.record_bytes];
+    let coordinate = |row: &[u8], axis: usize| {
+        let whole = u32_at(row, 4 * axis).map_or(0, u32::cast_signed);
+        f64::from(whole) * header.scale[axis] + header.offset[axis]
+    };
+    let mut shape =
+        ShapeFile::from_cloud(collect(n, progress, |i| [0, 1, 2].map(|axis| coordinate(row(i), axis)))?);
+    shape.format = Some(if header.is_compressed { Format::Laz } else { Format::Las });
+    shape.precision = Precision::F64;
+    shape.vertex_fields = fields(
+        header.format,
+        &Records { bytes: points, record_bytes: header.record_bytes, n, progress },
+        &extra,
+    )?;
+    shape.extras.push("the LAS header and its records".into());
+    Ok(shape)
+}
+
+fn parse_header(bytes: &[u8]) -> Option<Header> {
+    let minor = *bytes.get(25)?;
+    let format_byte = *bytes.get(104)?;
+    let legacy = u64::from(u32_at(bytes, 107)?);
+    // From 1.4 on there is a 64-bit count; older programs leave it out of their shorter header.
+    let long = if minor >= 4 && u16_at(bytes, 94)? >= 255 { u64_at(bytes, 247)? } else { 0 };
+    let triple = |at: usize| Some([f64_at(bytes, at)?, f64_at(bytes, at + 8)?, f64_at(bytes, at + 16)?]);
+    // The header goes on to byte 227 in every version.
+    bytes.get(226)?;
+    Some(Header {
+        format: format_byte & 0x3f,
+        record_bytes: usize::from(u16_at(bytes, 105)?),
+        n_points: if long > 0 { long } else { legacy },
+        points_start: u32_at(bytes, 96)? as usize,
+        scale: triple(131)?,
+        offset: triple(155)?,
+        is_compressed: format_byte & 0x80 != 0,
+    })
+}
+
+fn check_header(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
+    let Some(least) = crate::las::fields::record_bytes(header.format) else {
+        let message =
+            format!("point format {} is none of LAS's 0 to 10; get an unbroken file", header.format);
+        return Err(ReadError::at_byte(104, message));
+    };
+    if header.record_bytes < least {
+        let message =
+            format!("records of {} bytes are too short for format {}", header.record_bytes, header.format);
+        return Err(ReadError::at_byte(105, message));
+    }
+    let remaining = bytes.len().saturating_sub(header.points_start) as u64;
+    let needed = header.n_points.saturating_mul(header.record_bytes as u64);
+    if header.points_start > bytes.len() || (!header.is_compressed && remaining < needed) {
+        return Err(ReadError::Truncated {
+            end: bytes.len() as u64,
+            needed: (header.points_start as u64).saturating_add(needed),
+            element: "point".into(),
+            row: remaining / header.record_bytes as u64,
+        });
+    }
+    Ok(())
+}
+
+/// The records between header and points, as many as are whole.
+fn variable_records(bytes: &[u8]) -> Vec<Record<'_>> {
+    let mut records = Vec::new();
+    let mut at = usize::from(u16_at(bytes, 94).unwrap_or(0));
+    for _ in 0..u32_at(bytes, 100).unwrap_or(0) {
+        let (Some(user), Some(id), Some(n)) =
+            (bytes.get(at + 2..at + 18), u16_at(bytes, at + 18), u16_at(bytes, at + 20))
+        else {
+            break;
+        };
+        let start = at + 54;
+        let Some(content) = bytes.get(start..start + usize::from(n)) else { break };
+        records.push(Record { user, id, content });
+        at = start + usize::from(n);
+    }
+    records
+}

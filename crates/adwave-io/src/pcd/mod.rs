@@ -1,0 +1,5 @@
+//! Point Cloud Library files: text, binary, and compressed by LZF.
+
+mod lzf;
+pub(crate) mod read;
+pub(crate) mod write;

@@ -1,0 +1,136 @@
+//! How readers and writers say how far they are and ask whether to stop: once per some thousand rows, or per mebibyte.
+
+use std::io::{self, Write};
+
+use adwave::{Cancelled, Progress};
+use rayon::prelude::*;
+
+/// Rows between two questions whether to stop: some milliseconds of the slowest format.
+const ROWS_PER_STEP: u64 = 8192;
+/// Bytes written between two questions: compressing them takes some milliseconds.
+const WRITTEN_PER_STEP: usize = 1 << 18;
+/// Rows that all threads work on together between two questions.
+const ROWS_PER_BLOCK: usize = 1 << 17;
+/// Up to this many rows the calling thread does the work itself and no thread pool is asked or started.
+pub(crate) const SERIAL: usize = 4096;
+/// Bytes that are read, written or searched between two questions.
+pub(crate) const BYTES_PER_STEP: usize = 1 << 20;
+
+/// Reports row `row` of `n_rows` now and then; to be called before each row.
+#[inline]
+pub(crate) fn at_row(progress: Progress<'_>, row: u64, n_rows: u64) -> Result<(), Cancelled> {
+    if row.is_multiple_of(ROWS_PER_STEP) { progress.step(row, n_rows) } else { Ok(()) }
+}
+
+/// Appends `value(i)` for each `i` in `0..n`, by all threads of the pool where there are many.
+pub(crate) fn extend<T: Send>(
+    values: &mut Vec<T>,
+    n: usize,
+    progress: Progress<'_>,
+    value: impl Fn(usize) -> T + Sync + Send,
+) -> Result<(), Cancelled> {
+    values.reserve_exact(n);
+    if n <= SERIAL {
+        progress.check()?;
+        values.extend((0..n).map(value));
+        return Ok(());
+    }
+    let mut first = 0;
+    while first < n {
+        progress.step(first as u64, n as u64)?;
+        let end = (first + ROWS_PER_BLOCK).min(n);
+        values.par_extend((first..end).into_par_iter().with_min_len(SERIAL).map(&value));
+        first = end;
+    }
+    Ok(())
+}
+
+/// The values `value(i)` for each `i` in `0..n`; see [`extend`].
+pub(crate) fn collect<T: Send>(
+    n: usize,
+    progress: Progress<'_>,
+    value: impl Fn(usize) -> T + Sync + Send,
+) -> Result<Vec<T>, Cancelled> {
+    let mut values = Vec::new();
+    extend(&mut values, n, progress, value)?;
+    Ok(values)
+}
+
+/// Whether all `0..n` hold, asked in blocks.
+pub(crate) fn all(
+    n: usize,
+    progress: Progress<'_>,
+    holds: impl Fn(usize) -> bool + Sync + Send,
+) -> Result<bool, Cancelled> {
+    if n <= SERIAL {
+        return Ok((0..n).all(holds));
+    }
+    let mut first = 0;
+    while first < n {
+        progress.check()?;
+        let end = (first + 8 * ROWS_PER_BLOCK).min(n);
+        if !(first..end).into_par_iter().with_min_len(SERIAL).all(&holds) {
+            return Ok(false);
+        }
+        first = end;
+    }
+    Ok(true)
+}
+
+/// A target of writing that stops when the call is told to: it asks after some bytes, however much is written at once.
+pub(crate) struct Watched<'a> {
+    out: &'a mut dyn Write,
+    progress: Progress<'a>,
+    since: usize,
+}
+
+impl<'a> Watched<'a> {
+    pub(crate) fn new(out: &'a mut dyn Write, progress: Progress<'a>) -> Self {
+        Self { out, progress, since: 0 }
+    }
+}
+
+impl Write for Watched<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.since >= WRITTEN_PER_STEP {
+            self.since = 0;
+            // `io::Error` is the only way out of `write`; `WriteError` finds what is inside.
+            self.progress.check().map_err(io::Error::other)?;
+        }
+        let n = self.out.write(&bytes[..bytes.len().min(WRITTEN_PER_STEP)])?;
+        self.since += n;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn large_and_small_lists_are_the_same_values_in_order() {
+        for n in [0, 1, SERIAL, SERIAL + 1, 3 * ROWS_PER_BLOCK + 5] {
+            assert_eq!(
+                collect(n, Progress::none(), |i| 3 * i).unwrap(),
+                (0..n).map(|i| 3 * i).collect::<Vec<_>>()
+            );
+            assert_eq!(all(n, Progress::none(), |i| i < n), Ok(true));
+            assert_eq!(all(n, Progress::none(), |i| i + 1 < n), Ok(n == 0));
+        }
+    }
+
+    #[test]
+    fn one_large_write_stops_too() {
+        let stop = AtomicBool::new(true);
+        let mut bytes = Vec::new();
+        let mut out = Watched::new(&mut bytes, Progress::none().with_cancel(&stop));
+        let error = out.write_all(&vec![0; 1 << 24]).unwrap_err();
+        assert!(matches!(crate::WriteError::from(error), crate::WriteError::Cancelled(Cancelled)));
+        assert_eq!(bytes.len(), WRITTEN_PER_STEP);
+    }
+}

@@ -1,0 +1,208 @@
+//! From what a file says to the shape that the mathematics works on.
+
+use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
+use adwave::{ClassifiedError, ErrorKind};
+
+use crate::{Direction, Edges, ShapeFile};
+
+/// What the content of a file is taken as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ShapeKind {
+    /// Points and faces.
+    Mesh,
+    /// Points alone.
+    Cloud,
+    /// The file's own edges with their weights; without any, the edges of the faces with weight 1.
+    Graph,
+}
+
+/// Why what a file holds cannot be changed or used as asked.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub enum ShapeFileError {
+    /// New points are not as many as the vertices.
+    #[error("there are {found} points for {n_vertices} vertices; give one point per vertex")]
+    PointCount {
+        /// How many points were given.
+        found: usize,
+        /// How many vertices there are.
+        n_vertices: usize,
+    },
+    /// A field does not have one row per vertex or face.
+    #[error("field `{name}` has {found} rows for {n} {of}; give one row for each")]
+    FieldRows {
+        /// Its name.
+        name: String,
+        /// How many rows it has.
+        found: usize,
+        /// How many vertices or faces there are.
+        n: usize,
+        /// `vertices` or `faces`.
+        of: &'static str,
+    },
+    /// A field's values do not make whole rows.
+    #[error("field `{name}` has {found} values, which are not whole rows of {n_channels} channels")]
+    FieldValues {
+        /// Its name.
+        name: String,
+        /// How many values there are.
+        found: usize,
+        /// How many channels each row shall have.
+        n_channels: usize,
+    },
+    /// A mesh was asked for.
+    #[error("there are no faces to take it as a mesh")]
+    NoFaces,
+    /// A graph was asked for.
+    #[error("there are no edges to take it as a graph")]
+    NoEdges,
+    /// The points or faces are no shape.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// The edges are no graph.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+}
+
+impl ClassifiedError for ShapeFileError {
+    /// Always the input's.
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
+}
+
+impl ShapeFile {
+    /// What the content is when nothing else is asked for: a mesh where there are faces, a cloud where there are points, else
+    /// a graph.
+    pub fn kind(&self) -> ShapeKind {
+        if !self.faces.is_empty() {
+            ShapeKind::Mesh
+        } else if !self.points.is_empty() || self.edges.pairs.is_empty() {
+            ShapeKind::Cloud
+        } else {
+            ShapeKind::Graph
+        }
+    }
+
+    /// The shape that the file holds; copies points and faces.
+    ///
+    /// ```
+    /// use adwave::shape::Shape;
+    /// use adwave_io::{ReadLimits, ShapeKind, read_bytes};
+    /// let file = read_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), None, &ReadLimits::default()).unwrap();
+    /// assert!(matches!(file.to_shape()?, Shape::Mesh(_)));
+    /// assert!(matches!(file.to_shape_as(ShapeKind::Graph)?, Shape::Graph(g) if g.n_nodes() == 3));
+    /// # Ok::<(), adwave_io::ShapeFileError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ShapeFileError`]: a coordinate is not finite, an edge has a bad weight, or there are no vertices.
+    pub fn to_shape(&self) -> Result<Shape, ShapeFileError> {
+        self.to_shape_as(self.kind())
+    }
+
+    /// The shape that the content is when taken as `kind`; copies points and faces.
+    ///
+    /// # Errors
+    /// As [`to_shape`](Self::to_shape), and when the file lacks the faces of a mesh or the edges of a graph.
+    pub fn to_shape_as(&self, kind: ShapeKind) -> Result<Shape, ShapeFileError> {
+        Ok(match kind {
+            ShapeKind::Mesh if self.faces.is_empty() => return Err(ShapeFileError::NoFaces),
+            ShapeKind::Mesh => Shape::Mesh(Mesh::new(self.points.clone(), self.faces.clone())?),
+            ShapeKind::Cloud => Shape::Cloud(PointCloud::new(self.points.clone())?),
+            ShapeKind::Graph => Shape::Graph(self.to_graph()?),
+        })
+    }
+
+    /// [`to_shape`](Self::to_shape) without a copy: the points and faces become the shape's, everything else is dropped.
+    ///
+    /// # Errors
+    /// As [`to_shape`](Self::to_shape).
+    pub fn into_shape(self) -> Result<Shape, ShapeFileError> {
+        let kind = self.kind();
+        self.into_shape_as(kind)
+    }
+
+    /// [`to_shape_as`](Self::to_shape_as) without a copy of points and faces.
+    ///
+    /// # Errors
+    /// As [`to_shape_as`](Self::to_shape_as).
+    pub fn into_shape_as(self, kind: ShapeKind) -> Result<Shape, ShapeFileError> {
+        Ok(match kind {
+            ShapeKind::Mesh if self.faces.is_empty() => return Err(ShapeFileError::NoFaces),
+            ShapeKind::Mesh => Shape::Mesh(Mesh::new(self.points, self.faces)?),
+            ShapeKind::Cloud => Shape::Cloud(PointCloud::new(self.points)?),
+            ShapeKind::Graph => Shape::Graph(self.to_graph()?),
+        })
+    }
+
+    fn to_graph(&self) -> Result<Graph, ShapeFileError> {
+        let list: Vec<(u32, u32, f64)> = if self.edges.pairs.is_empty() {
+            self.edges_of_faces().into_iter().map(|[a, b]| (a, b, 1.0)).collect()
+        } else {
+            weighted(&self.edges).collect()
+        };
+        if list.is_empty() {
+            return Err(ShapeFileError::NoEdges);
+        }
+        Ok(Graph::new(self.n_vertices, &list)?)
+    }
+
+    /// The distinct undirected edges of the faces, smaller vertex first, in order.
+    fn edges_of_faces(&self) -> Vec<[u32; 2]> {
+        let mut edges: Vec<[u32; 2]> = self
+            .faces
+            .iter()
+            .flat_map(|face| (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]))
+            .map(|[a, b]| [a.min(b), a.max(b)])
+            .filter(|[a, b]| a != b)
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    }
+}
+
+/// A matrix that lists both directions has every edge twice; half of each makes the edge.
+fn weighted(edges: &Edges) -> impl Iterator<Item = (u32, u32, f64)> {
+    let part = if edges.direction == Direction::RowToColumn { 0.5 } else { 1.0 };
+    let weight = move |k: usize| part * edges.weights.get(k).copied().unwrap_or(1.0);
+    edges.pairs.iter().enumerate().map(move |(k, &[a, b])| (a, b, weight(k)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adwave::shape::Polygons;
+
+    fn square() -> ShapeFile {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        ShapeFile::from_mesh(points, Polygons::from_triangles(&[[0, 1, 2], [0, 2, 3]]))
+    }
+
+    #[test]
+    fn a_file_is_what_it_holds_or_what_is_asked_for() {
+        assert_eq!(square().kind(), ShapeKind::Mesh);
+        assert!(matches!(square().to_shape_as(ShapeKind::Cloud), Ok(Shape::Cloud(_))));
+        let Ok(Shape::Graph(graph)) = square().to_shape_as(ShapeKind::Graph) else { panic!("no graph") };
+        assert_eq!(graph.neighbours(0).collect::<Vec<_>>(), [(1, 1.0), (2, 1.0), (3, 1.0)]);
+        let cloud = ShapeFile::from_cloud(vec![[0.0; 3]]);
+        assert_eq!(cloud.to_shape_as(ShapeKind::Mesh).unwrap_err(), ShapeFileError::NoFaces);
+        assert_eq!(cloud.to_shape_as(ShapeKind::Graph).unwrap_err(), ShapeFileError::NoEdges);
+        let pairs = vec![[0, 1], [1, 0]];
+        for (direction, weight) in [(Direction::Both, 2.0), (Direction::RowToColumn, 1.0)] {
+            let edges = Edges { pairs: pairs.clone(), direction, ..Edges::default() };
+            let Ok(Shape::Graph(graph)) = ShapeFile::from_graph(2, edges).into_shape() else {
+                panic!("no graph")
+            };
+            assert_eq!(graph.neighbours(0).collect::<Vec<_>>(), [(1, weight)]);
+        }
+    }
+
+    #[test]
+    fn points_move_into_the_shape() {
+        let file = square();
+        let place = file.points.as_ptr();
+        let shape = file.into_shape().unwrap();
+        assert_eq!(shape.points().unwrap().as_ptr(), place);
+    }
+}

@@ -1,0 +1,4 @@
+//! Stereolithography, text and binary.
+
+pub(crate) mod read;
+pub(crate) mod write;

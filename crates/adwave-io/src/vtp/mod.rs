@@ -1,0 +1,3 @@
+//! VTK XML PolyData, written only.
+
+pub(crate) mod write;
