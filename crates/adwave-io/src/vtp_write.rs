@@ -139,7 +139,7 @@ pub(crate) fn write_vtp(
     let line_ends = (1..=shape.edges.pairs.len() as i64).map(|e| 2 * e).collect();
     appended.add_cells(&mut body, "Lines", lines, line_ends)?;
     let corners = shape.faces.corners().iter().map(|&v| v.into()).collect();
-    let ends = shape.faces.offsets()[1..].iter().map(|&o| o.into()).collect();
+    let ends = (0..shape.faces.len()).map(|f| shape.faces.end(f) as i64).collect();
     appended.add_cells(&mut body, "Polys", corners, ends)?;
     if !shape.edges.weights.is_empty() {
         report.leave_out("weights of edges");

@@ -20,9 +20,11 @@ fn engine(criterion: &mut Criterion) {
     }
     let params = OperatorParams::default();
     let shape = sphere.into_shape();
-    let geometry = PreparedGeometry::new(&shape, params.weld);
-    let diffusion = Diffusion::new(local_operator(&shape, &geometry, &params));
-    let signal = geometry.points.as_flattened();
+    let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).unwrap();
+    let diffusion =
+        Diffusion::new(local_operator(&geometry, &params, Progress::none()).unwrap(), Progress::none())
+            .unwrap();
+    let signal = geometry.points().as_flattened();
     let mut group = criterion.benchmark_group("sphere of 262146 vertices");
     group.sample_size(10);
 

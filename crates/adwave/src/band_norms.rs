@@ -18,7 +18,7 @@ pub(crate) struct BandNorms<'a> {
 impl<'a> BandNorms<'a> {
     pub(crate) fn new(decomposer: &'a Decomposer) -> Self {
         let masked = decomposer.mask_flags();
-        let (first_member, members) = decomposer.geometry().vertex_map.members();
+        let (first_member, members) = decomposer.geometry().vertex_map().members().into_parts();
         let n = first_member.len() - 1;
         let n_kept = masked.map_or(n, |out| out.iter().filter(|&&out| !out).count());
         Self { masked, first_member, members, n_kept }

@@ -9,6 +9,7 @@ use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::filter::{Edit, FilterError};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
+use crate::parallel::unstopped;
 use crate::region::surface_distance;
 use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, one_ring, squared_distance};
 use crate::signal::cloud_border;
@@ -59,11 +60,12 @@ pub struct Decomposer {
 impl Decomposer {
     /// Welds the shape and builds its walk. O(n log n).
     pub fn new(shape: &Shape, params: &OperatorParams) -> Self {
-        let geometry = PreparedGeometry::new(shape, params.weld);
-        let operator = local_operator(shape, &geometry, params);
-        let (areas, mean_length) = (operator.areas.clone(), operator.mean_length);
+        let none = Progress::none();
+        let geometry = unstopped(PreparedGeometry::new(shape, params.weld, none));
+        let operator = unstopped(local_operator(&geometry, params, none));
+        let (areas, mean_length) = (operator.areas().to_vec(), operator.mean_length());
         let diagonal = shape.diagonal();
-        let diffusion = Diffusion::new(operator);
+        let diffusion = unstopped(Diffusion::new(operator, none));
         Self { geometry, diffusion, areas, mean_length, diagonal, mask: None, rings: params.rings }
     }
 
@@ -89,12 +91,13 @@ impl Decomposer {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn masked(&self, masked: &[bool]) -> Result<Self, MaskError> {
-        let mask = Mask::new(masked, &self.geometry.vertex_map)?;
-        let points = &self.geometry.points;
+        let mask = Mask::new(masked, self.geometry.vertex_map())?;
+        let points = self.geometry.points();
         let squared_length = |x: usize, y: usize| {
             if points.is_empty() { 1.0 } else { squared_distance(&points[x], &points[y]) }
         };
-        let diffusion = self.diffusion.restricted(mask.classes(), squared_length);
+        let restricted = self.diffusion.restricted(mask.classes(), squared_length, Progress::none());
+        let Ok(diffusion) = restricted else { unreachable!("there is one flag per welded vertex") };
         let keep = |(x, a): (usize, &f64)| if mask.classes()[x] { 0.0 } else { *a };
         let areas = self.areas.iter().enumerate().map(keep).collect();
         Ok(Self { diffusion, areas, mask: Some(mask), geometry: self.geometry.clone(), ..*self })
@@ -112,17 +115,17 @@ impl Decomposer {
 
     /// Whether the shape has positions and no faces.
     pub(crate) fn is_cloud(&self) -> bool {
-        !self.geometry.points.is_empty() && self.geometry.triangles.is_empty()
+        !self.geometry.points().is_empty() && self.geometry.triangles().is_empty()
     }
 
     /// The vertices of the analysis on the border of a mesh (ends of edges of one triangle) or of a cloud (a gap between its
     /// neighbours), and those next to what is left out of the walk; by rising index.
     pub(crate) fn border(&self) -> Vec<usize> {
         if self.is_cloud() {
-            return cloud_border(&self.geometry.points, self.neighbours());
+            return cloud_border(self.geometry.points(), self.neighbours());
         }
-        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * self.geometry.triangles.len());
-        for t in self.geometry.triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * self.geometry.triangles().len());
+        for t in self.geometry.triangles().iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
             edges.extend([(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))));
         }
         edges.par_sort_unstable();
@@ -130,7 +133,7 @@ impl Decomposer {
         let mut border: Vec<usize> =
             single.flat_map(|same| [same[0].0 as usize, same[0].1 as usize]).collect();
         if let Some(masked) = self.mask_flags() {
-            let whole = one_ring(self.geometry.n_vertices(), &self.geometry.triangles);
+            let whole = one_ring(self.geometry.n_vertices(), self.geometry.triangles());
             border.extend((0..masked.len()).filter(|&x| whole.of(x).iter().any(|&y| masked[y as usize])));
             border.retain(|&x| !masked[x]);
         }
@@ -143,17 +146,17 @@ impl Decomposer {
     /// where there is no border.
     pub(crate) fn distance_from_border(&self, reach: f64) -> Vec<f64> {
         let sources: Vec<(usize, f64)> = self.border().into_iter().map(|x| (x, 0.0)).collect();
-        surface_distance(&self.ring(), &self.geometry.points, &sources, reach)
+        surface_distance(&self.ring(), self.geometry.points(), &sources, reach)
     }
 
     /// The one-ring of a mesh without the vertices that are left out; of a cloud or graph what one step can reach.
     pub(crate) fn ring(&self) -> Cow<'_, Adjacency> {
-        if self.rings == 1 || self.geometry.triangles.is_empty() {
+        if self.rings == 1 || self.geometry.triangles().is_empty() {
             return Cow::Borrowed(self.neighbours());
         }
-        let ring = one_ring(self.geometry.n_vertices(), &self.geometry.triangles);
+        let ring = one_ring(self.geometry.n_vertices(), self.geometry.triangles());
         Cow::Owned(match self.mask_flags() {
-            Some(masked) => ring.without(masked),
+            Some(masked) => unstopped(ring.without(masked, Progress::none())),
             None => ring,
         })
     }
@@ -175,7 +178,7 @@ impl Decomposer {
 
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
-        self.geometry.vertex_map.n_vertices()
+        self.geometry.vertex_map().n_vertices()
     }
 
     /// Length of the bounding box's diagonal in model units; 0 for a graph.
@@ -191,16 +194,16 @@ impl Decomposer {
     /// The area of every vertex of the shape in squared model units; welded vertices share theirs equally.
     pub fn areas(&self) -> Vec<f64> {
         let mut shares = vec![0_u32; self.geometry.n_vertices()];
-        for &class in self.geometry.vertex_map.as_slice() {
+        for &class in self.geometry.vertex_map().as_slice() {
             shares[class as usize] += 1;
         }
         let share: Vec<f64> = self.areas.iter().zip(shares).map(|(a, n)| a / f64::from(n)).collect();
-        self.geometry.vertex_map.scatter(&share, 1)
+        self.geometry.vertex_map().scatter(&share, 1)
     }
 
     /// Counts of what the shape consists of.
-    pub fn health(&self, shape: &Shape) -> Health {
-        health(shape, &self.geometry, self.neighbours())
+    pub fn health(&self) -> Health {
+        unstopped(health(&self.geometry, self.neighbours(), Progress::none()))
     }
 
     /// The number of dyadic levels to take where none is asked for, and why (see
@@ -229,7 +232,7 @@ impl Decomposer {
         let Some(mask) = &self.mask else {
             return decompose(
                 &self.diffusion,
-                &self.geometry.vertex_map,
+                self.geometry.vertex_map(),
                 signal,
                 n_channels,
                 schedule,
@@ -237,10 +240,10 @@ impl Decomposer {
                 progress,
             );
         };
-        let filled = mask.fill(signal, n_channels, &self.geometry.vertex_map)?;
+        let filled = mask.fill(signal, n_channels, self.geometry.vertex_map())?;
         let mut bands = decompose(
             &self.diffusion,
-            &self.geometry.vertex_map,
+            self.geometry.vertex_map(),
             &filled,
             n_channels,
             schedule,
@@ -266,15 +269,16 @@ impl Decomposer {
         if vertex >= n_vertices {
             return Err(BasisError::NoVertex { vertex, n_vertices });
         }
-        let class = self.geometry.vertex_map.welded(vertex);
+        let class = self.geometry.vertex_map().welded(vertex);
         check_whole(schedule)?;
         let [.., before, last] = schedule.steps_from_zero()[..] else {
             unreachable!("a schedule has a level")
         };
         let (before, last) = (before as u64, last as u64);
         let functions = one_vertex(&self.diffusion, class, before, last, 0.0, progress)?;
-        let dense =
-            |row: &SparseRow| self.geometry.vertex_map.scatter(&row.to_dense(self.geometry.n_vertices()), 1);
+        let dense = |row: &SparseRow| {
+            self.geometry.vertex_map().scatter(&row.to_dense(self.geometry.n_vertices()), 1)
+        };
         Ok(VertexFunctions {
             scaling_function: dense(&functions.scaling),
             wavelet: dense(&functions.wavelet),
@@ -311,7 +315,7 @@ impl Decomposer {
             resolved.push((gains, weights));
         }
         let filled = match &self.mask {
-            Some(mask) => Cow::Owned(mask.fill(signal, n_channels, &self.geometry.vertex_map)?),
+            Some(mask) => Cow::Owned(mask.fill(signal, n_channels, self.geometry.vertex_map())?),
             None => Cow::Borrowed(signal),
         };
         let mut edited = self.filter_layers(&filled, n_channels, schedule, &resolved, params, progress)?;
@@ -336,7 +340,7 @@ impl Decomposer {
         if let [(gains, weights)] = resolved {
             // Γ − 1 = r·(g − 1): the region's weight stands before the sum over the bands, which is one polynomial of Φ₁.
             let factors: Vec<f64> = gains.iter().map(|g| g - 1.0).collect();
-            let (vertex_map, diffusion) = (&self.geometry.vertex_map, &self.diffusion);
+            let (vertex_map, diffusion) = (self.geometry.vertex_map(), &self.diffusion);
             let (change, _) = weighted_bands(
                 diffusion, vertex_map, signal, n_channels, schedule, &factors, params, progress,
             )?;
@@ -352,7 +356,7 @@ impl Decomposer {
         }
         let bands = decompose(
             &self.diffusion,
-            &self.geometry.vertex_map,
+            self.geometry.vertex_map(),
             signal,
             n_channels,
             schedule,

@@ -14,6 +14,7 @@ pub mod operator;
 mod parallel;
 mod progress;
 pub mod region;
+pub mod rows;
 pub mod saliency;
 pub mod sample;
 pub mod shape;

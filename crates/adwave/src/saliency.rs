@@ -171,7 +171,7 @@ pub fn saliency(
     map.par_iter_mut().with_min_len(1 << 12).enumerate().for_each(|(x, sum)| {
         *sum = parts.iter().map(|part| part.at(x)).sum();
     });
-    let map = decomposer.geometry().vertex_map.scatter(&map, 1);
+    let map = decomposer.geometry().vertex_map().scatter(&map, 1);
     Ok(Saliency { map, levels: parts.into_iter().map(|part| part.level).collect() })
 }
 
@@ -188,7 +188,7 @@ pub fn saliency_per_level(
     let n = decomposer.geometry().n_vertices();
     let scatter = |part: Part| {
         let map: Vec<f64> = (0..n).map(|x| part.at(x)).collect();
-        (part.level, decomposer.geometry().vertex_map.scatter(&map, 1))
+        (part.level, decomposer.geometry().vertex_map().scatter(&map, 1))
     };
     Ok(parts(decomposer, bands, params)?.into_iter().map(scatter).collect())
 }

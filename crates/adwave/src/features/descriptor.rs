@@ -44,7 +44,7 @@ pub fn describe(decomposer: &Decomposer, bands: &Bands, features: &[Feature]) ->
 }
 
 fn descriptor(decomposer: &Decomposer, levels: &[Vec<f64>], areas: &[f64], feature: &Feature) -> Descriptor {
-    let x = decomposer.geometry().vertex_map.welded(feature.vertex);
+    let x = decomposer.geometry().vertex_map().welded(feature.vertex);
     let mut numbers = [0.0; DESCRIPTOR_LENGTH];
     let mut ring_areas = [0.0; RINGS];
     let first = feature.level as isize - LEVELS_BESIDE as isize;
@@ -79,7 +79,7 @@ fn descriptor(decomposer: &Decomposer, levels: &[Vec<f64>], areas: &[f64], featu
 
 /// The vertices that are connected with `x` within the outermost ring, and their rings.
 fn within(decomposer: &Decomposer, x: usize, sigma: f64) -> Vec<(usize, usize)> {
-    let points = &decomposer.geometry().points;
+    let points = decomposer.geometry().points();
     let neighbours = decomposer.neighbours();
     let mut seen = HashSet::from([x]);
     let mut found = vec![(x, 0)];

@@ -80,7 +80,7 @@ pub fn features(
                 let response = layer.levels[j - 1][x];
                 let mut feature = Feature {
                     vertex: reader.vertex(x),
-                    position: decomposer.geometry().points.get(x).copied(),
+                    position: decomposer.geometry().points().get(x).copied(),
                     level: j,
                     sigma: bands.sigma[j],
                     response,

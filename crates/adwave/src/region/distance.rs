@@ -43,7 +43,7 @@ pub fn surface_distance(
     sources: &[(usize, f64)],
     reach: f64,
 ) -> Vec<f64> {
-    let n = neighbours.n_vertices();
+    let n = neighbours.n_rows();
     let length = |x: usize, y: usize| if points.is_empty() { 1.0 } else { distance(&points[x], &points[y]) };
     let mut shortest = vec![f64::INFINITY; n];
     let mut reached_from = vec![u32::MAX; n];

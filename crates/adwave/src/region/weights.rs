@@ -79,12 +79,12 @@ impl Region {
                 let radius = radius.in_units(decomposer.diagonal());
                 let away = surface_distance(
                     decomposer.neighbours(),
-                    &decomposer.geometry().points,
+                    decomposer.geometry().points(),
                     &sources,
                     radius,
                 );
                 let rise = |d: f64| if d == 0.0 { 1.0 } else { smooth_rise(1.0 - d / radius) };
-                decomposer.geometry().vertex_map.scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1)
+                decomposer.geometry().vertex_map().scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1)
             }
             Self::Not(region) => {
                 let mut weights = region.weights(decomposer, field, field_names)?;
@@ -121,7 +121,7 @@ fn welded(decomposer: &Decomposer, vertex: u32) -> Result<usize, RegionError> {
     if vertex as usize >= n_vertices {
         return Err(RegionError::NoSuchVertex { vertex, n_vertices });
     }
-    Ok(decomposer.geometry().vertex_map.welded(vertex as usize))
+    Ok(decomposer.geometry().vertex_map().welded(vertex as usize))
 }
 
 /// Weights by distance along the surface from a line, which is a ball where it has one place.
@@ -141,7 +141,7 @@ fn line_weights(
         return Err(RegionError::EmptyStroke);
     }
     let geometry = decomposer.geometry();
-    let sources = if geometry.points.is_empty() {
+    let sources = if geometry.points().is_empty() {
         path.iter()
             .map(|place| match place {
                 Place::Vertex(v) => Ok((welded(decomposer, *v)?, 0.0)),
@@ -152,18 +152,24 @@ fn line_weights(
         let places = path
             .iter()
             .map(|place| match place {
-                Place::Vertex(v) => Ok(geometry.points[welded(decomposer, *v)?]),
+                Place::Vertex(v) => Ok(geometry.points()[welded(decomposer, *v)?]),
                 Place::Point(p) => check_finite("a point", p).map(|()| *p),
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let normals = vertex_normals(&geometry.points, &geometry.triangles);
-        stroke_sources(&geometry.points, &normals, decomposer.neighbours(), decomposer.mean_length(), &places)
+        let normals = vertex_normals(geometry.points(), geometry.triangles());
+        stroke_sources(
+            geometry.points(),
+            &normals,
+            decomposer.neighbours(),
+            decomposer.mean_length(),
+            &places,
+        )
     };
-    let away = surface_distance(decomposer.neighbours(), &geometry.points, &sources, radius);
+    let away = surface_distance(decomposer.neighbours(), geometry.points(), &sources, radius);
     let rise = |d: f64| {
         if falloff > 0.0 { smooth_rise((radius - d) / falloff) } else { f64::from(d <= radius) }
     };
-    Ok(geometry.vertex_map.scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1))
+    Ok(geometry.vertex_map().scatter(&away.into_iter().map(rise).collect::<Vec<_>>(), 1))
 }
 
 /// Weights by depth below the region's boundary.
@@ -174,7 +180,7 @@ fn by_depth(
     depth: impl Fn(&[f64; 3]) -> f64,
 ) -> Result<Vec<f64>, RegionError> {
     let geometry = decomposer.geometry();
-    if geometry.points.is_empty() {
+    if geometry.points().is_empty() {
         return Err(RegionError::NeedsPositions(what));
     }
     let falloff = falloff.unwrap_or(DEFAULT_FALLOFF).in_units(decomposer.diagonal());
@@ -182,7 +188,7 @@ fn by_depth(
         let depth = depth(p);
         if falloff > 0.0 { smooth_rise(depth / falloff) } else { f64::from(depth >= 0.0) }
     };
-    Ok(geometry.vertex_map.scatter(&geometry.points.iter().map(rise).collect::<Vec<_>>(), 1))
+    Ok(geometry.vertex_map().scatter(&geometry.points().iter().map(rise).collect::<Vec<_>>(), 1))
 }
 
 fn check_finite<'a>(
