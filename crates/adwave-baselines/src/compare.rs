@@ -213,7 +213,7 @@ fn taubin(subject: &Subject<'_>, bands: &Bands, seconds: f64) -> Result<Comparis
     let pass_band = (2.0 * (1.0 - (-1.0 / steps).exp2())).clamp(1e-6, 1.9);
     let degree = (8.0 / (1.0 - pass_band / 2.0).acos()).ceil().clamp(10.0, 2000.0) as usize;
     let start = Instant::now();
-    let k = Differential::from_walk(subject.walk.diffusion(), subject.walk.geometry().vertex_map.clone());
+    let k = Differential::from_walk(subject.walk.diffusion(), subject.walk.geometry().vertex_map().clone());
     let filter = WindowedSinc::new(pass_band, degree)?;
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -349,7 +349,7 @@ fn put_together(bands: &Bands) -> (Vec<f64>, f64) {
 
 /// The norms of the wavelets, for saliency and features.
 fn norms(subject: &Subject<'_>, bands: &Bands) -> Wavelets {
-    bands.to_wavelets(&subject.walk.geometry().vertex_map).into_norms()
+    bands.to_wavelets(subject.walk.geometry().vertex_map()).into_norms()
 }
 
 fn channel(f: &[f64], n_channels: usize, c: usize) -> Vec<f64> {
@@ -380,7 +380,7 @@ fn sgwt(
     const SOLVED: f64 = 1e-10;
     let start = Instant::now();
     let walk = subject.walk.diffusion();
-    let vertex_map = &subject.walk.geometry().vertex_map;
+    let vertex_map = subject.walk.geometry().vertex_map();
     let (laplacian, root) = normalised_laplacian(subject)?;
     // I − Q has its spectrum in [0, 2].
     let kernels = Kernels::new(KernelFamily::Meyer, (bands.n_levels() + 1).max(3), 2.0)?;
@@ -479,7 +479,7 @@ fn multiscale(
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     let (walk, vertex_map, d) =
-        (subject.walk.diffusion(), &subject.walk.geometry().vertex_map, subject.n_channels);
+        (subject.walk.diffusion(), subject.walk.geometry().vertex_map(), subject.n_channels);
     let params = MultiscaleParams::default().with_levels(bands.n_levels());
     let start = Instant::now();
     let (basis, ranks, defect, functions) = if method == Method::DiffusionWavelets {

@@ -12,6 +12,7 @@
 
 use crate::laplacian::{Laplacian, LaplacianParams};
 use crate::linalg::{Ldlt, LinalgError, SymmetricMatrix};
+use adwave::Progress;
 use adwave::operator::Diffusion;
 use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, one_ring};
 use rayon::prelude::*;
@@ -92,10 +93,11 @@ impl Differential {
     pub fn new(shape: &Shape, weights: Weights) -> Result<Self, DifferentialError> {
         let (rows, vertex_map): (Vec<Vec<(u32, f64)>>, VertexMap) =
             if let (Weights::Uniform, Shape::Mesh(_)) = (weights, shape) {
-                let geometry = PreparedGeometry::new(shape, WeldMode::default());
-                let ring = one_ring(geometry.n_vertices(), &geometry.triangles);
+                let geometry = PreparedGeometry::new(shape, WeldMode::default(), Progress::none())
+                    .map_err(LinalgError::from)?;
+                let ring = one_ring(geometry.n_vertices(), geometry.triangles());
                 let row = |x: usize| ring.of(x).iter().map(|&y| (y, 1.0)).collect();
-                ((0..geometry.n_vertices()).map(row).collect(), geometry.vertex_map)
+                ((0..geometry.n_vertices()).map(row).collect(), geometry.vertex_map().clone())
             } else {
                 let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
                 let row = |x: usize| {

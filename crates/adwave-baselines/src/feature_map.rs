@@ -104,7 +104,8 @@ pub fn feature_map(
         return Err(FeatureMapError::Signal { expected: shape.n_vertices(), got: signal.len() });
     }
     let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
-    let geometry = PreparedGeometry::new(shape, WeldMode::default());
+    let geometry =
+        PreparedGeometry::new(shape, WeldMode::default(), progress.quiet()).map_err(LinalgError::from)?;
     let mut first_vertex = vec![usize::MAX; laplacian.n()];
     for x in 0..shape.n_vertices() {
         let class = laplacian.vertex_map.welded(x);
@@ -119,7 +120,7 @@ pub fn feature_map(
             return Err(bad());
         }
         let smoothed = heat.flow(&mean, time, progress)?.ok_or_else(bad)?;
-        let (mut points, index_sum) = critical_points(&geometry.triangles, &smoothed);
+        let (mut points, index_sum) = critical_points(geometry.triangles(), &smoothed);
         for p in &mut points {
             p.vertex = first_vertex[p.vertex];
         }

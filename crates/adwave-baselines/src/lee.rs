@@ -58,13 +58,13 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
     if !matches!(shape, Shape::Mesh(_)) {
         return Err(LeeError::NotAMesh);
     }
-    let geometry = PreparedGeometry::new(shape, WeldMode::default());
-    let size = diagonal(&geometry.points);
+    let geometry = PreparedGeometry::new(shape, WeldMode::default(), progress.quiet())?;
+    let size = diagonal(geometry.points());
     // In units of ε: every length that counts is then of the order of one.
     let epsilon = if size > 0.0 { EPSILON * size } else { 1.0 };
-    let points: Vec<[f64; 3]> = geometry.points.iter().map(|p| p.map(|c| c / epsilon)).collect();
-    let ring = one_ring(points.len(), &geometry.triangles);
-    let curvature = mean_curvature(&points, &geometry.triangles);
+    let points: Vec<[f64; 3]> = geometry.points().iter().map(|p| p.map(|c| c / epsilon)).collect();
+    let ring = one_ring(points.len(), geometry.triangles());
+    let curvature = mean_curvature(&points, geometry.triangles());
     let gaussians = gaussians(&points, &curvature, progress)?;
     let mut saliency = vec![0.0; points.len()];
     let mut scales = Vec::new();
@@ -75,12 +75,12 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
         for (sum, value) in saliency.iter_mut().zip(normalised(&map, &ring)) {
             *sum += value;
         }
-        scales.push(geometry.vertex_map.scatter(&map.iter().map(|v| v / epsilon).collect::<Vec<_>>(), 1));
+        scales.push(geometry.vertex_map().scatter(&map.iter().map(|v| v / epsilon).collect::<Vec<_>>(), 1));
     }
     let curvature: Vec<f64> = curvature.iter().map(|h| h / epsilon).collect();
     Ok(LeeSaliency {
-        saliency: geometry.vertex_map.scatter(&saliency, 1),
-        curvature: geometry.vertex_map.scatter(&curvature, 1),
+        saliency: geometry.vertex_map().scatter(&saliency, 1),
+        curvature: geometry.vertex_map().scatter(&curvature, 1),
         scales,
         sigma: SCALES.map(|s| s * epsilon),
     })

@@ -54,7 +54,7 @@ pub struct MeanLocality {
 /// [`MultiscaleError`] where the walk is too large or not reversible.
 pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, MultiscaleError> {
     let decomposer = Decomposer::new(shape);
-    let (walk, vertex_map) = (decomposer.diffusion(), &decomposer.geometry().vertex_map);
+    let (walk, vertex_map) = (decomposer.diffusion(), decomposer.geometry().vertex_map());
     let n = walk.n_vertices();
     let top = levels.iter().copied().max().unwrap_or(1);
     let params = MultiscaleParams::default().with_levels(top);

@@ -4,10 +4,10 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::note;
 use crate::shape_input::Input;
-use adwave::Decomposer;
 use adwave::mask::missing;
 use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave::signal::{SurfaceSignal, degree, lightness, luminance, surface_signal};
+use adwave::{Decomposer, Progress};
 use adwave_io::{Field, FieldValues, ReadLimits, ShapeFile};
 use std::path::Path;
 
@@ -70,8 +70,9 @@ pub(crate) fn load_with_texture(
         return Ok(Signal { n_channels: 1, values: degree(graph) });
     }
     if let Some(kind) = SurfaceSignal::from_name(name) {
-        let geometry = PreparedGeometry::new(&input.shape, WeldMode::EqualPositions);
-        let values = surface_signal(&input.shape, &geometry, kind).map_err(CliError::input)?;
+        let geometry = PreparedGeometry::new(&input.shape, WeldMode::EqualPositions, Progress::none())
+            .map_err(CliError::input)?;
+        let values = surface_signal(&geometry, kind, Progress::none()).map_err(CliError::input)?;
         return Ok(Signal { n_channels: kind.n_channels(), values });
     }
     match name {

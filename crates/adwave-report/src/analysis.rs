@@ -6,7 +6,7 @@ use adwave::saliency::{self, Saliency, SaliencyError, SaliencyLevel, SaliencyPar
 use adwave::{Decomposer, Progress};
 
 fn wavelets(decomposer: &Decomposer, bands: &Bands) -> Wavelets {
-    bands.to_wavelets(&decomposer.geometry().vertex_map)
+    bands.to_wavelets(decomposer.geometry().vertex_map())
 }
 
 /// [`saliency::saliency`] of all channels together.

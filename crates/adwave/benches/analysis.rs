@@ -42,9 +42,11 @@ fn analysis(criterion: &mut Criterion) {
         group.bench_function(format!("{kind}: {} descriptors", found.len()), |b| {
             b.iter(|| describe(&walk, &bands, &found));
         });
-        let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions);
+        let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()).unwrap();
         group.bench_function(format!("{kind}: mean curvature"), |b| {
-            b.iter(|| surface_signal(shape, &geometry, SurfaceSignal::MeanCurvature).expect("a surface"));
+            b.iter(|| {
+                surface_signal(&geometry, SurfaceSignal::MeanCurvature, Progress::none()).expect("a surface")
+            });
         });
     }
     group.finish();

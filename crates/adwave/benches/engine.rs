@@ -21,9 +21,10 @@ fn engine(criterion: &mut Criterion) {
     }
     let params = OperatorParams::default();
     let shape = sphere.into_shape();
-    let geometry = PreparedGeometry::new(&shape, params.weld);
-    let diffusion = Arc::new(Diffusion::new(local_operator(&shape, &geometry, &params)));
-    let signal = geometry.points.as_flattened();
+    let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("not cancelled");
+    let operator = local_operator(&geometry, &params, Progress::none()).expect("not cancelled");
+    let diffusion = Arc::new(Diffusion::new(operator, Progress::none()).expect("not cancelled"));
+    let signal = geometry.points().as_flattened();
     let mut group = criterion.benchmark_group("sphere of 262146 vertices");
     group.sample_size(10);
 

@@ -61,8 +61,12 @@ fn report<V: Value>(method: &str, seconds: f64, basis: &Basis<V>) {
 }
 
 fn diffusion(shape: &Shape) -> Diffusion {
-    let geometry = PreparedGeometry::new(shape, WeldMode::Off);
-    Diffusion::new(local_operator(shape, &geometry, &OperatorParams::default()))
+    let geometry = PreparedGeometry::new(shape, WeldMode::Off, Progress::none()).unwrap();
+    Diffusion::new(
+        local_operator(&geometry, &OperatorParams::default(), Progress::none()).unwrap(),
+        Progress::none(),
+    )
+    .unwrap()
 }
 
 /// The largest difference of two sparse rows.

@@ -48,14 +48,16 @@ impl Subject {
         let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles))?);
         let start = Instant::now();
         // A row for each vertex, so that all programs see matrices of one size.
-        let geometry = PreparedGeometry::new(&shape, WeldMode::Off);
-        let diffusion =
-            Arc::new(Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default())));
+        let geometry = PreparedGeometry::new(&shape, WeldMode::Off, Progress::none())?;
+        let diffusion = Arc::new(Diffusion::new(
+            local_operator(&geometry, &OperatorParams::default(), Progress::none())?,
+            Progress::none(),
+        )?);
         Ok((Self { shape, geometry, diffusion }, start.elapsed().as_secs_f64()))
     }
 
     fn signal(&self) -> &[f64] {
-        self.geometry.points.as_flattened()
+        self.geometry.points().as_flattened()
     }
 
     fn n(&self) -> usize {
@@ -107,13 +109,13 @@ fn outputs(levels: usize, len: usize) -> Vec<Vec<f64>> {
 
 fn operator(subject: &Subject, folder: &str) -> Answer {
     let walk = &subject.diffusion;
-    write_rows(folder, "", &walk.neighbours().offsets, &walk.neighbours().neighbours)?;
+    write_rows(folder, "", walk.neighbours().offsets(), walk.neighbours().columns())?;
     let folder = Path::new(folder);
     write_all(&folder.join("values.f64"), walk.weights().iter().map(|w| w.to_le_bytes()))?;
     write_all(&folder.join("stationary.f64"), walk.stationary().iter().map(|p| p.to_le_bytes()))?;
     write_all(
         &folder.join("number.u32"),
-        subject.geometry.vertex_map.as_slice().iter().map(|c| c.to_le_bytes()),
+        subject.geometry.vertex_map().as_slice().iter().map(|c| c.to_le_bytes()),
     )?;
     Ok(r#"{"written":true}"#.into())
 }
@@ -124,11 +126,11 @@ fn explicit(subject: &Subject, levels: usize, folder: Option<&str>) -> Answer {
     let result = basis(&subject.diffusion, &params, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(folder) = folder {
-        let ordered = result.in_shape_order(&subject.geometry.vertex_map)?;
+        let ordered = result.in_shape_order(subject.geometry.vertex_map())?;
         for (level, matrix) in (1..).zip(&ordered.scaling) {
-            write_rows(folder, &format!("{level}-"), &matrix.offsets, &matrix.columns)?;
+            write_rows(folder, &format!("{level}-"), matrix.offsets(), matrix.columns())?;
             let path = Path::new(folder).join(format!("{level}-values.f32"));
-            write_all(&path, matrix.values.iter().map(|v| v.to_le_bytes()))?;
+            write_all(&path, matrix.values().iter().map(|v| v.to_le_bytes()))?;
         }
     }
     Ok(format!(
@@ -140,7 +142,7 @@ fn explicit(subject: &Subject, levels: usize, folder: Option<&str>) -> Answer {
 
 fn one_call(subject: &Subject, levels: usize, accuracy: f64, folder: Option<&str>) -> Answer {
     let signal = subject.shape.points().ok_or("a mesh has points")?.as_flattened();
-    let (vertex_map, schedule) = (&subject.geometry.vertex_map, Schedule::dyadic(levels)?);
+    let (vertex_map, schedule) = (subject.geometry.vertex_map(), Schedule::dyadic(levels)?);
     let start = Instant::now();
     let params = params(accuracy);
     let transform = Transform::new(Arc::clone(&subject.diffusion), &params)?;
@@ -156,7 +158,7 @@ fn one_call(subject: &Subject, levels: usize, accuracy: f64, folder: Option<&str
 
 fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
     let signal = subject.shape.points().ok_or("a mesh has points")?.as_flattened();
-    let (vertex_map, schedule) = (&subject.geometry.vertex_map, Schedule::dyadic(levels)?);
+    let (vertex_map, schedule) = (subject.geometry.vertex_map(), Schedule::dyadic(levels)?);
     let factors: Vec<f64> = (1..=levels).map(|j| if j % 2 == 0 { -1.0 } else { 0.5 }).collect();
     let start = Instant::now();
     let params = params(accuracy);
@@ -169,7 +171,7 @@ fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
 
 fn wavelet(subject: &Subject, vertex: usize, level: u32, folder: Option<&str>) -> Answer {
     let steps = 1_u64 << (level - 1);
-    let welded = subject.geometry.vertex_map.as_slice();
+    let welded = subject.geometry.vertex_map().as_slice();
     let at = *welded.get(vertex).ok_or("no such vertex")? as usize;
     let start = Instant::now();
     let found = one_vertex(&subject.diffusion, at, steps / 2, steps, 1e-9, Progress::none())?;

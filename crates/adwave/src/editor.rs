@@ -46,7 +46,7 @@ pub struct Editor {
 
 impl Editor {
     pub(crate) fn new(decomposer: Decomposer, signal: Vec<f64>, wavelets: Wavelets, mean: Vec<f64>) -> Self {
-        let (first_member, members) = decomposer.geometry().vertex_map.members();
+        let (first_member, members) = decomposer.geometry().vertex_map().members().into_parts();
         let (edited, change, layers) = (signal.clone(), Vec::new(), Vec::new());
         Self { decomposer, signal, wavelets, mean, layers, first_member, members, edited, change }
     }
@@ -100,7 +100,7 @@ impl Editor {
     /// # Errors
     /// As for [`set_edit`](Self::set_edit).
     pub fn set_layers(&mut self, layers: Vec<WeightedLayer>) -> Result<(), FilterError> {
-        let vertex_map = &self.decomposer.geometry().vertex_map;
+        let vertex_map = self.decomposer.geometry().vertex_map();
         for (k, layer) in layers.iter().enumerate() {
             layer.check(k + 1, self.wavelets.n_levels(), vertex_map)?;
         }
@@ -114,7 +114,7 @@ impl Editor {
     /// # Errors
     /// As for [`set_edit`](Self::set_edit).
     pub fn push_layer(&mut self, layer: WeightedLayer) -> Result<Touched, FilterError> {
-        let vertex_map = &self.decomposer.geometry().vertex_map;
+        let vertex_map = self.decomposer.geometry().vertex_map();
         layer.check(self.layers.len() + 1, self.wavelets.n_levels(), vertex_map)?;
         let slot = LayerSlot::new(layer, vertex_map);
         let touched = support(&slot);
@@ -150,7 +150,7 @@ impl Editor {
     /// [`FilterError`] when there is no such layer or the weights do not fit; then nothing has changed.
     pub fn set_weights(&mut self, layer: usize, weights: RegionWeights) -> Result<Touched, FilterError> {
         let decomposer = self.decomposer.clone();
-        let vertex_map = &decomposer.geometry().vertex_map;
+        let vertex_map = decomposer.geometry().vertex_map();
         weights.check(vertex_map).map_err(|source| FilterError::Region { layer, source })?;
         let touched = self.slot(layer)?.set_weights(weights, vertex_map);
         Ok(self.update(touched.map_or(Touched::All, Touched::Some)))
@@ -168,7 +168,7 @@ impl Editor {
             signal: &self.signal,
             wavelets: &self.wavelets,
             mean: &self.mean,
-            vertex_map: &self.decomposer.geometry().vertex_map,
+            vertex_map: self.decomposer.geometry().vertex_map(),
             masked: self.decomposer.mask().map(Mask::vertices),
         };
         match &touched {

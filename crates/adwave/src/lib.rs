@@ -15,6 +15,7 @@ mod parallel;
 mod population;
 mod progress;
 pub mod region;
+pub mod rows;
 pub mod saliency;
 pub mod sample;
 pub mod shape;

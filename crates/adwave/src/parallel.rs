@@ -118,6 +118,53 @@ pub(crate) fn map_items<R: Send>(
     (0..n_items).into_par_iter().map(work).collect()
 }
 
+/// The values of `0..n`, by chunks of rows; stopped when the call is.
+pub(crate) fn try_collect<T: Clone + Default + Send>(
+    n: usize,
+    progress: Progress<'_>,
+    value: impl Fn(usize) -> T + Sync + Send,
+) -> Result<Vec<T>, Cancelled> {
+    let mut values = vec![T::default(); n];
+    try_for_rows(&mut values, 1, SERIAL, progress, |first, rows| {
+        for (x, slot) in (first..).zip(rows) {
+            *slot = value(x);
+        }
+    })?;
+    Ok(values)
+}
+
+/// [`sum`], stopped when the call is.
+pub(crate) fn try_sum(
+    n: usize,
+    progress: Progress<'_>,
+    term: impl Fn(usize) -> f64 + Sync + Send,
+) -> Result<f64, Cancelled> {
+    let chunk = |(): &mut (), range: Range<usize>| range.map(&term).sum::<f64>();
+    Ok(try_map_chunks(n, TERMS_AT_A_TIME, progress, || (), chunk)?.into_iter().sum())
+}
+
+/// `work(item)` for each of some items, which are parts of `n_rows` rows.
+pub(crate) fn try_each<T: Send>(
+    items: Vec<T>,
+    n_rows: usize,
+    progress: Progress<'_>,
+    work: impl Fn(T) -> Result<(), Cancelled> + Sync + Send,
+) -> Result<(), Cancelled> {
+    let asked = |item| progress.check().and_then(|()| work(item));
+    if n_rows <= SERIAL {
+        return items.into_iter().try_for_each(asked);
+    }
+    items.into_par_iter().with_max_len(1).try_for_each(asked)
+}
+
+/// The result of a call that was given [`Progress::none`].
+pub(crate) fn unstopped<T>(result: Result<T, Cancelled>) -> T {
+    match result {
+        Ok(value) => value,
+        Err(Cancelled) => unreachable!("nobody can stop a call that was given Progress::none()"),
+    }
+}
+
 /// Sorts by an order without ties that matter; a call that is told to stop leaves any order.
 pub(crate) fn sort_unstable_by<T: Send>(
     values: &mut [T],
@@ -131,6 +178,24 @@ pub(crate) fn sort_unstable_by<T: Send>(
         let compare =
             |a: &T, b: &T| if progress.is_cancelled() { std::cmp::Ordering::Equal } else { compare(a, b) };
         values.par_sort_unstable_by(compare);
+    }
+    progress.check()
+}
+
+/// A stable sort: what counts as equal stays in its order. A call that is told to stop leaves any order.
+pub(crate) fn sort_by<T: Send>(
+    values: &mut [T],
+    progress: Progress<'_>,
+    compare: impl Fn(&T, &T) -> std::cmp::Ordering + Sync,
+) -> Result<(), Cancelled> {
+    if values.len() <= SERIAL {
+        values.sort_by(compare);
+    } else {
+        values.par_sort_by(
+            |a, b| {
+                if progress.is_cancelled() { std::cmp::Ordering::Equal } else { compare(a, b) }
+            },
+        );
     }
     progress.check()
 }

@@ -184,7 +184,7 @@ pub fn saliency(
             *sum = parts.iter().map(|part| part.at(x)).sum();
         }
     })?;
-    let map = decomposer.geometry().vertex_map.scatter(&map, 1);
+    let map = decomposer.geometry().vertex_map().scatter(&map, 1);
     Ok(Saliency { map, levels: parts.into_iter().map(|part| part.level).collect() })
 }
 
@@ -202,7 +202,7 @@ pub fn saliency_per_level(
     let n = decomposer.geometry().n_vertices();
     let scatter = |part: Part<'_>| {
         let map = parallel::collect(n, |x| part.at(x));
-        (part.level, decomposer.geometry().vertex_map.scatter(&map, 1))
+        (part.level, decomposer.geometry().vertex_map().scatter(&map, 1))
     };
     Ok(parts(decomposer, wavelets, params, progress)?.into_iter().map(scatter).collect())
 }

@@ -21,19 +21,23 @@ const METHODS_DIFFER: f64 = 1e-5;
 const COUNTS_DIFFER: f64 = 0.02;
 
 fn diffusion_of(shape: &Shape) -> Diffusion {
-    let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions);
-    Diffusion::new(local_operator(shape, &geometry, &OperatorParams::default()))
+    let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()).unwrap();
+    Diffusion::new(
+        local_operator(&geometry, &OperatorParams::default(), Progress::none()).unwrap(),
+        Progress::none(),
+    )
+    .unwrap()
 }
 
 fn walk_on_graph(n_nodes: usize, edges: &[(u32, u32, f64)]) -> Diffusion {
-    let shape = Shape::Graph(Graph::new(n_nodes, edges).unwrap());
+    let graph = Graph::new(n_nodes, edges).unwrap();
     // In the order of the nodes, so that tests can name them.
-    let geometry = PreparedGeometry {
-        vertex_map: VertexMap::identity(n_nodes),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    };
-    Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default()))
+    let geometry = PreparedGeometry::of_ordered_graph(graph);
+    Diffusion::new(
+        local_operator(&geometry, &OperatorParams::default(), Progress::none()).unwrap(),
+        Progress::none(),
+    )
+    .unwrap()
 }
 
 /// An octahedron cut in four as often as asked for, with bumps: 4^n·8 triangles, 4^n·4 + 2 vertices.
@@ -408,9 +412,11 @@ fn a_directed_cloud_has_a_basis() {
         })
         .collect();
     let shape = Shape::Cloud(PointCloud::new(points).unwrap());
-    let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions);
+    let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
     let directed = OperatorParams::default().with_cloud_graph(CloudGraph::Directed);
-    let walk = Diffusion::new(local_operator(&shape, &geometry, &directed));
+    let walk =
+        Diffusion::new(local_operator(&geometry, &directed, Progress::none()).unwrap(), Progress::none())
+            .unwrap();
     assert!(!walk.is_reversible());
     let fast = basis(&walk, &params(6), Progress::none()).unwrap();
     let exact = power(&dense(&walk), 32);
@@ -425,14 +431,18 @@ fn a_directed_cloud_has_a_basis() {
 #[test]
 fn the_shape_order_is_a_permutation_or_refused() {
     let shape = bumpy_sphere(2);
-    let geometry = PreparedGeometry::new(&shape, WeldMode::Off);
-    let walk = Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default()));
+    let geometry = PreparedGeometry::new(&shape, WeldMode::Off, Progress::none()).unwrap();
+    let walk = Diffusion::new(
+        local_operator(&geometry, &OperatorParams::default(), Progress::none()).unwrap(),
+        Progress::none(),
+    )
+    .unwrap();
     let inner = basis(&walk, &params(3), Progress::none()).unwrap();
-    let outer = inner.in_shape_order(&geometry.vertex_map).unwrap();
+    let outer = inner.in_shape_order(geometry.vertex_map()).unwrap();
     assert_ne!(inner.scaling, outer.scaling, "the numbering of the shape is another");
     for x in 0..shape.n_vertices() {
         for y in 0..shape.n_vertices() {
-            let (class_x, class_y) = (geometry.vertex_map.welded(x), geometry.vertex_map.welded(y));
+            let (class_x, class_y) = (geometry.vertex_map().welded(x), geometry.vertex_map().welded(y));
             assert_eq!(outer.scaling[2].get(x, y), inner.scaling[2].get(class_x, class_y));
         }
     }

@@ -42,21 +42,23 @@ fn sheet(rows: usize, columns: usize, noise: f64) -> Shape {
 }
 
 fn prepare(shape: &Shape, params: &OperatorParams) -> (PreparedGeometry, Diffusion) {
-    let geometry = PreparedGeometry::new(shape, params.weld);
-    let diffusion = Diffusion::new(local_operator(shape, &geometry, params));
+    let geometry = PreparedGeometry::new(shape, params.weld, Progress::none()).unwrap();
+    let diffusion =
+        Diffusion::new(local_operator(&geometry, params, Progress::none()).unwrap(), Progress::none())
+            .unwrap();
     (geometry, diffusion)
 }
 
 fn cycle(n: u32) -> Diffusion {
     let edges: Vec<_> = (0..n).map(|u| (u, (u + 1) % n, 1.0)).collect();
-    let shape = Shape::Graph(Graph::new(n as usize, &edges).expect("a cycle"));
+    let graph = Graph::new(n as usize, &edges).expect("a cycle");
     // In the order of the nodes, in which waves are easy to write down.
-    let geometry = PreparedGeometry {
-        vertex_map: VertexMap::identity(n as usize),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    };
-    Diffusion::new(local_operator(&shape, &geometry, &OperatorParams::default()))
+    let geometry = PreparedGeometry::of_ordered_graph(graph);
+    Diffusion::new(
+        local_operator(&geometry, &OperatorParams::default(), Progress::none()).unwrap(),
+        Progress::none(),
+    )
+    .unwrap()
 }
 
 fn split(
@@ -91,7 +93,7 @@ fn engines_agree(shape: &Shape, operator: &OperatorParams, signal: &[f64], d: us
     let (geometry, diffusion) = prepare(shape, operator);
     let powers = split(
         &diffusion,
-        &geometry.vertex_map,
+        geometry.vertex_map(),
         signal,
         d,
         schedule,
@@ -100,7 +102,7 @@ fn engines_agree(shape: &Shape, operator: &OperatorParams, signal: &[f64], d: us
     assert_eq!(powers.info.engine, Engine::Powers);
     for accuracy in [1e-2, 1e-5, 1e-9, 1e-13] {
         let params = BandsParams::default().with_accuracy(accuracy).with_engine(Engine::Chebyshev);
-        let bands = split(&diffusion, &geometry.vertex_map, signal, d, schedule, &params);
+        let bands = split(&diffusion, geometry.vertex_map(), signal, d, schedule, &params);
         assert_eq!(bands.info.engine, Engine::Chebyshev);
         assert!(bands.info.error_bound <= accuracy, "{} for {accuracy}", bands.info.error_bound);
         // The bound is one of the norm under the stationary law; the plain norm of these shapes differs by less than 10.
@@ -215,7 +217,7 @@ fn constants_have_no_bands_at_all() {
         let params = BandsParams::default().with_engine(engine);
         let bands = split(
             &diffusion,
-            &geometry.vertex_map,
+            geometry.vertex_map(),
             &[0.1; 108],
             1,
             &Schedule::dyadic(8).expect("valid"),
@@ -235,10 +237,11 @@ fn several_channels_are_single_ones_within_the_accuracy() {
     let n = 17 * 23;
     for d in [1, 2, 3, 4, 5, 7, 9] {
         let signal: Vec<f64> = (0..n * d).map(|i| ((i * 31 + i / 7) % 101) as f64).collect();
-        let all = split(&diffusion, &geometry.vertex_map, &signal, d, &schedule, &BandsParams::default());
+        let all = split(&diffusion, geometry.vertex_map(), &signal, d, &schedule, &BandsParams::default());
         for c in 0..d {
             let single: Vec<f64> = signal.iter().skip(c).step_by(d).copied().collect();
-            let one = split(&diffusion, &geometry.vertex_map, &single, 1, &schedule, &BandsParams::default());
+            let one =
+                split(&diffusion, geometry.vertex_map(), &single, 1, &schedule, &BandsParams::default());
             let channel: Vec<Vec<f64>> =
                 all.wavelets().map(|w| w.iter().skip(c).step_by(d).copied().collect()).collect();
             assert!(worst(&channel, &levels(&one)) <= 10.0 * 1e-9);
@@ -254,10 +257,10 @@ fn exact_levels_are_the_same_bits_for_one_channel_and_for_many() {
     let schedule = Schedule::dyadic(4).expect("valid");
     let params = BandsParams::default().with_accuracy(1e-13);
     let signal = coordinates(&shape);
-    let all = split(&diffusion, &geometry.vertex_map, &signal, 3, &schedule, &params);
+    let all = split(&diffusion, geometry.vertex_map(), &signal, 3, &schedule, &params);
     for c in 0..3 {
         let single: Vec<f64> = signal.iter().skip(c).step_by(3).copied().collect();
-        let one = split(&diffusion, &geometry.vertex_map, &single, 1, &schedule, &params);
+        let one = split(&diffusion, geometry.vertex_map(), &single, 1, &schedule, &params);
         for (w, one) in all.wavelets().zip(&levels(&one)) {
             assert!(w.iter().skip(c).step_by(3).eq(one));
         }
@@ -273,7 +276,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
-            split(&diffusion, &geometry.vertex_map, &signal, 3, &schedule, &BandsParams::default())
+            split(&diffusion, geometry.vertex_map(), &signal, 3, &schedule, &BandsParams::default())
         })
     };
     let one = run(1);
@@ -289,7 +292,7 @@ fn a_directed_cloud_falls_back_to_powers() {
     let (geometry, diffusion) = prepare(&cloud, &params);
     let schedule = Schedule::dyadic(5).expect("valid");
     let ask = BandsParams::default().with_engine(Engine::Chebyshev);
-    let bands = split(&diffusion, &geometry.vertex_map, &coordinates(&cloud), 3, &schedule, &ask);
+    let bands = split(&diffusion, geometry.vertex_map(), &coordinates(&cloud), 3, &schedule, &ask);
     assert_eq!(bands.info.engine, Engine::Powers);
     assert_eq!(bands.info.products, 16);
     assert!(
@@ -326,14 +329,14 @@ fn a_weighted_sum_of_bands_is_the_sum_of_the_weighted_bands() {
     let signal = coordinates(&shape);
     for engine in [Engine::Powers, Engine::Chebyshev] {
         let params = BandsParams::default().with_engine(engine);
-        let bands = split(&diffusion, &geometry.vertex_map, &signal, 3, &schedule, &params);
+        let bands = split(&diffusion, geometry.vertex_map(), &signal, 3, &schedule, &params);
         let mut expected = vec![0.0; signal.len()];
         for (factor, band) in factors.iter().zip(&levels(&bands)) {
             expected.iter_mut().zip(band).for_each(|(e, w)| *e += factor * w);
         }
         let (found, info) = weighted_bands(
             &diffusion,
-            &geometry.vertex_map,
+            geometry.vertex_map(),
             &signal,
             3,
             &schedule,
@@ -358,13 +361,13 @@ fn welded_vertices_that_differ_are_summed_back() {
     let n = shape.n_vertices();
     let signal: Vec<f64> = (0..n).map(|i| (i * 13 % 29) as f64).collect();
     let schedule = Schedule::dyadic(6).expect("valid");
-    let bands = split(&diffusion, &geometry.vertex_map, &signal, 1, &schedule, &BandsParams::default());
+    let bands = split(&diffusion, geometry.vertex_map(), &signal, 1, &schedule, &BandsParams::default());
     for (x, (a, b)) in bands.reconstruct().iter().zip(&signal).enumerate() {
         assert!((a - b).abs() < 1e-12, "vertex {x}: {a} for {b}");
     }
     for x in 0..n {
         for y in 0..x {
-            if geometry.vertex_map.welded(x) == geometry.vertex_map.welded(y) {
+            if geometry.vertex_map().welded(x) == geometry.vertex_map().welded(y) {
                 assert!((1..=6).all(|j| bands.scaling(j)[x] == bands.scaling(j)[y]));
             }
         }
@@ -372,7 +375,7 @@ fn welded_vertices_that_differ_are_summed_back() {
     let factors = [2.0, 0.0, 1.0, 0.0, 0.0, -1.0];
     let (sum, _) = weighted_bands(
         &diffusion,
-        &geometry.vertex_map,
+        geometry.vertex_map(),
         &signal,
         1,
         &schedule,
@@ -500,12 +503,12 @@ fn a_prepared_transform_can_be_used_again() {
     let transform = Transform::new(diffusion, &BandsParams::default()).expect("valid");
     let schedule = Schedule::dyadic(6).expect("valid");
     let first = transform
-        .bands(&geometry.vertex_map, &coordinates(&shape), 3, &schedule, Progress::none())
+        .bands(geometry.vertex_map(), &coordinates(&shape), 3, &schedule, Progress::none())
         .expect("valid");
     let ones = vec![1.0; 400];
-    transform.bands(&geometry.vertex_map, &ones, 1, &schedule, Progress::none()).expect("valid");
+    transform.bands(geometry.vertex_map(), &ones, 1, &schedule, Progress::none()).expect("valid");
     let again = transform
-        .bands(&geometry.vertex_map, &coordinates(&shape), 3, &schedule, Progress::none())
+        .bands(geometry.vertex_map(), &coordinates(&shape), 3, &schedule, Progress::none())
         .expect("valid");
     assert_eq!(first, again);
 }
@@ -521,7 +524,7 @@ fn on_a_fine_sphere_every_band_is_accurate_beside_itself() {
     let coordinates = coordinates(&shape);
     let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let schedule = Schedule::dyadic(9).expect("valid");
-    let bands = split(&diffusion, &geometry.vertex_map, &coordinates, 3, &schedule, &BandsParams::default());
+    let bands = split(&diffusion, geometry.vertex_map(), &coordinates, 3, &schedule, &BandsParams::default());
     let size = |w: &[f64]| norm(w.iter().copied()) / norm(coordinates.iter().copied());
     assert!(size(&bands.wavelet(1)) < 1e-3, "{}", size(&bands.wavelet(1)));
     engines_agree(&shape, &OperatorParams::default(), &coordinates, 3, &schedule);

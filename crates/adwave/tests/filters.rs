@@ -49,7 +49,7 @@ impl Fixture {
 /// One weight per vertex of the shape.
 fn weights(decomposer: &Decomposer, region: &Region) -> Vec<f64> {
     let weights = region.weights(decomposer.metric(), &|_| None, &[]).unwrap();
-    weights.to_vertices(&decomposer.geometry().vertex_map)
+    weights.to_vertices(decomposer.geometry().vertex_map())
 }
 
 fn everywhere(gains: Gains) -> Vec<Layer> {

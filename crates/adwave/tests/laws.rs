@@ -315,7 +315,7 @@ fn one_step_on_a_regular_triangulation_is_as_wide_as_the_formula_says() {
     let decomposer = Decomposer::new(&mesh(&points, &Polygons::from_triangles(&triangles)));
     let (at, _) =
         points.iter().enumerate().find(|(_, p)| **p == points[(40 * columns + 40) as usize]).unwrap();
-    let class = decomposer.geometry().vertex_map.welded(at);
+    let class = decomposer.geometry().vertex_map().welded(at);
     let (neighbours, weights) = decomposer.diffusion().row(class);
     assert_eq!(neighbours.len(), 6);
     assert!(weights.iter().all(|w| (w - 1.0 / 12.0).abs() < ROW_SUM));

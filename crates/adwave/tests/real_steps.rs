@@ -63,9 +63,9 @@ fn checkerboard(rows: u32, columns: u32) -> Shape {
 
 fn walk_of(shape: &Shape, params: &OperatorParams) -> Diffusion {
     // In the order of the shape, in which signals are easy to write down.
-    let given = PreparedGeometry::new(shape, params.weld);
+    let given = PreparedGeometry::new(shape, params.weld, Progress::none()).unwrap();
     assert_eq!(given.n_vertices(), shape.n_vertices(), "nothing to vertex_map");
-    Diffusion::new(local_operator(shape, &given, params))
+    Diffusion::new(local_operator(&given, params, Progress::none()).unwrap(), Progress::none()).unwrap()
 }
 
 fn split(walk: &Diffusion, signal: &[f64], schedule: &Schedule, params: &BandsParams) -> Bands {

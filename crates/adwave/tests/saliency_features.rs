@@ -155,7 +155,7 @@ fn ties_leave_exactly_one_feature() {
     let mut signal = [0.0; 40];
     (signal[19], signal[20]) = (1.0, 1.0);
     let bands = bands(&walk, &signal, 1, 6);
-    let map = &walk.geometry().vertex_map;
+    let map = walk.geometry().vertex_map();
     assert_eq!(bands.wavelet(4)[map.welded(19)], bands.wavelet(4)[map.welded(20)]);
     let params = FeatureParams::default().with_response(Response::Literal);
     let found = features(&walk, &bands, &params, Progress::none()).unwrap();
@@ -181,7 +181,7 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
         }
         let (level, map) = &levels[2];
         assert_eq!((level.level, level.sigma), (4, bands.sigma[4]));
-        let (w, vertex_map) = (bands.wavelet(4), &walk.geometry().vertex_map);
+        let (w, vertex_map) = (bands.wavelet(4), walk.geometry().vertex_map());
         let norm = |x: usize| w[3 * vertex_map.welded(x)..][..3].iter().map(|v| v * v).sum::<f64>().sqrt();
         if weighting == Weighting::Ranks {
             let below = (0..map.len()).filter(|&x| norm(x) < norm(5)).count();

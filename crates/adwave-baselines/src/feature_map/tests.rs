@@ -9,9 +9,9 @@ fn sample(name: &str, n: usize) -> Shape {
 }
 
 fn euler(shape: &Shape) -> i64 {
-    let geometry = PreparedGeometry::new(shape, WeldMode::default());
-    let ring = one_ring(geometry.n_vertices(), &geometry.triangles);
-    health(shape, &geometry, &ring).euler_characteristic.unwrap()
+    let geometry = PreparedGeometry::new(shape, WeldMode::default(), Progress::none()).unwrap();
+    let ring = one_ring(geometry.n_vertices(), geometry.triangles());
+    health(&geometry, &ring, Progress::none()).unwrap().euler_characteristic.unwrap()
 }
 
 fn alternating_sum(points: &[CriticalPoint]) -> i64 {
@@ -123,7 +123,7 @@ proptest! {
         let mut faces: Vec<[u32; 3]> = triangles.iter().map(|t| { let mut t = *t; t.sort_unstable(); t }).collect();
         faces.sort_unstable();
         faces.dedup();
-        let expected = vertices - (ring.neighbours.len() / 2) as i64 + faces.len() as i64;
+        let expected = vertices - (ring.nnz() / 2) as i64 + faces.len() as i64;
         prop_assert_eq!(critical_points(&triangles, &f).1, expected);
     }
 }

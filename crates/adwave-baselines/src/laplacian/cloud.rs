@@ -12,7 +12,7 @@ const PLANE: f64 = 4.0;
 /// There c is 1/4πt² and all points are neighbours. With the nearest alone the kernel is cut off, so c is chosen such that
 /// `Δ|x − p|² = 4` holds at p, as in a plane, for the median point. A point by itself has the mass 1.
 pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
-    let mut mass = operator.areas.clone();
+    let mut mass = operator.areas().to_vec();
     let four_t = 4.0 * operator.time();
     // Masses in units of their mean: products of two could underflow.
     let mut unit = mass.iter().sum::<f64>() / mass.len().max(1) as f64;
@@ -23,7 +23,7 @@ pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec
     let mut weights = Vec::new();
     let mut moment = vec![0.0; points.len()];
     for x in 0..points.len() {
-        for &y in operator.neighbours.of(x).iter().filter(|&&y| y as usize > x) {
+        for &y in operator.neighbours().of(x).iter().filter(|&&y| y as usize > x) {
             let d = minus(&points[x], &points[y as usize]);
             let squared = if four_t > 0.0 { dot(&d, &d) / four_t } else { 0.0 };
             let weight = mass[x] / unit * (mass[y as usize] / unit) * (-squared).exp();

@@ -7,6 +7,7 @@ mod cotangent;
 mod intrinsic;
 
 use crate::linalg::{LinalgError, SymmetricMatrix};
+use adwave::Progress;
 use adwave::operator::{OperatorParams, local_operator};
 use adwave::shape::MeshArea;
 use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, mesh_areas};
@@ -96,19 +97,19 @@ impl Laplacian {
     /// # Errors
     /// [`LinalgError`] where weights overflow.
     pub fn new(shape: &Shape, params: &LaplacianParams) -> Result<Self, LinalgError> {
-        let geometry = PreparedGeometry::new(shape, params.weld);
+        let geometry = PreparedGeometry::new(shape, params.weld, Progress::none())?;
         let n = geometry.n_vertices();
         let mut info = LaplacianInfo::default();
         let (entries, mass) = match shape {
             Shape::Mesh(_) => {
-                let (points, unit) = unit_points(&geometry.points);
+                let (points, unit) = unit_points(geometry.points());
                 let (entries, mut mass) = match params.triangulation {
                     Triangulation::AsGiven => {
-                        let entries = cotangent::as_given(&points, &geometry.triangles);
-                        (entries, mesh_areas(&points, &geometry.triangles, params.area))
+                        let entries = cotangent::as_given(&points, geometry.triangles());
+                        (entries, mesh_areas(&points, geometry.triangles(), params.area))
                     }
                     Triangulation::IntrinsicDelaunay => {
-                        intrinsic::delaunay(&points, &geometry.triangles, unit, &mut info)
+                        intrinsic::delaunay(&points, geometry.triangles(), unit, &mut info)
                     }
                 };
                 for m in &mut mass {
@@ -118,10 +119,10 @@ impl Laplacian {
             }
             Shape::Cloud(_) => {
                 let params = OperatorParams::default().with_weld(params.weld);
-                cloud::heat_kernel(&geometry.points, &local_operator(shape, &geometry, &params))
+                cloud::heat_kernel(geometry.points(), &local_operator(&geometry, &params, Progress::none())?)
             }
             Shape::Graph(graph) => {
-                let class = |u: u32| geometry.vertex_map.welded(u as usize) as u32;
+                let class = |u: u32| geometry.vertex_map().welded(u as usize) as u32;
                 let edges = (0..n as u32).flat_map(|u| {
                     let later = graph.neighbours(u as usize).filter(move |&(v, _)| v > u);
                     later.map(move |(v, w)| (class(u), class(v), w))
@@ -132,7 +133,7 @@ impl Laplacian {
         let stiffness = from_weights(n, &entries)?;
         info.n_negative = count_negative(&stiffness);
         info.n_massless = mass.iter().filter(|&&m| m <= 0.0).count();
-        Ok(Self { stiffness, mass, vertex_map: geometry.vertex_map, info })
+        Ok(Self { stiffness, mass, vertex_map: geometry.vertex_map().clone(), info })
     }
 
     /// Number of rows.

@@ -23,8 +23,8 @@ const ROUNDING: f64 = 1e-11;
 fn masses_sum_to_the_area_and_constants_have_no_energy() {
     for name in ["sphere", "torus", "knot", "creature"] {
         let shape = sample(name, 2000);
-        let geometry = PreparedGeometry::new(&shape, WeldMode::default());
-        let area = surface_area(&geometry.points, &geometry.triangles);
+        let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none()).unwrap();
+        let area = surface_area(geometry.points(), geometry.triangles());
         for triangulation in [Triangulation::AsGiven, Triangulation::IntrinsicDelaunay] {
             let l = laplacian(&shape, triangulation);
             assert!((l.mass.iter().sum::<f64>() / area - 1.0).abs() < ROUNDING, "{name}");
@@ -89,9 +89,9 @@ fn the_cloud_laplacian_knows_the_plane() {
     let points = (0..40).flat_map(|i| (0..40).map(move |j| [f64::from(i), f64::from(j), 0.0])).collect();
     let cloud = Shape::Cloud(PointCloud::new(points).unwrap());
     let l = laplacian(&cloud, Triangulation::default());
-    let geometry = PreparedGeometry::new(&cloud, WeldMode::default());
-    let square: Vec<f64> = geometry.points.iter().map(|p| p[0] * p[0] + p[1] * p[1]).collect();
-    let middle = geometry.points.iter().position(|p| p[0] == 20.0 && p[1] == 20.0).unwrap();
+    let geometry = PreparedGeometry::new(&cloud, WeldMode::default(), Progress::none()).unwrap();
+    let square: Vec<f64> = geometry.points().iter().map(|p| p[0] * p[0] + p[1] * p[1]).collect();
+    let middle = geometry.points().iter().position(|p| p[0] == 20.0 && p[1] == 20.0).unwrap();
     let laplace = -l.stiffness.product(&square)[middle] / l.mass[middle];
     // Most points are like the middle one.
     assert!((laplace - 4.0).abs() < 1e-9, "{laplace}");

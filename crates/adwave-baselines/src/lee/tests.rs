@@ -55,9 +55,9 @@ fn a_bump_is_more_salient_than_a_plane() {
 #[test]
 fn the_tree_finds_what_comparing_all_pairs_finds() {
     let shape = sample("creature", 2000);
-    let geometry = PreparedGeometry::new(&shape, WeldMode::default());
-    let epsilon = EPSILON * diagonal(&geometry.points);
-    let points: Vec<[f64; 3]> = geometry.points.iter().map(|p| p.map(|c| c / epsilon)).collect();
+    let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none()).unwrap();
+    let epsilon = EPSILON * diagonal(geometry.points());
+    let points: Vec<[f64; 3]> = geometry.points().iter().map(|p| p.map(|c| c / epsilon)).collect();
     let h: Vec<f64> = (0..points.len()).map(|i| (i as f64 * 0.1).sin()).collect();
     let found = gaussians(&points, &h, Progress::none()).unwrap();
     for x in (0..points.len()).step_by(37) {

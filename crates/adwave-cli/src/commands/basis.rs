@@ -119,7 +119,7 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
     }
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
-    let vertex_map = &decomposer.geometry().vertex_map;
+    let vertex_map = decomposer.geometry().vertex_map();
     let start = Instant::now();
     let mut basis = with_progress(global, "walking", |progress| {
         adwave::basis::basis(decomposer.diffusion(), &params, progress)
@@ -186,9 +186,9 @@ fn numbered(output: &Path, part: &str, extension: &str) -> PathBuf {
 fn write_matrix(path: &Path, matrix: &CompressedRows<f32>, matrix_market: bool) -> Result<(), CliError> {
     let rows = adwave_io::SparseRows {
         n_columns: matrix.n_rows(),
-        offsets: &matrix.offsets,
-        indices: &matrix.columns,
-        values: MatrixValues::F32(&matrix.values),
+        offsets: matrix.offsets(),
+        indices: matrix.columns(),
+        values: MatrixValues::F32(matrix.values()),
     };
     if matrix_market {
         adwave_io::write_matrix_market(path, &rows)

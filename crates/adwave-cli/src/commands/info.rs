@@ -28,7 +28,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     let (input, decomposer, health) = with_spinner(global, "reading", || {
         let input = load(&args.shape)?;
         let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
-        let health = decomposer.health(&input.shape);
+        let health = decomposer.health();
         Ok::<_, CliError>((input, decomposer, health))
     })?;
     let (schedule, why) = schedule(&args.levels, &decomposer)?;

@@ -147,9 +147,9 @@ pub(crate) fn write_vtp(
     let lines = shape.edges.pairs.as_flattened().iter().map(|&v| v.into()).collect();
     let line_ends = (1..=shape.edges.pairs.len() as i64).map(|e| 2 * e).collect();
     appended.add_cells(&mut body, "Lines", lines, line_ends)?;
-    let (corners, ends) = (shape.faces.corners(), &shape.faces.offsets()[1..]);
+    let corners = shape.faces.corners();
     let corners = collect(corners.len(), progress, |k| corners[k].into())?;
-    let ends = collect(ends.len(), progress, |f| ends[f].into())?;
+    let ends = collect(shape.faces.len(), progress, |f| shape.faces.end(f) as i64)?;
     appended.add_cells(&mut body, "Polys", corners, ends)?;
     if !shape.edges.weights.is_empty() {
         report.leave_out("weights of edges");

@@ -25,7 +25,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let shown = (3..=N_LEVELS).find(|&j| sigma(j) >= WIDTH * size).unwrap_or(N_LEVELS);
     let vertex = facing_vertex(&model);
     let centre = model.points()[vertex];
-    let classes = walk.geometry().vertex_map.as_slice();
+    let classes = walk.geometry().vertex_map().as_slice();
     let areas = walk.areas();
     // Sums are over the vertices of the analysis: of welded vertices the first counts.
     let mut first = vec![true; model.points().len()];

@@ -22,7 +22,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let walk_of_model = walk(&model);
     let size = diagonal(model.points());
     let n_levels = levels(&walk_of_model, size);
-    let curvature = mean_curvature(&model, &walk_of_model)?;
+    let curvature = mean_curvature(&walk_of_model)?;
     let shape = bands(context, &walk_of_model, model.coordinates(), 3, n_levels)?;
     let field = bands(context, &walk_of_model, &curvature, 1, n_levels)?;
 
@@ -198,7 +198,7 @@ impl Case {
             }
             n_components += 1;
         }
-        let vertex_map = &self.walk.geometry().vertex_map;
+        let vertex_map = self.walk.geometry().vertex_map();
         let (signal, coarsest) = (vertex_map.mean(&self.signal, 1), vertex_map.mean(&self.coarsest, 1));
         let mut areas = vec![0.0; n];
         for (&class, area) in vertex_map.as_slice().iter().zip(self.walk.areas()) {
@@ -240,7 +240,7 @@ fn two_components(context: &Context<'_>) -> Result<Case, FigureError> {
     let file = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
     let both = Model::from_file("torus and plane", file)?;
     let walk = walk(&both);
-    let signal = mean_curvature(&both, &walk)?;
+    let signal = mean_curvature(&walk)?;
     let n_levels = levels(&walk, diagonal(both.points()));
     let coarsest = bands(context, &walk, &signal, 1, n_levels)?.coarsest().to_vec();
     Ok(Case { name: both.name.clone(), walk, signal, coarsest })

@@ -17,7 +17,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["dinosaur"], "creature", N_VERTICES)?;
     let walk = walk(&model);
     let size = diagonal(model.points());
-    let curvature = mean_curvature(&model, &walk)?;
+    let curvature = mean_curvature(&walk)?;
     let bands = bands(context, &walk, &curvature, 1, N_LEVELS)?;
     let params = SaliencyParams::default();
     let map = saliency(&walk, &bands, &params)?.map;

@@ -30,7 +30,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     for pose in [&*first, &second] {
         let start = Instant::now();
         let walk = walk(pose);
-        let curvature = mean_curvature(pose, &walk)?;
+        let curvature = mean_curvature(&walk)?;
         let bands = bands(context, &walk, &curvature, 1, N_LEVELS)?;
         ours.push(saliency(&walk, &bands, &SaliencyParams::default())?.map);
         our_seconds += 0.5 * start.elapsed().as_secs_f64();

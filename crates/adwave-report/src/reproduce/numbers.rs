@@ -1,9 +1,9 @@
 //! Statistics that several figures need, and the bands of a model.
 
 use super::{Context, FigureError, Model};
-use adwave::Decomposer;
 use adwave::bands::{Bands, Schedule};
 use adwave::signal::{SurfaceSignal, surface_signal};
+use adwave::{Decomposer, Progress};
 
 /// The walk of a model as the paper has it.
 pub(super) fn walk(model: &Model) -> Decomposer {
@@ -23,8 +23,8 @@ pub(super) fn bands(
 }
 
 /// The mean curvature of a mesh or cloud, in 1/model unit.
-pub(super) fn mean_curvature(model: &Model, walk: &Decomposer) -> Result<Vec<f64>, FigureError> {
-    Ok(surface_signal(&model.shape, walk.geometry(), SurfaceSignal::MeanCurvature)?)
+pub(super) fn mean_curvature(walk: &Decomposer) -> Result<Vec<f64>, FigureError> {
+    Ok(surface_signal(walk.geometry(), SurfaceSignal::MeanCurvature, Progress::none())?)
 }
 
 /// Pearson's correlation; 0 where either is constant.

@@ -6,7 +6,7 @@ use crate::table::{digits, grouped};
 use adwave::shape::{Health, Shape, bounding_box};
 
 pub(super) fn section(subject: &Subject<'_>) -> (Section, Health) {
-    let health = subject.walk.health(subject.shape);
+    let health = subject.walk.health();
     let mut section = Section::new("health", "Health");
     let odd = oddities(subject, &health);
     section.push(Block::Verdict(verdict(subject, &health, &odd)));

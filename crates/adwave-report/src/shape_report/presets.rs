@@ -95,10 +95,10 @@ fn volume_ratio(subject: &Subject<'_>, values: &[f64]) -> Option<f64> {
     if !(subject.is_geometry() && matches!(subject.shape, Shape::Mesh(_))) {
         return None;
     }
-    let before = subject.walk.health(subject.shape).volume.filter(|v| *v != 0.0)?;
+    let before = subject.walk.health().volume.filter(|v| *v != 0.0)?;
     let geometry = subject.walk.geometry();
-    let points = geometry.vertex_map.positions(values.as_chunks().0);
-    Some(enclosed_volume(&points, &geometry.triangles) / before)
+    let points = geometry.vertex_map().positions(values.as_chunks().0);
+    Some(enclosed_volume(&points, geometry.triangles()) / before)
 }
 
 fn pictures(

@@ -47,7 +47,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
          count most. Only where it is large matters, not how large: its unit is that of the signal, cubed.",
         params.skip + 1
     ));
-    let by_class = subject.walk.geometry().vertex_map.mean(&map, 1);
+    let by_class = subject.walk.geometry().vertex_map().mean(&map, 1);
     let sum: f64 = by_class.iter().filter(|v| v.is_finite()).sum();
     let threshold = value_range(&by_class, 0.0, 1.0 - TOP).1;
     let found = patches(subject, &by_class, threshold);
@@ -65,7 +65,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         found.iter().map(|p| p.peak).max_by(|&a, &b| by_class[a].total_cmp(&by_class[b])).expect("a patch");
     let vertex = vertex_of(subject, peak);
     let places = Places::new(subject, studio.up());
-    let position = |class: usize| subject.walk.geometry().points.get(class).copied();
+    let position = |class: usize| subject.walk.geometry().points().get(class).copied();
     let at = match (&places, position(peak)) {
         (Some(places), Some(p)) => {
             format!(", at ({}), {} of the shape", subject.position(p), places.words(&p))

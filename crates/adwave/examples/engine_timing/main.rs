@@ -74,13 +74,14 @@ struct Subject {
 impl Subject {
     fn new(triangles: shapes::Triangles) -> Self {
         let (shape, params) = (triangles.into_shape(), OperatorParams::default());
-        let geometry = PreparedGeometry::new(&shape, params.weld);
-        let diffusion = Arc::new(Diffusion::new(local_operator(&shape, &geometry, &params)));
+        let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("not cancelled");
+        let operator = local_operator(&geometry, &params, Progress::none()).expect("not cancelled");
+        let diffusion = Arc::new(Diffusion::new(operator, Progress::none()).expect("not cancelled"));
         Self { shape, geometry, diffusion }
     }
 
     fn signal(&self) -> &[f64] {
-        self.geometry.points.as_flattened()
+        self.geometry.points().as_flattened()
     }
 
     fn transform(&self, accuracy: f64) -> Transform {
@@ -156,7 +157,7 @@ fn one_off(subject: &Subject, levels: usize) {
     let signal = subject.shape.points().expect("a mesh has points").as_flattened();
     let schedule = Schedule::dyadic(levels).expect("a valid number of levels");
     let params = BandsParams::default().with_accuracy(ACCURACY);
-    let (diffusion, vertex_map) = (&subject.diffusion, &subject.geometry.vertex_map);
+    let (diffusion, vertex_map) = (&subject.diffusion, subject.geometry.vertex_map());
     let (least, median) = time(5, || {
         let transform = Transform::new(Arc::clone(diffusion), &params).expect("a valid accuracy");
         transform.bands(vertex_map, signal, 3, &schedule, Progress::none()).expect("a valid request");

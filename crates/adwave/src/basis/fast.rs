@@ -3,12 +3,12 @@
 use super::forecast::forecast;
 use super::local_columns::{LANES, LocalColumns};
 use super::pack::{PackedRows, pack};
-use super::rows::CompressedRows;
 use super::sweep::{Next, Walk};
 use super::transpose::Transpose;
 use super::{Basis, BasisError, BasisInfo, BasisParams};
 use crate::Progress;
 use crate::operator::Diffusion;
+use crate::rows::{CompressedRows, Pattern};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
@@ -198,7 +198,7 @@ impl Growing {
         self.columns.shrink_to_fit();
         self.values.truncate(nnz);
         self.values.shrink_to_fit();
-        CompressedRows { offsets: self.offsets, columns: self.columns, values: self.values }
+        CompressedRows::trusted(Pattern::trusted(self.offsets, self.columns), self.values)
     }
 }
 

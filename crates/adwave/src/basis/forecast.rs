@@ -2,9 +2,9 @@
 
 use super::fast::Workers;
 use super::local_columns::LANES;
-use super::rows::{Value, bytes};
 use super::sweep::{Next, Walk};
 use super::{BasisError, transpose::Transpose};
+use crate::rows::{Value, bytes};
 use rayon::prelude::*;
 
 /// Blocks that are looked at, spread evenly. On a mesh one in a hundred tells the size within a few per cent.

@@ -22,20 +22,21 @@ mod forecast;
 mod local_columns;
 mod one_vertex;
 mod pack;
-mod rows;
 mod sparse_accumulator;
 mod squaring;
 mod sweep;
 mod transpose;
 
+pub use crate::rows::{CompressedRows, Value};
 pub use fast::basis;
 pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
-pub use rows::{CompressedRows, Value};
 pub use squaring::basis_by_squaring;
 
-use crate::Cancelled;
 use crate::bands::Schedule;
+use crate::parallel::unstopped;
+use crate::rows::subtract;
 use crate::shape::VertexMap;
+use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use thiserror::Error;
 
 /// What to compute.
@@ -178,6 +179,16 @@ pub enum BasisError {
     Cancelled(#[from] Cancelled),
 }
 
+impl ClassifiedError for BasisError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::TooLarge { .. } => ErrorKind::Memory,
+            Self::Cancelled(cancelled) => cancelled.kind(),
+            _ => ErrorKind::Input,
+        }
+    }
+}
+
 /// What a basis took.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BasisInfo {
@@ -187,7 +198,7 @@ pub struct BasisInfo {
     pub bytes: Vec<u64>,
     /// The largest share of a row's sum that was dropped, for Φ_1 … Φ_J.
     pub largest_dropped: Vec<f64>,
-    /// Bytes that were forecast before any of it was computed, the work space included.
+    /// Bytes that were forecast before any of it was computed, the work space included; 0 where nothing is forecast.
     pub forecast: u64,
 }
 
@@ -230,10 +241,11 @@ impl<V: Value> Basis<V> {
     pub fn wavelet(&self, j: usize) -> CompressedRows<V> {
         assert!((1..=self.n_levels()).contains(&j), "levels are 1 to {}, not {j}", self.n_levels());
         let coarse = &self.scaling[j - 1];
-        match j {
-            1 => CompressedRows::identity(coarse.n_rows()).minus(coarse),
-            _ => self.scaling[j - 2].minus(coarse),
-        }
+        let none = Progress::none();
+        unstopped(match j {
+            1 => CompressedRows::identity(coarse.n_rows()).minus(coarse, none),
+            _ => self.scaling[j - 2].minus(coarse, none),
+        })
     }
 
     /// The wavelet ψ_{j,x}: row `x` of Ψ_j, columns and values. O(entries of the row).
@@ -244,7 +256,7 @@ impl<V: Value> Basis<V> {
         let (mut columns, mut values) = (Vec::new(), Vec::new());
         let itself = ([x as u32], [V::from_f64(1.0)]);
         let fine = if j == 1 { (&itself.0[..], &itself.1[..]) } else { self.scaling[j - 2].row(x) };
-        rows::subtract(fine, self.scaling[j - 1].row(x), &mut columns, &mut values);
+        subtract(fine, self.scaling[j - 1].row(x), &mut columns, &mut values);
         (columns, values)
     }
 

@@ -109,7 +109,7 @@ pub fn one_vertex(
     };
     let (fine, scaling) = (row(&fine, steps_before)?, row(&coarse, steps)?);
     let mut wavelet = SparseRow::default();
-    super::rows::subtract(fine.as_slices(), scaling.as_slices(), &mut wavelet.columns, &mut wavelet.values);
+    crate::rows::subtract(fine.as_slices(), scaling.as_slices(), &mut wavelet.columns, &mut wavelet.values);
     Ok(ScalingAndWavelet { scaling, wavelet, n_products })
 }
 

@@ -1,24 +1,24 @@
-//! The paper's Algorithm 1: sparse squaring.
+//! The paper's Algorithm 1, sparse squaring: the reference for the fast method, with which it shares no code.
 
-use super::fast::Workers;
-use super::forecast::forecast;
-use super::rows::CompressedRows;
-use super::sparse_accumulator::SparseAccumulator;
-use super::sweep::Walk;
-use super::{Basis, BasisError, BasisInfo, BasisParams, transpose::Transpose};
+use super::{Basis, BasisError, BasisInfo, BasisParams};
 use crate::operator::Diffusion;
+use crate::rows::CompressedRows;
 use crate::{Cancelled, Progress};
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Rows that a thread multiplies at a time; no result depends on it.
+const ROWS_AT_A_TIME: usize = 256;
 
 /// Φ_1 … Φ_J by Algorithm 1 to the letter, in double precision: `Φ_j = [Φ_{j−1}Φ_{j−1}]_{r,ε}`.
 ///
 /// Each product's entries below ε are dropped and its rows divided by their sums before it is squared again. Φ_1 itself
-/// is the walk, without its zero entries. Products are Gustavson's, row by row. About four times the work per level;
-/// [`basis`](super::basis) gives the same to 1e-5, much faster. The printed loop starts at j = 1, where it would give I; it starts
-/// at 2 here.
+/// is the diffusion operator, without its zero entries. Products are Gustavson's, row by row. About four times the work per
+/// level; [`basis`](super::basis) gives the same to 1e-5, much faster. The printed loop starts at j = 1, where it would give
+/// I; it starts at 2 here.
 ///
 /// # Errors
-/// [`BasisError::NotDyadic`] for any other schedule; otherwise as [`basis`](super::basis).
+/// [`BasisError::NotDyadic`] for any other schedule; [`BasisError::TooLarge`] as soon as the matrices that are there exceed
+/// the limit; otherwise as [`basis`](super::basis).
 pub fn basis_by_squaring(
     diffusion: &Diffusion,
     params: &BasisParams,
@@ -30,107 +30,123 @@ pub fn basis_by_squaring(
         return Err(BasisError::NotDyadic { level: j + 1, steps: steps[j] });
     }
     let n_levels = steps.len();
-    progress.step(0, n_levels as u64)?;
-    let needed = {
-        let transpose = Transpose::new(diffusion);
-        let walk = Walk::new(diffusion, &transpose, params, progress);
-        // A level lies in memory twice while its parts are put together; to count all of them twice is on the safe side.
-        forecast::<f64>(&walk, &Workers::new(diffusion.n_vertices()), 2)?.bytes
+    let too_large = |needed: u64| BasisError::TooLarge {
+        n_levels,
+        n_vertices: diffusion.n_vertices(),
+        needed,
+        limit: params.memory_limit,
     };
-    let mut info = BasisInfo { forecast: needed, ..BasisInfo::default() };
-    let mut scaling = vec![first_level(diffusion)];
-    info.largest_dropped.push(0.0);
-    for j in 1..n_levels {
-        progress.step(j as u64, n_levels as u64)?;
-        let (squared, dropped) = square(&scaling[j - 1], steps[j], params.drop_tolerance, progress)?;
-        scaling.push(squared);
+    progress.step(0, n_levels as u64)?;
+    let mut info = BasisInfo::default();
+    let mut scaling: Vec<CompressedRows<f64>> = Vec::with_capacity(n_levels);
+    let mut bytes = 0;
+    for &steps in &steps {
+        let (level, dropped) = match scaling.last() {
+            None => (first_level(diffusion, progress)?, 0.0),
+            Some(before) => {
+                let room = params.memory_limit.saturating_sub(bytes);
+                match square(before, steps, params.drop_tolerance, room, progress)? {
+                    Product::Complete(product, dropped) => (product, dropped),
+                    Product::TooLarge(more) => return Err(too_large(bytes + more)),
+                }
+            }
+        };
+        bytes += level.bytes();
+        if bytes > params.memory_limit {
+            return Err(too_large(bytes));
+        }
+        info.nnz.push(level.nnz() as u64);
+        info.bytes.push(level.bytes());
         info.largest_dropped.push(dropped);
+        scaling.push(level);
+        progress.step(scaling.len() as u64, n_levels as u64)?;
     }
-    progress.step(n_levels as u64, n_levels as u64)?;
-    info.nnz = scaling.iter().map(|level| level.nnz() as u64).collect();
-    info.bytes = scaling.iter().map(CompressedRows::bytes).collect();
     Ok(Basis { steps, scaling, info })
 }
 
-/// Φ₁ with its diagonal.
-fn first_level(diffusion: &Diffusion) -> CompressedRows<f64> {
-    CompressedRows::from_rows(
-        diffusion.n_vertices(),
-        || (),
-        |(), x, columns, values| {
-            let (others, weights) = diffusion.row(x);
-            let before = others.partition_point(|&y| (y as usize) < x);
-            let entries = others.iter().copied().zip(weights.iter().copied());
-            let row = entries
-                .clone()
-                .take(before)
-                .chain([(x as u32, diffusion.diagonal(x))])
-                .chain(entries.skip(before));
-            for (y, w) in row.filter(|e| e.1 > 0.0) {
-                columns.push(y);
-                values.push(w);
-            }
-        },
-    )
+/// Algorithm 1, line 1: Φ_1 with its diagonal, without zeros.
+fn first_level(diffusion: &Diffusion, progress: Progress<'_>) -> Result<CompressedRows<f64>, Cancelled> {
+    let matrix = diffusion.to_rows(progress)?;
+    let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, values: &mut Vec<f64>| {
+        let (all, weights) = matrix.row(x);
+        for (&y, &w) in all.iter().zip(weights).filter(|(_, w)| **w > 0.0) {
+            columns.push(y);
+            values.push(w);
+        }
+    };
+    CompressedRows::from_rows(matrix.n_rows(), ROWS_AT_A_TIME, progress, || (), row)
 }
 
-/// `[AA]_{r,ε}` and the largest share of a row that was dropped.
+/// What came of a product.
+enum Product {
+    /// The matrix, and the largest share of a row that was dropped.
+    Complete(CompressedRows<f64>, f64),
+    /// More bytes than there is room for, of which these were reached.
+    TooLarge(u64),
+}
+
+/// Algorithm 1, lines 3 and 4: `[AA]_{r,ε}`.
+///
+/// Row x of AA is `Σ_z A(x,z)·(row z of A)`, summed up in a vector over all vertices (Gustavson, "Two fast algorithms for
+/// sparse matrices", 1978).
 fn square(
     matrix: &CompressedRows<f64>,
     steps: u64,
     tolerance: f64,
+    room: u64,
     progress: Progress<'_>,
-) -> Result<(CompressedRows<f64>, f64), BasisError> {
+) -> Result<Product, BasisError> {
     let n = matrix.n_rows();
     let empty_row = AtomicU64::new(u64::MAX);
     let largest_dropped = AtomicU64::new(0);
-    let squared = CompressedRows::from_rows(
-        n,
-        || (vec![0.0_f64; n], SparseAccumulator::new(n), Vec::new()),
-        |(sums, marks, found), x, columns, values| {
-            if progress.is_cancelled() {
-                return;
-            }
-            let (through, first) = matrix.row(x);
-            for (&z, &a) in through.iter().zip(first) {
-                let (ends, second) = matrix.row(z as usize);
-                for (&y, &b) in ends.iter().zip(second) {
-                    let sum = &mut sums[y as usize];
-                    if *sum == 0.0 {
-                        marks.insert(y);
-                    }
-                    *sum += a * b;
+    let reached = AtomicU64::new(0);
+    let row = |(sums, touched): &mut (Vec<f64>, Vec<u32>),
+               x: usize,
+               columns: &mut Vec<u32>,
+               values: &mut Vec<f64>| {
+        if reached.load(Ordering::Relaxed) > room {
+            return;
+        }
+        let (through, first) = matrix.row(x);
+        for (&z, &a) in through.iter().zip(first) {
+            let (ends, second) = matrix.row(z as usize);
+            for (&y, &b) in ends.iter().zip(second) {
+                if sums[y as usize] == 0.0 {
+                    touched.push(y);
                 }
+                sums[y as usize] += a * b;
             }
-            found.clear();
-            marks.drain_sorted(found);
-            let start = values.len();
-            let (mut kept, mut all) = (0.0, 0.0);
-            for &y in &*found {
-                let value = std::mem::take(&mut sums[y as usize]);
-                all += value;
-                if value >= tolerance && value > 0.0 {
-                    kept += value;
-                    columns.push(y);
-                    values.push(value);
-                }
+        }
+        touched.sort_unstable();
+        touched.dedup(); // a sum that is still 0 after underflow is met again
+        let start = values.len();
+        let (mut kept, mut all) = (0.0, 0.0_f64);
+        for y in touched.drain(..) {
+            let value = std::mem::take(&mut sums[y as usize]);
+            all += value;
+            if value >= tolerance && value > 0.0 {
+                kept += value;
+                columns.push(y);
+                values.push(value);
             }
-            if values.len() == start {
-                empty_row.fetch_min(x as u64, Ordering::Relaxed);
-                return;
-            }
-            for value in &mut values[start..] {
-                *value /= kept;
-            }
-            // Bits of non-negative numbers are ordered as the numbers are.
-            largest_dropped.fetch_max((1.0 - kept / all).max(0.0).to_bits(), Ordering::Relaxed);
-        },
-    );
-    if progress.is_cancelled() {
-        return Err(Cancelled.into());
-    }
+        }
+        if values.len() == start {
+            empty_row.fetch_min(x as u64, Ordering::Relaxed);
+            return;
+        }
+        for value in &mut values[start..] {
+            *value /= kept;
+        }
+        reached.fetch_add(12 * (values.len() - start) as u64, Ordering::Relaxed);
+        // Bits of non-negative numbers are ordered as the numbers are.
+        largest_dropped.fetch_max((1.0 - kept / all).max(0.0).to_bits(), Ordering::Relaxed);
+    };
+    let scratch = || (vec![0.0_f64; n], Vec::new());
+    let squared = CompressedRows::from_rows(n, ROWS_AT_A_TIME, progress, scratch, row)?;
+    let reached = reached.into_inner();
     match empty_row.into_inner() {
-        u64::MAX => Ok((squared, f64::from_bits(largest_dropped.into_inner()))),
+        u64::MAX if reached > room => Ok(Product::TooLarge(reached)),
+        u64::MAX => Ok(Product::Complete(squared, f64::from_bits(largest_dropped.into_inner()))),
         row => Err(BasisError::EmptyRow { row: row as usize, steps, tolerance }),
     }
 }

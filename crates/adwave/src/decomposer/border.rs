@@ -13,10 +13,10 @@ impl Decomposer {
     pub(crate) fn border(&self, progress: Progress<'_>) -> Result<Vec<usize>, Cancelled> {
         let geometry = self.geometry();
         if self.is_cloud() {
-            return Ok(cloud_border(&geometry.points, self.neighbours()));
+            return Ok(cloud_border(geometry.points(), self.neighbours()));
         }
-        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * geometry.triangles.len());
-        for t in geometry.triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * geometry.triangles().len());
+        for t in geometry.triangles().iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
             edges.extend([(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))));
         }
         parallel::sort_unstable_by(&mut edges, progress, Ord::cmp)?;
@@ -24,7 +24,7 @@ impl Decomposer {
         let mut border: Vec<usize> =
             single.flat_map(|same| [same[0].0 as usize, same[0].1 as usize]).collect();
         if let Some(masked) = self.mask_flags() {
-            let whole = one_ring(geometry.n_vertices(), &geometry.triangles);
+            let whole = one_ring(geometry.n_vertices(), geometry.triangles());
             border.extend((0..masked.len()).filter(|&x| whole.of(x).iter().any(|&y| masked[y as usize])));
             border.retain(|&x| !masked[x]);
         }
@@ -41,6 +41,6 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Vec<f64>, Cancelled> {
         let sources: Vec<(usize, f64)> = self.border(progress)?.into_iter().map(|x| (x, 0.0)).collect();
-        Ok(surface_distance(&self.ring(), &self.geometry().points, &sources, radius))
+        Ok(surface_distance(&self.ring(), self.geometry().points(), &sources, radius))
     }
 }

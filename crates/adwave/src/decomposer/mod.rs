@@ -9,6 +9,7 @@ use crate::bands::{Bands, BandsError, BandsParams, DEFAULT_REACH, Schedule, Tran
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
+use crate::parallel::unstopped;
 use crate::region::SurfaceMetric;
 use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, one_ring, squared_distance};
 use crate::{Cancelled, Progress};
@@ -59,7 +60,7 @@ pub struct Decomposer {
 impl Decomposer {
     /// Prepares a shape with the default operator: the paper's (eq. 1 and 4). O(n log n).
     pub fn new(shape: &Shape) -> Self {
-        Self::with_params(shape, &OperatorParams::default(), Progress::none()).expect("nobody can stop this")
+        unstopped(Self::with_params(shape, &OperatorParams::default(), Progress::none()))
     }
 
     /// Prepares a shape: welds it and builds its diffusion operator. O(n log n).
@@ -71,11 +72,10 @@ impl Decomposer {
         params: &OperatorParams,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        progress.check()?;
-        let geometry = PreparedGeometry::new(shape, params.weld);
-        let operator = local_operator(shape, &geometry, params);
-        let (areas, mean_length) = (operator.areas.clone().into(), operator.mean_length);
-        let diffusion = Diffusion::new(operator);
+        let geometry = PreparedGeometry::new(shape, params.weld, progress)?;
+        let operator = local_operator(&geometry, params, progress)?;
+        let (areas, mean_length) = (operator.areas().into(), operator.mean_length());
+        let diffusion = Diffusion::new(operator, progress)?;
         Ok(Self {
             geometry: Arc::new(geometry),
             transform: transform(diffusion),
@@ -107,12 +107,13 @@ impl Decomposer {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn masked(&self, masked: &[bool]) -> Result<Self, MaskError> {
-        let mask = Mask::new(masked, &self.geometry.vertex_map)?;
-        let points = &self.geometry.points;
+        let mask = Mask::new(masked, self.geometry.vertex_map())?;
+        let points = self.geometry.points();
         let squared_length = |x: usize, y: usize| {
             if points.is_empty() { 1.0 } else { squared_distance(&points[x], &points[y]) }
         };
-        let diffusion = self.diffusion().restricted(mask.welded(), squared_length);
+        let diffusion = self.diffusion().restricted(mask.welded(), squared_length, Progress::none());
+        let Ok(diffusion) = diffusion else { unreachable!("there is one flag per welded vertex") };
         let keep = |(x, a): (usize, &f64)| if mask.welded()[x] { 0.0 } else { *a };
         Ok(Self {
             transform: transform(diffusion),
@@ -139,17 +140,17 @@ impl Decomposer {
 
     /// Whether the shape has positions and no faces.
     pub(crate) fn is_cloud(&self) -> bool {
-        !self.geometry.points.is_empty() && self.geometry.triangles.is_empty()
+        !self.geometry.points().is_empty() && self.geometry.triangles().is_empty()
     }
 
     /// The one-ring of a mesh without the masked vertices; of a cloud or graph what one step can reach.
     pub(crate) fn ring(&self) -> Cow<'_, Adjacency> {
-        if self.rings == 1 || self.geometry.triangles.is_empty() {
+        if self.rings == 1 || self.geometry.triangles().is_empty() {
             return Cow::Borrowed(self.neighbours());
         }
-        let ring = one_ring(self.geometry.n_vertices(), &self.geometry.triangles);
+        let ring = one_ring(self.geometry.n_vertices(), self.geometry.triangles());
         Cow::Owned(match self.mask_flags() {
-            Some(masked) => ring.without(masked),
+            Some(masked) => unstopped(ring.without(masked, Progress::none())),
             None => ring,
         })
     }
@@ -189,7 +190,7 @@ impl Decomposer {
 
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
-        self.geometry.vertex_map.n_vertices()
+        self.geometry.vertex_map().n_vertices()
     }
 
     /// Length of the bounding box's diagonal in model units; 0 for a graph.
@@ -205,16 +206,16 @@ impl Decomposer {
     /// The area of every vertex of the shape in squared model units; welded vertices share theirs equally.
     pub fn areas(&self) -> Vec<f64> {
         let mut shares = vec![0_u32; self.geometry.n_vertices()];
-        for &x in self.geometry.vertex_map.as_slice() {
+        for &x in self.geometry.vertex_map().as_slice() {
             shares[x as usize] += 1;
         }
         let share: Vec<f64> = self.areas.iter().zip(shares).map(|(a, n)| a / f64::from(n)).collect();
-        self.geometry.vertex_map.scatter(&share, 1)
+        self.geometry.vertex_map().scatter(&share, 1)
     }
 
     /// Counts of what the shape consists of.
-    pub fn health(&self, shape: &Shape) -> Health {
-        health(shape, &self.geometry, self.neighbours())
+    pub fn health(&self) -> Health {
+        unstopped(health(&self.geometry, self.neighbours(), Progress::none()))
     }
 
     /// The number of dyadic levels to take where none is asked for, and why (see
@@ -280,15 +281,16 @@ impl Decomposer {
         if vertex >= n_vertices {
             return Err(BasisError::NoVertex { vertex, n_vertices });
         }
-        let x = self.geometry.vertex_map.welded(vertex);
+        let x = self.geometry.vertex_map().welded(vertex);
         check_whole(schedule)?;
         let [.., before, last] = schedule.steps_from_zero()[..] else {
             unreachable!("a schedule has a level")
         };
         let (before, last) = (before as u64, last as u64);
         let functions = one_vertex(self.diffusion(), x, before, last, 0.0, progress)?;
-        let dense =
-            |row: &SparseRow| self.geometry.vertex_map.scatter(&row.to_dense(self.geometry.n_vertices()), 1);
+        let dense = |row: &SparseRow| {
+            self.geometry.vertex_map().scatter(&row.to_dense(self.geometry.n_vertices()), 1)
+        };
         Ok(VertexFunctions {
             scaling_function: dense(&functions.scaling),
             wavelet: dense(&functions.wavelet),

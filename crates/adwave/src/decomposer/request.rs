@@ -65,7 +65,7 @@ impl<'a> BandsRequest<'a> {
     }
 
     fn vertex_map(&self) -> &'a crate::shape::VertexMap {
-        &self.decomposer.geometry().vertex_map
+        self.decomposer.geometry().vertex_map()
     }
 
     /// The signal with a value everywhere.

@@ -8,7 +8,7 @@ use crate::shape::Adjacency;
 /// Which component each vertex belongs to, numbered by their first vertices, and how many there are.
 fn component_of(adjacency: &Adjacency) -> (Vec<u32>, usize) {
     const NONE: u32 = u32::MAX;
-    let mut component = vec![NONE; adjacency.n_vertices()];
+    let mut component = vec![NONE; adjacency.n_rows()];
     let mut stack = Vec::new();
     let mut count = 0;
     for start in 0..component.len() {

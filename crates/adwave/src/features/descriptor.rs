@@ -45,7 +45,7 @@ pub fn describe(decomposer: &Decomposer, wavelets: &Wavelets, features: &[Featur
 }
 
 fn descriptor(decomposer: &Decomposer, levels: &[Level<'_>], areas: &[f64], feature: &Feature) -> Descriptor {
-    let x = decomposer.geometry().vertex_map.welded(feature.vertex);
+    let x = decomposer.geometry().vertex_map().welded(feature.vertex);
     let mut numbers = [0.0; DESCRIPTOR_LENGTH];
     let mut ring_areas = [0.0; RINGS];
     let first = feature.level as isize - LEVELS_BESIDE as isize;
@@ -80,7 +80,7 @@ fn descriptor(decomposer: &Decomposer, levels: &[Level<'_>], areas: &[f64], feat
 
 /// The vertices that are connected with `x` within the outermost ring, and their rings.
 fn within(decomposer: &Decomposer, x: usize, sigma: f64) -> Vec<(usize, usize)> {
-    let points = &decomposer.geometry().points;
+    let points = decomposer.geometry().points();
     let neighbours = decomposer.neighbours();
     let mut seen = HashSet::from([x]);
     let mut found = vec![(x, 0)];

@@ -79,7 +79,7 @@ pub fn features(
                 let response = level.at(x);
                 let mut feature = Feature {
                     vertex: x,
-                    position: decomposer.geometry().points.get(x).copied(),
+                    position: decomposer.geometry().points().get(x).copied(),
                     level: j,
                     sigma: wavelets.sigma[j],
                     response,
@@ -115,7 +115,7 @@ pub fn features(
 /// The first vertex of the shape that is each welded vertex.
 fn first_members(decomposer: &Decomposer) -> Vec<u32> {
     let mut first = vec![u32::MAX; decomposer.geometry().n_vertices()];
-    for (&x, vertex) in decomposer.geometry().vertex_map.as_slice().iter().zip(0..) {
+    for (&x, vertex) in decomposer.geometry().vertex_map().as_slice().iter().zip(0..) {
         first[x as usize] = vertex.min(first[x as usize]);
     }
     first

@@ -16,7 +16,7 @@ pub(super) struct Local {
 impl Local {
     /// The neighbours of `x` in the plane that fits them best; without a frame on a graph.
     pub(super) fn new(decomposer: &Decomposer, neighbours: &[u32], x: usize) -> Self {
-        let points = &decomposer.geometry().points;
+        let points = decomposer.geometry().points();
         let flat = Self { frame: None, around: Vec::new(), size: 0.0 };
         let Some(origin) = points.get(x).map(|p| Vector3::from(*p)) else { return flat };
         let offsets = neighbours.iter().map(|&y| Vector3::from(points[y as usize]) - origin);

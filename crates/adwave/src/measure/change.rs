@@ -109,7 +109,7 @@ pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result
         }
         Change::Resampling { seed } => match shape {
             Shape::Mesh(_) => subdivided(geometry),
-            _ => half(&geometry.points, seed),
+            _ => half(geometry.points(), seed),
         },
     };
     let shape = changed.ok_or(ChangeError::TooLarge)?;
@@ -128,12 +128,12 @@ fn with_points(shape: &Shape, points: Vec<[f64; 3]>) -> Option<Shape> {
 fn noisy(shape: &Shape, geometry: &PreparedGeometry, sigma: f64, seed: u64) -> Option<Shape> {
     // On the welded vertices: what is one place must stay one.
     let normals = match shape {
-        Shape::Mesh(_) => vertex_normals(&geometry.points, &geometry.triangles),
-        _ => cloud_normals(&geometry.points, &nearest_neighbours(&geometry.points, FIT_NEIGHBOURS)),
+        Shape::Mesh(_) => vertex_normals(geometry.points(), geometry.triangles()),
+        _ => cloud_normals(geometry.points(), &nearest_neighbours(geometry.points(), FIT_NEIGHBOURS)),
     };
-    let mut points = geometry.points.clone();
+    let mut points = geometry.points().to_vec();
     add_noise(&mut points, &normals, sigma, seed).ok()?;
-    with_points(shape, geometry.vertex_map.scatter(&points, 1))
+    with_points(shape, geometry.vertex_map().scatter(&points, 1))
 }
 
 fn random_rotation(seed: u64) -> Rotation3<f64> {
@@ -145,10 +145,10 @@ fn random_rotation(seed: u64) -> Rotation3<f64> {
 
 /// Every triangle of the welded mesh in four.
 fn subdivided(geometry: &PreparedGeometry) -> Option<Shape> {
-    let mut points = geometry.points.clone();
+    let mut points = geometry.points().to_vec();
     let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
-    let mut faces = Vec::with_capacity(4 * geometry.triangles.len());
-    for &[a, b, c] in &geometry.triangles {
+    let mut faces = Vec::with_capacity(4 * geometry.triangles().len());
+    for &[a, b, c] in geometry.triangles() {
         let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
             *middle.entry((p.min(q), p.max(q))).or_insert_with(|| {
                 let (p, q) = (points[p as usize], points[q as usize]);

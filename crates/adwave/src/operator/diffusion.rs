@@ -1,14 +1,18 @@
-//! The diffusion Φ₁: one step of the lazy walk.
+//! The diffusion operator Φ₁: one step of the lazy walk.
 
 use super::LocalOperator;
+use crate::rows::{CompressedRows, Pattern, RowsError, rows_at_a_time, try_for_entries};
 use crate::shape::Adjacency;
-use rayon::prelude::*;
+use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
 use thiserror::Error;
 
 /// How far the sum of a given row may be from 1 and still be taken as rounding.
 const ROW_SUM_TOLERANCE: f64 = 1e-12;
 
-/// Why a matrix is no diffusion.
+/// Vertices that a thread treats at a time.
+const VERTICES_AT_A_TIME: usize = 1 << 13;
+
+/// Why a matrix is no diffusion operator.
 #[derive(Debug, Error, PartialEq)]
 pub enum DiffusionError {
     /// An entry is negative, NaN or infinite.
@@ -31,17 +35,48 @@ pub enum DiffusionError {
     },
     /// The compressed rows do not fit together.
     #[error("the compressed rows of the walk do not fit together: {0}")]
-    Layout(String),
+    Layout(#[from] RowsError),
+    /// The entries' rows, columns and values are not of one length.
+    #[error("{n_rows} rows, {n_columns} columns and {n_values} values are not one of each for every entry")]
+    Lengths {
+        /// How many rows.
+        n_rows: usize,
+        /// How many columns.
+        n_columns: usize,
+        /// How many values.
+        n_values: usize,
+    },
+    /// There is not one flag per vertex.
+    #[error("{n_flags} flags do not say which of {n_vertices} vertices are masked; give one per vertex")]
+    MaskLength {
+        /// Number of flags.
+        n_flags: usize,
+        /// Number of vertices.
+        n_vertices: usize,
+    },
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
-/// One step of the lazy walk, `Φ₁ = [T]_r = ½I + ½Q`, as its off-diagonal entries; the diagonal is what is missing from 1.
+impl ClassifiedError for DiffusionError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Layout(rows) => rows.kind(),
+            Self::Cancelled(cancelled) => cancelled.kind(),
+            _ => ErrorKind::Input,
+        }
+    }
+}
+
+/// One step of the lazy walk, `Φ₁ = [T]_r = ½I + ½Q` (eq. 4–5), n_vertices × n_vertices, as its off-diagonal entries; the
+/// diagonal is what is missing from 1.
 ///
 /// Rows sum to 1 by construction and all entries are ≥ 0. A reversible Φ₁ is similar to a symmetric matrix and, being
 /// lazy, has its eigenvalues in [0, 1].
 #[derive(Clone, Debug)]
 pub struct Diffusion {
-    neighbours: Adjacency,
-    weights: Vec<f64>,
+    rows: CompressedRows<f64>,
     stationary: Vec<f64>,
     step_length: f64,
     is_reversible: bool,
@@ -51,54 +86,45 @@ impl Diffusion {
     /// Φ₁ of a local operator (eq. 4–5): `Φ₁(x,y) = T(x,y) / 2Σ_z T(x,z)`, `Φ₁(x,x) = ½`; an identity row where T has an
     /// empty one. O(entries).
     ///
-    /// # Panics
-    /// When the rows of the operator do not fit together, which those of [`local_operator`](super::local_operator) do.
-    pub fn new(operator: LocalOperator) -> Self {
-        let LocalOperator { neighbours, values, log_factor, areas, mean_square, is_reversible, .. } =
-            operator;
-        let n = neighbours.n_vertices();
-        // Products index by these without looking again.
-        assert!(
-            neighbours.offsets[0] == 0
-                && neighbours.offsets.is_sorted()
-                && neighbours.offsets[n] == neighbours.neighbours.len()
-                && values.len() == neighbours.neighbours.len()
-                && neighbours.neighbours.iter().all(|&y| (y as usize) < n),
-            "the neighbours of a local operator are vertices of it, one value each"
-        );
-        let mut weights = values;
-        let row_sum: Vec<f64> = (0..n)
-            .into_par_iter()
-            .with_min_len(4096)
-            .map(|x| weights[neighbours.offsets[x]..neighbours.offsets[x + 1]].iter().sum())
-            .collect();
-        for x in 0..n {
-            if row_sum[x] > 0.0 {
-                for w in &mut weights[neighbours.offsets[x]..neighbours.offsets[x + 1]] {
-                    *w /= 2.0 * row_sum[x];
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(operator: LocalOperator, progress: Progress<'_>) -> Result<Self, Cancelled> {
+        let LocalOperator { rows, log_factor, areas, mean_square, is_reversible, .. } = operator;
+        let n = rows.n_rows();
+        let (pattern, mut weights) = rows.into_parts();
+        let mut row_sum = vec![0.0; n];
+        try_for_entries(&pattern, &mut weights, &mut row_sum, progress, |range, mut weights, row_sum| {
+            for (x, sum) in range.zip(row_sum) {
+                let (row, after) = std::mem::take(&mut weights).split_at_mut(pattern.of(x).len());
+                weights = after;
+                *sum = row.iter().sum();
+                if *sum > 0.0 {
+                    // (eq. 4) [T]_r divides each row by its sum, of which T(x,x) is one half.
+                    for w in row {
+                        *w /= 2.0 * *sum;
+                    }
                 }
             }
-        }
+        })?;
         // π(x) ∝ A(x)·Σ_z A(z)k(x,z), in logarithms: where distances differ much the kernel itself underflows.
-        let log_pi = |x: usize| areas[x].ln() + log_factor[x] + row_sum[x].ln();
-        let top = crate::parallel::max(n, f64::NEG_INFINITY, log_pi);
-        let mut stationary: Vec<f64> = if top.is_finite() {
-            (0..n).into_par_iter().with_min_len(4096).map(|x| (log_pi(x) - top).exp()).collect()
+        let log_pi: Vec<f64> =
+            parallel::try_collect(n, progress, |x| areas[x].ln() + log_factor[x] + row_sum[x].ln())?;
+        let top = parallel::max(n, f64::NEG_INFINITY, |x| log_pi[x]);
+        let weight = |x: usize| (log_pi[x] - top).exp();
+        let stationary = if top.is_finite() {
+            normalised(parallel::try_collect(n, progress, weight)?, progress)?
         } else {
-            vec![1.0; n] // nothing moves: every law is stationary, the uniform one as good as any
+            vec![1.0 / n.max(1) as f64; n] // nothing moves: every distribution is stationary
         };
-        let total = crate::parallel::sum(n, |x| stationary[x]);
-        for p in &mut stationary {
-            *p /= total;
-        }
-        let step_square = crate::parallel::sum(n, |x| stationary[x] * 0.5 * mean_square[x]);
-        Self { neighbours, weights, stationary, step_length: step_square.sqrt(), is_reversible }
+        let step_square = parallel::try_sum(n, progress, |x| stationary[x] * 0.5 * mean_square[x])?;
+        let rows = CompressedRows::trusted(pattern, weights);
+        Ok(Self { rows, stationary, step_length: step_square.sqrt(), is_reversible })
     }
 
-    /// A walk given by its own matrix: compressed rows with or without their diagonal, every row summing to 1.
+    /// A diffusion operator given by its own matrix: compressed rows with or without their diagonal, every row summing to 1.
     ///
-    /// The law π is taken as uniform and a step as of length 1; the walk counts as not reversible, so that no method
-    /// relies on a real spectrum.
+    /// The stationary distribution π is taken as uniform and a step as of length 1; the walk counts as not reversible, so
+    /// that no method relies on a real spectrum. Entries of a row may come in any order and several times. O(entries).
     ///
     /// # Errors
     /// [`DiffusionError`] when the rows do not fit together, an entry is negative or not finite, or a row does not sum to
@@ -113,130 +139,179 @@ impl Diffusion {
     /// # Ok::<(), DiffusionError>(())
     /// ```
     pub fn from_rows(offsets: &[usize], columns: &[u32], values: &[f64]) -> Result<Self, DiffusionError> {
-        let layout = |what: String| Err(DiffusionError::Layout(what));
-        let Some(n) = offsets.len().checked_sub(1) else { return layout("there are no offsets".into()) };
-        if offsets[0] != 0 || offsets[n] != columns.len() || columns.len() != values.len() {
-            return layout(format!(
-                "offsets run from {} to {}, for {} columns and {} values",
-                offsets[0],
-                offsets[n],
-                columns.len(),
-                values.len()
-            ));
+        let Some(n) = offsets.len().checked_sub(1) else { return Err(RowsError::NoOffsets.into()) };
+        let pattern = Pattern::with_values(offsets.to_vec(), columns.to_vec(), n, values.len())?;
+        let wrong = parallel::map_chunks(n, VERTICES_AT_A_TIME, |mut range| {
+            range.find_map(|row| wrong_row(row, pattern.of(row), &values[pattern.range(row)]))
+        });
+        if let Some(error) = wrong.into_iter().flatten().next() {
+            return Err(error);
         }
-        if let Some(row) = (0..n).find(|&row| offsets[row] > offsets[row + 1]) {
-            return layout(format!("row {row} ends before it starts"));
-        }
-        let mut neighbours = Adjacency { offsets: vec![0], neighbours: Vec::new() };
-        let mut weights = Vec::new();
-        for row in 0..n {
-            let mut entries = Vec::new();
-            for k in offsets[row]..offsets[row + 1] {
-                let (column, value) = (columns[k] as usize, values[k]);
-                if column >= n {
-                    return layout(format!("row {row} names column {column} of {n}"));
-                }
-                if !(value.is_finite() && value >= 0.0) {
-                    return Err(DiffusionError::BadEntry { row, column, value });
-                }
-                entries.push((columns[k], value));
-            }
-            let sum: f64 = entries.iter().map(|e| e.1).sum();
-            if (sum - 1.0).abs() > ROW_SUM_TOLERANCE {
-                return Err(DiffusionError::RowSum { row, sum });
-            }
+        let row = |entries: &mut Vec<(u32, f64)>,
+                   x: usize,
+                   columns: &mut Vec<u32>,
+                   weights: &mut Vec<f64>| {
+            entries.clear();
+            entries.extend(pattern.of(x).iter().copied().zip(values[pattern.range(x)].iter().copied()));
             entries.sort_by_key(|e| e.0);
-            for (column, value) in entries.into_iter().filter(|e| e.0 as usize != row) {
-                let fresh = neighbours.neighbours.len() == neighbours.offsets[row]
-                    || neighbours.neighbours.last() != Some(&column);
-                if fresh {
-                    neighbours.neighbours.push(column);
-                    weights.push(value);
-                } else if let Some(last) = weights.last_mut() {
-                    *last += value;
+            let start = columns.len();
+            for &(column, value) in entries.iter().filter(|e| e.0 as usize != x) {
+                match weights.last_mut() {
+                    Some(last) if columns.len() > start && columns.last() == Some(&column) => *last += value,
+                    _ => {
+                        columns.push(column);
+                        weights.push(value);
+                    }
                 }
             }
-            neighbours.offsets.push(neighbours.neighbours.len());
-        }
+        };
+        let rows = CompressedRows::from_rows(n, rows_at_a_time(n), Progress::none(), Vec::new, row)?;
         let stationary = vec![1.0 / n.max(1) as f64; n];
-        Ok(Self { neighbours, weights, stationary, step_length: 1.0, is_reversible: false })
+        Ok(Self { rows, stationary, step_length: 1.0, is_reversible: false })
     }
 
-    /// The same walk without some vertices: their rows become identity rows, no other row steps to them, and each row is
+    /// [`from_rows`](Self::from_rows) of entries in three columns, in any order: entry `e` is `values[e]` at
+    /// `(rows[e], columns[e])`. O(entries).
+    ///
+    /// # Errors
+    /// As [`from_rows`](Self::from_rows), and [`DiffusionError::Lengths`] when the columns are not of one length.
+    ///
+    /// ```
+    /// use adwave::operator::Diffusion;
+    /// let walk = Diffusion::from_columns(2, &[1, 0, 0, 1], &[1, 0, 1, 0], &[0.75, 0.5, 0.5, 0.25])?;
+    /// assert_eq!(walk.row(1), ([0].as_slice(), [0.25].as_slice()));
+    /// # Ok::<(), adwave::operator::DiffusionError>(())
+    /// ```
+    pub fn from_columns(
+        n_vertices: usize,
+        rows: &[u32],
+        columns: &[u32],
+        values: &[f64],
+    ) -> Result<Self, DiffusionError> {
+        let (n_rows, n_columns, n_values) = (rows.len(), columns.len(), values.len());
+        if n_rows != n_columns || n_columns != n_values {
+            return Err(DiffusionError::Lengths { n_rows, n_columns, n_values });
+        }
+        let mut offsets = vec![0_usize; n_vertices + 1];
+        for (&row, &column) in rows.iter().zip(columns) {
+            let Some(count) = offsets.get_mut(row as usize + 1) else {
+                let (row, column) = (row as usize, column as usize);
+                return Err(RowsError::NoColumn { row, column, n_columns: n_vertices }.into());
+            };
+            *count += 1;
+        }
+        for x in 0..n_vertices {
+            offsets[x + 1] += offsets[x];
+        }
+        let (mut next, mut entries) = (offsets.clone(), vec![(0_u32, 0.0); n_rows]);
+        for ((&row, &column), &value) in rows.iter().zip(columns).zip(values) {
+            entries[next[row as usize]] = (column, value);
+            next[row as usize] += 1;
+        }
+        let (columns, values): (Vec<u32>, Vec<f64>) = entries.into_iter().unzip();
+        Self::from_rows(&offsets, &columns, &values)
+    }
+
+    /// Diffusion without the masked vertices: their rows become identity rows, no other row steps to them, and each row is
     /// divided by what it kept, so that as much probability moves as before. `squared_length(x, y)` is the squared length
     /// of a step in model units. O(entries).
     ///
     /// A reversible walk stays so, with `π′(x) ∝ π(x)·(part of the row's steps that is kept)`: `π(x)Φ₁(x,y)` is as before.
     ///
-    /// # Panics
-    /// When there is not one flag a vertex.
-    #[must_use]
-    pub fn restricted(&self, masked: &[bool], squared_length: impl Fn(usize, usize) -> f64 + Sync) -> Self {
+    /// # Errors
+    /// [`DiffusionError::MaskLength`] when there is not one flag per vertex; cancelled.
+    pub fn restricted(
+        &self,
+        masked: &[bool],
+        squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<Self, DiffusionError> {
         let n = self.n_vertices();
-        assert_eq!(masked.len(), n, "one flag a vertex");
-        let mut neighbours = Adjacency { offsets: vec![0], neighbours: Vec::new() };
-        let (mut weights, mut stationary) = (Vec::new(), Vec::with_capacity(n));
-        for x in 0..n {
-            let start = weights.len();
+        if masked.len() != n {
+            return Err(DiffusionError::MaskLength { n_flags: masked.len(), n_vertices: n });
+        }
+        let kept_entries = |x: usize| {
             let (columns, values) = self.row(x);
-            let all: f64 = values.iter().sum();
-            if !masked[x] {
-                for (&y, &w) in columns.iter().zip(values).filter(|(y, _)| !masked[**y as usize]) {
-                    neighbours.neighbours.push(y);
-                    weights.push(w);
-                }
+            let entries = columns.iter().copied().zip(values.iter().copied());
+            entries.filter(move |&(y, _)| !masked[x] && !masked[y as usize])
+        };
+        // What the steps of a row sum to, and what those that are kept sum to.
+        let sums =
+            |x: usize| (self.row(x).1.iter().sum::<f64>(), kept_entries(x).map(|(_, w)| w).sum::<f64>());
+        let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
+            let (all, kept) = sums(x);
+            for (y, w) in kept_entries(x) {
+                columns.push(y);
+                weights.push(if kept > 0.0 { w * (all / kept) } else { w });
             }
-            let kept: f64 = weights[start..].iter().sum();
-            if kept > 0.0 {
-                weights[start..].iter_mut().for_each(|w| *w *= all / kept);
-            }
-            stationary.push(if all > 0.0 { self.stationary[x] * (kept / all) } else { 0.0 });
-            neighbours.offsets.push(neighbours.neighbours.len());
-        }
-        let total = crate::parallel::sum(n, |x| stationary[x]);
-        if total > 0.0 {
-            for p in &mut stationary {
-                *p /= total;
-            }
-        } else {
-            stationary.fill(1.0 / n.max(1) as f64);
-        }
-        let mut walk =
-            Self { neighbours, weights, stationary, step_length: 0.0, is_reversible: self.is_reversible };
-        let step_square = crate::parallel::sum(n, |x| {
-            let (columns, values) = walk.row(x);
+        };
+        let rows = CompressedRows::from_rows(n, rows_at_a_time(n), progress, || (), row)?;
+        let stationary = parallel::try_collect(n, progress, |x| {
+            let (all, kept) = sums(x);
+            if all > 0.0 { self.stationary[x] * (kept / all) } else { 0.0 }
+        })?;
+        let stationary = normalised(stationary, progress)?;
+        let step_square = parallel::try_sum(n, progress, |x| {
+            let (columns, values) = rows.row(x);
             let square: f64 =
                 columns.iter().zip(values).map(|(&y, w)| w * squared_length(x, y as usize)).sum();
-            walk.stationary[x] * square
-        });
-        walk.step_length = step_square.sqrt();
-        walk
+            stationary[x] * square
+        })?;
+        Ok(Self { rows, stationary, step_length: step_square.sqrt(), is_reversible: self.is_reversible })
+    }
+
+    /// Φ₁ as a matrix with its diagonal, n_vertices × n_vertices, every row by rising column: what
+    /// [`CompressedRows::into_scipy`] turns into arrays of SciPy's. O(entries).
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    ///
+    /// ```
+    /// use adwave::{Progress, operator::Diffusion};
+    /// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
+    /// let (indptr, indices, data) = walk.to_rows(Progress::none())?.into_scipy()?;
+    /// assert_eq!((indptr, indices, data), (vec![0, 2, 4], vec![0, 1, 0, 1], vec![0.5, 0.5, 0.25, 0.75]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn to_rows(&self, progress: Progress<'_>) -> Result<CompressedRows<f64>, Cancelled> {
+        let n = self.n_vertices();
+        let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, values: &mut Vec<f64>| {
+            let (others, weights) = self.row(x);
+            let before = others.partition_point(|&y| (y as usize) < x);
+            columns.extend_from_slice(&others[..before]);
+            columns.push(x as u32);
+            columns.extend_from_slice(&others[before..]);
+            values.extend_from_slice(&weights[..before]);
+            values.push(self.diagonal(x));
+            values.extend_from_slice(&weights[before..]);
+        };
+        CompressedRows::from_rows(n, rows_at_a_time(n), progress, || (), row)
     }
 
     /// Number of vertices.
     pub fn n_vertices(&self) -> usize {
-        self.neighbours.n_vertices()
+        self.rows.n_rows()
     }
 
     /// Number of entries, the diagonal included.
     pub fn nnz(&self) -> usize {
-        self.weights.len() + self.n_vertices()
+        self.rows.nnz() + self.n_vertices()
     }
 
     /// Which off-diagonal entries there are.
     pub fn neighbours(&self) -> &Adjacency {
-        &self.neighbours
+        self.rows.pattern()
     }
 
     /// The off-diagonal entries, in the order of [`neighbours`](Self::neighbours).
     pub fn weights(&self) -> &[f64] {
-        &self.weights
+        self.rows.values()
     }
 
     /// The off-diagonal entries of row `x`: columns by rising index, and values.
+    #[inline]
     pub fn row(&self, x: usize) -> (&[u32], &[f64]) {
-        let range = self.neighbours.offsets[x]..self.neighbours.offsets[x + 1];
-        (&self.neighbours.neighbours[range.clone()], &self.weights[range])
+        self.rows.row(x)
     }
 
     /// `Φ₁(x,x)`: what the off-diagonal entries leave of 1.
@@ -244,8 +319,8 @@ impl Diffusion {
         1.0 - self.row(x).1.iter().sum::<f64>()
     }
 
-    /// The stationary law π over all vertices, ≥ 0, Σπ = 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. With several components it
-    /// weighs them by that formula. For a directed cloud it is a weight by the same formula and not stationary.
+    /// The stationary distribution π over all vertices, ≥ 0, Σπ = 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. With several components
+    /// it weighs them by that formula. For a directed cloud it is a weight by the same formula and not stationary.
     pub fn stationary(&self) -> &[f64] {
         &self.stationary
     }
@@ -255,15 +330,35 @@ impl Diffusion {
         self.step_length
     }
 
-    /// Bytes of memory that the walk takes.
+    /// Bytes of memory that the operator takes.
     pub fn bytes(&self) -> u64 {
-        let index = size_of::<usize>() * self.neighbours.offsets.len();
-        (index + 4 * self.neighbours.neighbours.len() + 8 * (self.weights.len() + self.stationary.len()))
-            as u64
+        self.rows.bytes() + size_of_val(self.stationary.as_slice()) as u64
     }
 
     /// Whether `π(x)Φ₁(x,y) = π(y)Φ₁(y,x)`, so that the spectrum is real and in [0, 1].
     pub fn is_reversible(&self) -> bool {
         self.is_reversible
     }
+}
+
+/// What is wrong with a row of a diffusion operator.
+fn wrong_row(row: usize, columns: &[u32], values: &[f64]) -> Option<DiffusionError> {
+    let is_wrong = |value: &f64| !(value.is_finite() && *value >= 0.0);
+    if let Some(at) = values.iter().position(is_wrong) {
+        return Some(DiffusionError::BadEntry { row, column: columns[at] as usize, value: values[at] });
+    }
+    let sum: f64 = values.iter().sum();
+    ((sum - 1.0).abs() > ROW_SUM_TOLERANCE).then_some(DiffusionError::RowSum { row, sum })
+}
+
+/// A distribution that is proportional to `weights`, which are ≥ 0: uniform where all of them are 0.
+fn normalised(mut weights: Vec<f64>, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
+    let n = weights.len();
+    let total = parallel::try_sum(n, progress, |x| weights[x])?;
+    parallel::try_for_rows(&mut weights, 1, VERTICES_AT_A_TIME, progress, |_, rows| {
+        for p in rows {
+            *p = if total > 0.0 { *p / total } else { 1.0 / n as f64 };
+        }
+    })?;
+    Ok(weights)
 }

@@ -1,178 +1,255 @@
 //! The local operator T of eq. 1, for meshes, clouds and graphs.
 
 use super::{CloudGraph, OperatorParams};
+use crate::rows::{CompressedRows, rows_at_a_time, try_for_entries};
 use crate::shape::{
-    Adjacency, Graph, PreparedGeometry, Shape, VertexMap, cloud_areas, k_rings, mesh_areas,
-    nearest_neighbours, one_ring, squared_distance,
+    Adjacency, Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length, squared_distance,
+    triangles_at_vertices, try_cloud_areas, try_k_rings, try_mesh_areas, try_nearest_neighbours,
+    try_one_ring,
 };
-use rayon::prelude::*;
+use crate::{Cancelled, Progress, parallel};
 
-/// The off-diagonal entries of T, each row divided by a factor of its own so that it cannot underflow.
+/// The off-diagonal entries of T, n_vertices × n_vertices, each row divided by a factor of its own so that it cannot
+/// underflow.
 ///
-/// `T(x,y) = A(y)·exp(−‖x−y‖²/4t)` for `y` in `N(x)`, `T(x,x) = Σ_{y≠x} T(x,y)`. All entries are ≥ 0. T is not
+/// `T(x,y) = A(y)·exp(−‖x−y‖²/4t)` for `y` in `N(x)`, `T(x,x) = Σ_{y≠x} T(x,y)` (eq. 1). All entries are ≥ 0. T is not
 /// symmetric, but `A(x)·T(x,y)` is whenever neighbourhood is.
 #[derive(Clone, Debug)]
 pub struct LocalOperator {
-    /// Which entries there are: the neighbourhoods N(x).
-    pub neighbours: Adjacency,
-    /// `T(x,y)·exp(−log_factor[x])` for each entry, in units of an area that do not matter.
-    pub values: Vec<f64>,
-    /// The logarithm of the factor that each row was divided by.
-    pub log_factor: Vec<f64>,
-    /// `A`, the area of each vertex in squared model units (1 for a graph).
-    pub areas: Vec<f64>,
-    /// Mean square distance of the neighbours, `Σ_y T(x,y)·‖x−y‖² / Σ_y T(x,y)` over `y ≠ x`, in squared model units (1
-    /// for a graph, 0 at a vertex that no step leaves).
-    pub mean_square: Vec<f64>,
-    /// `E`, the mean length of edges or the mean distance to the nearest neighbours, in model units (1 for a graph).
-    pub mean_length: f64,
-    /// Whether the walk is reversible: neighbourhood is symmetric.
-    pub is_reversible: bool,
+    pub(super) rows: CompressedRows<f64>,
+    pub(super) log_factor: Vec<f64>,
+    pub(super) areas: Vec<f64>,
+    pub(super) mean_square: Vec<f64>,
+    pub(super) mean_length: f64,
+    pub(super) is_reversible: bool,
 }
 
 impl LocalOperator {
+    /// `T(x,y)·exp(−log_factor[x])` for `y ≠ x`, in units of an area that do not matter.
+    pub fn rows(&self) -> &CompressedRows<f64> {
+        &self.rows
+    }
+
+    /// Which entries there are: the neighbourhoods N(x).
+    pub fn neighbours(&self) -> &Adjacency {
+        self.rows.pattern()
+    }
+
+    /// The logarithm of the factor that each row was divided by.
+    pub fn log_factor(&self) -> &[f64] {
+        &self.log_factor
+    }
+
+    /// `A`, the area of each vertex in squared model units (1 for a graph).
+    pub fn areas(&self) -> &[f64] {
+        &self.areas
+    }
+
+    /// Mean square distance of the neighbours, `Σ_y T(x,y)·‖x−y‖² / Σ_y T(x,y)` over `y ≠ x`, in squared model units (1
+    /// for a graph, 0 at a vertex that no step leaves).
+    pub fn mean_square(&self) -> &[f64] {
+        &self.mean_square
+    }
+
+    /// `E`, the mean length of edges or the mean distance to the nearest neighbours, in model units (1 for a graph).
+    pub fn mean_length(&self) -> f64 {
+        self.mean_length
+    }
+
+    /// Whether diffusion is reversible: neighbourhood is symmetric.
+    pub fn is_reversible(&self) -> bool {
+        self.is_reversible
+    }
+
     /// `t = E²/2` of the kernel `exp(−d²/4t)`, in squared model units.
     pub fn time(&self) -> f64 {
         self.mean_length * self.mean_length / 2.0
     }
 }
 
-/// Builds T for `shape` and its `geometry`. O(entries), for clouds O(n log n).
+/// Stages that are reported: neighbours, areas, values.
+const STAGES: u64 = 3;
+
+/// Builds T (eq. 1) for a prepared shape. O(entries), for clouds O(n log n).
 ///
-/// Vertices without a neighbour that has an area get an empty row: a walk that starts there stays there.
+/// Vertices without a neighbour that has an area get an empty row: what starts there stays there. Where the paper is
+/// silent: neighbourhood on a mesh is the one-ring, on a cloud the union of both directions, and each row is shifted by its
+/// smallest d² before `exp`, which leaves the normalised row the same.
 ///
-/// Source: eq. 1. Where the paper is silent: neighbourhood on a mesh is the one-ring, on a cloud the union of both
-/// directions, and each row is shifted by its smallest d² before `exp`, which leaves the normalised row the same.
-pub fn local_operator(shape: &Shape, geometry: &PreparedGeometry, params: &OperatorParams) -> LocalOperator {
-    let (points, unit) = geometry.unit_points();
-    match shape {
-        Shape::Mesh(_) => {
-            let ring = one_ring(points.len(), &geometry.triangles);
-            let mean_length = crate::shape::mean_edge_length(&points, &ring);
-            let areas = mesh_areas(&points, &geometry.triangles, params.mesh_area);
-            let neighbours = if params.rings > 1 { k_rings(&ring, params.rings) } else { ring };
-            gaussian(&points, unit, neighbours, areas, mean_length, true)
-        }
-        Shape::Cloud(_) => {
-            let near = nearest_neighbours(&points, params.neighbours);
-            let total = crate::parallel::sum(points.len(), |x| {
-                near.adjacency
-                    .of(x)
-                    .iter()
-                    .map(|&y| squared_distance(&points[x], &points[y as usize]).sqrt())
-                    .sum()
-            });
-            let mean_length = total / near.adjacency.neighbours.len().max(1) as f64;
-            let areas = cloud_areas(&points, &near, params.cloud_area);
-            match params.cloud_graph {
-                CloudGraph::Union => {
-                    let union = near.adjacency.union_with_transpose();
-                    gaussian(&points, unit, union, areas, mean_length, true)
-                }
-                CloudGraph::Directed => gaussian(&points, unit, near.adjacency, areas, mean_length, false),
-            }
-        }
-        Shape::Graph(graph) => weighted(graph, &geometry.vertex_map),
+/// # Errors
+/// [`Cancelled`].
+pub fn local_operator(
+    geometry: &PreparedGeometry,
+    params: &OperatorParams,
+    progress: Progress<'_>,
+) -> Result<LocalOperator, Cancelled> {
+    progress.step(0, STAGES)?;
+    let operator = match geometry.shape() {
+        Shape::Mesh(_) => of_mesh(geometry, params, progress),
+        Shape::Cloud(_) => of_cloud(geometry, params, progress),
+        Shape::Graph(graph) => of_graph(graph, geometry.vertex_map(), progress),
+    }?;
+    progress.step(STAGES, STAGES)?;
+    Ok(operator)
+}
+
+fn of_mesh(
+    geometry: &PreparedGeometry,
+    params: &OperatorParams,
+    progress: Progress<'_>,
+) -> Result<LocalOperator, Cancelled> {
+    let (points, unit) = geometry.unit_points(progress)?;
+    let triangles = geometry.triangles();
+    let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
+    let ring = try_one_ring(triangles, &at_vertex, progress)?;
+    progress.step(1, STAGES)?;
+    let mean_length = mean_edge_length(&points, &ring, progress)?;
+    let areas = try_mesh_areas(&points, triangles, &at_vertex, params.mesh_area, progress)?;
+    drop(at_vertex);
+    progress.step(2, STAGES)?;
+    let neighbours = if params.rings > 1 { try_k_rings(&ring, params.rings, progress)? } else { ring };
+    let kernel = Kernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
+    kernel.operator(neighbours, true, progress)
+}
+
+fn of_cloud(
+    geometry: &PreparedGeometry,
+    params: &OperatorParams,
+    progress: Progress<'_>,
+) -> Result<LocalOperator, Cancelled> {
+    let (points, unit) = geometry.unit_points(progress)?;
+    let near = try_nearest_neighbours(&points, params.neighbours, progress)?;
+    progress.step(1, STAGES)?;
+    let total = parallel::try_sum(points.len(), progress, |x| {
+        let lengths =
+            near.adjacency.of(x).iter().map(|&y| squared_distance(&points[x], &points[y as usize]).sqrt());
+        lengths.sum()
+    })?;
+    let mean_length = total / near.adjacency.nnz().max(1) as f64;
+    let areas = try_cloud_areas(&points, &near, params.cloud_area, progress)?;
+    progress.step(2, STAGES)?;
+    let kernel = Kernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
+    match params.cloud_graph {
+        CloudGraph::Union => kernel.operator(near.adjacency.union_with_transpose(progress)?, true, progress),
+        CloudGraph::Directed => kernel.operator(near.adjacency, false, progress),
     }
 }
 
-/// Kernel of a mesh or cloud. `points`, `areas` and `mean_length` are in units of `unit` model units.
-fn gaussian(
-    points: &[[f64; 3]],
+/// The kernel (eq. 1) of a mesh or cloud.
+struct Kernel<'a> {
+    /// Positions, in units of `unit` model units.
+    points: &'a [[f64; 3]],
     unit: f64,
-    neighbours: Adjacency,
+    /// The unit of length in which entries count areas: of the order of the shape, so that their sums neither overflow nor
+    /// vanish.
+    area_unit: f64,
+    /// A, in squares of `unit`.
     areas: Vec<f64>,
+    /// E, in units of `unit`.
     mean_length: f64,
-    is_reversible: bool,
-) -> LocalOperator {
-    let n = points.len();
-    // 1/4t = 1/2E². All neighbours coincide where E is 0; the kernel is 1 then.
-    let sharpness = if mean_length > 0.0 { 0.5 / (mean_length * mean_length) } else { 0.0 };
-    let mut values = crate::sparse::zeros(neighbours.neighbours.len());
-    let mut rows: Vec<(usize, &mut [f64])> = Vec::with_capacity(n);
-    let mut rest = values.as_mut_slice();
-    for x in 0..n {
-        let (row, after) = rest.split_at_mut(neighbours.of(x).len());
-        rows.push((x, row));
-        rest = after;
-    }
-    let per_row: Vec<(f64, f64)> = rows
-        .into_par_iter()
-        .with_min_len(1024)
-        .map(|(x, row)| {
-            let near = neighbours.of(x);
-            // The shift leaves out neighbours without area: they do not keep the row from underflowing.
-            let mut nearest = f64::INFINITY;
-            for (value, &y) in row.iter_mut().zip(near) {
-                *value = squared_distance(&points[x], &points[y as usize]);
-                if areas[y as usize] > 0.0 {
-                    nearest = nearest.min(*value);
+}
+
+impl Kernel<'_> {
+    fn operator(
+        mut self,
+        neighbours: Adjacency,
+        is_reversible: bool,
+        progress: Progress<'_>,
+    ) -> Result<LocalOperator, Cancelled> {
+        let (n, unit, area_unit) = (self.points.len(), self.unit, self.area_unit);
+        // Both units are powers of two: nothing is rounded.
+        let scaled = |areas: &mut [f64], factor: f64| {
+            parallel::try_for_rows(areas, 1, 1 << 14, progress, |_, areas| {
+                for a in areas {
+                    *a = *a * factor * factor;
                 }
+            })
+        };
+        scaled(&mut self.areas, unit / area_unit)?;
+        let mut values = crate::sparse::zeros(neighbours.nnz());
+        let mut per_row = vec![(0.0, 0.0); n];
+        try_for_entries(&neighbours, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+            for (x, kept) in range.zip(per_row) {
+                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbours.of(x).len());
+                values = after;
+                *kept = self.fill_row(x, neighbours.of(x), row);
             }
-            if nearest.is_infinite() {
-                row.fill(0.0);
-                return (0.0, 0.0);
-            }
-            let (mut sum, mut square) = (0.0, 0.0);
-            for (value, &y) in row.iter_mut().zip(near) {
-                let d2 = *value;
-                *value = areas[y as usize] * (-(d2 - nearest).max(0.0) * sharpness).exp();
-                sum += *value;
-                square += *value * d2;
-            }
-            (-nearest * sharpness, square / sum * unit * unit)
+        })?;
+        scaled(&mut self.areas, area_unit)?;
+        Ok(LocalOperator {
+            rows: CompressedRows::trusted(neighbours, values),
+            log_factor: parallel::try_collect(n, progress, |x| per_row[x].0)?,
+            areas: self.areas,
+            mean_square: parallel::try_collect(n, progress, |x| per_row[x].1)?,
+            mean_length: self.mean_length * unit,
+            is_reversible,
         })
-        .collect();
-    let (log_factor, mean_square) = per_row.into_iter().unzip();
-    LocalOperator {
-        neighbours,
-        values,
-        log_factor,
-        areas: areas.into_iter().map(|a| a * unit * unit).collect(),
-        mean_square,
-        mean_length: mean_length * unit,
-        is_reversible,
+    }
+
+    /// Fills the row of `x`, whose neighbours are `near`: the logarithm of the row's factor, and the mean square of its
+    /// distances in squared model units.
+    fn fill_row(&self, x: usize, near: &[u32], row: &mut [f64]) -> (f64, f64) {
+        let Self { points, unit, areas, mean_length, .. } = self;
+        // 1/4t = 1/2E². All neighbours coincide where E is 0; the kernel is 1 then.
+        let sharpness = if *mean_length > 0.0 { 0.5 / (mean_length * mean_length) } else { 0.0 };
+        // Neighbours without area do not count for the shift: they do not keep the row from underflowing.
+        let mut nearest = f64::INFINITY;
+        for (value, &y) in row.iter_mut().zip(near) {
+            *value = squared_distance(&points[x], &points[y as usize]);
+            if areas[y as usize] > 0.0 {
+                nearest = nearest.min(*value);
+            }
+        }
+        if nearest.is_infinite() {
+            row.fill(0.0);
+            return (0.0, 0.0);
+        }
+        let (mut sum, mut square) = (0.0, 0.0);
+        for (value, &y) in row.iter_mut().zip(near) {
+            let d2 = *value;
+            // (eq. 1) T(x,y) = A(y)·exp(−‖x−y‖²/4t), with t = E²/2.
+            *value = areas[y as usize] * (-(d2 - nearest).max(0.0) * sharpness).exp();
+            sum += *value;
+            square += *value * d2;
+        }
+        (-nearest * sharpness, square / sum * unit * unit)
     }
 }
 
 /// Kernel of a graph: the weights themselves, every node of area 1, every edge of length 1. Rows and columns are in the
 /// numbering of `vertex_map`.
-fn weighted(graph: &Graph, vertex_map: &VertexMap) -> LocalOperator {
+fn of_graph(
+    graph: &Graph,
+    vertex_map: &VertexMap,
+    progress: Progress<'_>,
+) -> Result<LocalOperator, Cancelled> {
     let n = graph.n_nodes();
-    let mut node_at = vec![0; n];
-    for (x, &place) in vertex_map.as_slice().iter().enumerate() {
-        node_at[place as usize] = x;
-    }
-    let mut neighbours =
-        Adjacency { offsets: vec![0], neighbours: Vec::with_capacity(graph.weights().len()) };
-    let mut values = Vec::with_capacity(graph.weights().len());
-    let mut log_factor = vec![0.0; n];
-    let mut mean_square = vec![0.0; n];
-    let mut row: Vec<(u32, f64)> = Vec::new();
-    for place in 0..n {
+    let (node_at, place) = (vertex_map.last_members(), vertex_map.as_slice());
+    let largest_weight = |x: usize| {
+        let weights = graph.rows().row(node_at[x] as usize).1;
+        weights.iter().copied().fold(0.0, f64::max)
+    };
+    let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, values: &mut Vec<f64>| {
         row.clear();
-        row.extend(graph.neighbours(node_at[place]).map(|(y, w)| (vertex_map.welded(y as usize) as u32, w)));
-        row.sort_by_key(|entry| entry.0);
+        row.extend(graph.neighbours(node_at[x] as usize).map(|(y, w)| (place[y as usize], w)));
+        row.sort_unstable_by_key(|entry| entry.0);
         // Rows are divided by their largest weight: sums of very large weights would overflow.
-        let largest = row.iter().map(|entry| entry.1).fold(0.0, f64::max);
-        if largest > 0.0 {
-            for entry in &mut row {
-                entry.1 /= largest;
-            }
-            log_factor[place] = largest.ln();
-            mean_square[place] = 1.0;
-        }
-        neighbours.neighbours.extend(row.iter().map(|entry| entry.0));
-        neighbours.offsets.push(neighbours.neighbours.len());
-        values.extend(row.iter().map(|entry| entry.1));
-    }
-    LocalOperator {
-        neighbours,
-        values,
-        log_factor,
+        let largest = largest_weight(x);
+        let scale = if largest > 0.0 { largest } else { 1.0 };
+        columns.extend(row.iter().map(|entry| entry.0));
+        values.extend(row.iter().map(|entry| entry.1 / scale));
+    };
+    let rows = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)?;
+    progress.step(2, STAGES)?;
+    let has_edges = |x: usize| largest_weight(x) > 0.0;
+    Ok(LocalOperator {
+        rows,
+        log_factor: parallel::try_collect(n, progress, |x| {
+            if has_edges(x) { largest_weight(x).ln() } else { 0.0 }
+        })?,
         areas: vec![1.0; n],
-        mean_square,
+        mean_square: parallel::try_collect(n, progress, |x| if has_edges(x) { 1.0 } else { 0.0 })?,
         mean_length: 1.0,
         is_reversible: true,
-    }
+    })
 }

@@ -1,4 +1,5 @@
-//! From a shape to the walk on it: the local operator T (eq. 1 of the paper) and the diffusion `Φ₁ = [T]_r` (eq. 4–5).
+//! From a prepared shape to diffusion on it: the local operator T (eq. 1 of the paper) and the diffusion operator
+//! `Φ₁ = [T]_r` (eq. 4–5), one step of a lazy walk.
 
 mod diffusion;
 mod local;
@@ -28,7 +29,7 @@ pub enum CloudGraph {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OperatorParams {
-    /// Whether vertices at equal positions are one vertex of the walk.
+    /// Whether vertices at equal positions are one welded vertex.
     pub weld: WeldMode,
     /// Mesh: how many rings of neighbours a step may reach; at least 1.
     pub rings: usize,
@@ -56,7 +57,7 @@ impl Default for OperatorParams {
 }
 
 impl OperatorParams {
-    /// Sets whether vertices at equal positions are one vertex of the walk.
+    /// Sets whether vertices at equal positions are one welded vertex.
     #[must_use]
     pub fn with_weld(self, weld: WeldMode) -> Self {
         Self { weld, ..self }

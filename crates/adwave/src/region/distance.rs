@@ -54,7 +54,7 @@ impl SurfaceSearch {
             self.labels[x as usize] = UNREACHED;
         }
         self.reached.clear();
-        self.labels.resize(neighbours.n_vertices(), UNREACHED);
+        self.labels.resize(neighbours.n_rows(), UNREACHED);
         let length =
             |x: usize, y: usize| if points.is_empty() { 1.0 } else { distance(&points[x], &points[y]) };
         for &(source, start) in sources {

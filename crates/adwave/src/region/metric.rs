@@ -68,17 +68,17 @@ impl SurfaceMetric {
 
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
-        self.geometry.vertex_map.n_vertices()
+        self.geometry.vertex_map().n_vertices()
     }
 
     /// The welded vertex nearest to a point (finite, model units); `None` for a graph. O(log n), the first time O(n log n).
     pub fn nearest(&self, point: &[f64; 3]) -> Option<usize> {
-        if self.geometry.points.is_empty() {
+        if self.geometry.points().is_empty() {
             return None;
         }
         let tree = self.tree.get_or_init(|| {
             Tree(
-                ImmutableKdTree::new_from_slice(&self.geometry.points)
+                ImmutableKdTree::new_from_slice(self.geometry.points())
                     .expect("the tree of finitely many finite points"),
             )
         });
@@ -87,7 +87,7 @@ impl SurfaceMetric {
 
     /// The normals of the vertices; none for a cloud or a graph.
     pub(super) fn normals(&self) -> &[[f64; 3]] {
-        self.normals.get_or_init(|| vertex_normals(&self.geometry.points, &self.geometry.triangles))
+        self.normals.get_or_init(|| vertex_normals(self.geometry.points(), self.geometry.triangles()))
     }
 
     /// The vertices within `radius` of a line over the surface from place to place.
@@ -100,7 +100,7 @@ impl SurfaceMetric {
     pub(super) fn within(&self, sources: &[(usize, f64)], radius: f64) -> Within {
         let mut search =
             self.searches.lock().map_or_else(|_| None, |mut kept| kept.pop()).unwrap_or_default();
-        let reached = search.run(self.diffusion.neighbours(), &self.geometry.points, sources, radius);
+        let reached = search.run(self.diffusion.neighbours(), self.geometry.points(), sources, radius);
         let mut vertices = reached.to_vec();
         vertices.sort_unstable();
         let distances = vertices.iter().map(|&x| search.distance(x as usize)).collect();

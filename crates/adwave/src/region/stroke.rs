@@ -14,7 +14,7 @@ pub(super) fn sources(
     spacing: f64,
     path: &[[f64; 3]],
 ) -> Vec<(usize, f64)> {
-    let (points, normals) = (&metric.geometry().points, metric.normals());
+    let (points, normals) = (metric.geometry().points(), metric.normals());
     let on_surface = |p: &[f64; 3]| {
         let vertex = metric.nearest(p).expect("a line is drawn over positions");
         let (p, normal) =

@@ -164,7 +164,7 @@ fn combine(
         .map(|region| region.weights(metric, field, field_names))
         .collect::<Result<Vec<_>, _>>()?;
     let by_vertex = parts.iter().any(|part| matches!(part, RegionWeights::Vertices(_)));
-    let (vertex_map, n_welded) = (&metric.geometry().vertex_map, metric.geometry().n_vertices());
+    let (vertex_map, n_welded) = (metric.geometry().vertex_map(), metric.geometry().n_vertices());
     let mut weights = vec![start; if by_vertex { metric.n_vertices() } else { n_welded }];
     for part in parts {
         let part = if by_vertex { part.to_vertices(vertex_map) } else { part.to_welded(n_welded) };
@@ -180,7 +180,7 @@ fn welded(metric: &SurfaceMetric, vertex: u32) -> Result<usize, RegionError> {
     if vertex as usize >= n_vertices {
         return Err(RegionError::NoSuchVertex { vertex, n_vertices });
     }
-    Ok(metric.geometry().vertex_map.welded(vertex as usize))
+    Ok(metric.geometry().vertex_map().welded(vertex as usize))
 }
 
 /// Weights by distance, which are 0 beyond the vertices given.
@@ -205,7 +205,7 @@ fn line_weights(
     if path.is_empty() {
         return Err(RegionError::EmptyStroke);
     }
-    let points = &metric.geometry().points;
+    let points = metric.geometry().points();
     let within = if points.is_empty() {
         let source = |place: &Place| match place {
             Place::Vertex(v) => Ok((welded(metric, *v)?, 0.0)),
@@ -232,7 +232,7 @@ fn by_depth(
     falloff: Option<Length>,
     depth: impl Fn(&[f64; 3]) -> f64 + Sync + Send,
 ) -> Result<RegionWeights, RegionError> {
-    let points = &metric.geometry().points;
+    let points = metric.geometry().points();
     if points.is_empty() {
         return Err(RegionError::NeedsPositions(what));
     }

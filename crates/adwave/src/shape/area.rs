@@ -2,8 +2,10 @@
 
 use super::adjacency::triangles_at_vertices;
 use super::{Adjacency, Neighbourhoods, distance, squared_distance};
+use crate::parallel::{self, unstopped};
+use crate::rows::Pattern;
+use crate::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
-use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// The area of a mesh vertex.
@@ -45,30 +47,35 @@ pub(crate) fn triangle_area(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> f64 {
 /// assert_eq!(mesh_areas(&points, &[[0, 1, 2]], MeshArea::Barycentric), [1.0; 3]);
 /// ```
 pub fn mesh_areas(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: MeshArea) -> Vec<f64> {
-    let (offsets, at_vertex) = triangles_at_vertices(points.len(), triangles);
-    (0..points.len())
-        .into_par_iter()
-        .map(|x| {
-            at_vertex[offsets[x]..offsets[x + 1]]
-                .iter()
-                .enumerate()
-                .map(|(k, &f)| {
-                    let corners = triangles[f as usize];
-                    match kind {
-                        MeshArea::Barycentric => {
-                            let [a, b, c] = corners.map(|v| &points[v as usize]);
-                            triangle_area(a, b, c) / 3.0
-                        }
-                        MeshArea::MixedVoronoi => {
-                            // A triangle with a repeated corner is listed once for each of them; it has no area.
-                            let repeats = at_vertex[offsets[x]..offsets[x] + k].contains(&f);
-                            if repeats { 0.0 } else { mixed_voronoi(points, corners, x as u32) }
-                        }
-                    }
-                })
-                .sum()
-        })
-        .collect()
+    let none = Progress::none();
+    let at_vertex = unstopped(triangles_at_vertices(points.len(), triangles, none));
+    unstopped(try_mesh_areas(points, triangles, &at_vertex, kind, none))
+}
+
+/// [`mesh_areas`] from the triangles at each vertex, stopped when the call is.
+pub(crate) fn try_mesh_areas(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    at_vertex: &Pattern,
+    kind: MeshArea,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, Cancelled> {
+    parallel::try_collect(points.len(), progress, |x| {
+        let around = at_vertex.of(x);
+        let share = |(k, f): (usize, &u32)| {
+            let corners = triangles[*f as usize];
+            match kind {
+                MeshArea::Barycentric => {
+                    let [a, b, c] = corners.map(|v| &points[v as usize]);
+                    triangle_area(a, b, c) / 3.0
+                }
+                // A triangle with a repeated corner is listed once for each of them; it has no area.
+                MeshArea::MixedVoronoi if around[..k].contains(f) => 0.0,
+                MeshArea::MixedVoronoi => mixed_voronoi(points, corners, x as u32),
+            }
+        };
+        around.iter().enumerate().map(share).sum()
+    })
 }
 
 /// The part of a triangle that belongs to its corner `x`.
@@ -91,16 +98,26 @@ fn mixed_voronoi(points: &[[f64; 3]], corners: [u32; 3], x: u32) -> f64 {
 
 /// The area of every point of a cloud, in squared units of `points`; > 0 unless all neighbours coincide with the point.
 /// O(n k), for `TangentVoronoi` O(n k²).
+///
+/// # Panics
+/// Unless `near` has as many neighbourhoods as there are points.
 pub fn cloud_areas(points: &[[f64; 3]], near: &Neighbourhoods, kind: CloudArea) -> Vec<f64> {
+    unstopped(try_cloud_areas(points, near, kind, Progress::none()))
+}
+
+/// [`cloud_areas`], stopped when the call is.
+pub(crate) fn try_cloud_areas(
+    points: &[[f64; 3]],
+    near: &Neighbourhoods,
+    kind: CloudArea,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, Cancelled> {
     let disc = |x: usize| PI * near.radius[x] * near.radius[x] / near.k.max(1) as f64;
-    (0..points.len())
-        .into_par_iter()
-        .map(|x| match kind {
-            CloudArea::Unit => 1.0,
-            CloudArea::KthNeighbour => disc(x),
-            CloudArea::TangentVoronoi => tangent_voronoi(points, &near.adjacency, x, near.radius[x]),
-        })
-        .collect()
+    parallel::try_collect(points.len(), progress, |x| match kind {
+        CloudArea::Unit => 1.0,
+        CloudArea::KthNeighbour => disc(x),
+        CloudArea::TangentVoronoi => tangent_voronoi(points, &near.adjacency, x, near.radius[x]),
+    })
 }
 
 /// Corners of the polygon that stands for the disc before bisectors cut it.
@@ -160,17 +177,17 @@ fn clip(polygon: &[[f64; 2]], q: [f64; 2], half: f64) -> Vec<[f64; 2]> {
 }
 
 /// Mean length of the distinct undirected edges of a symmetric neighbourhood; 0 without edges.
-pub(crate) fn mean_edge_length(points: &[[f64; 3]], edges: &Adjacency) -> f64 {
-    let total = crate::parallel::sum(points.len(), |x| {
-        edges
-            .of(x)
-            .iter()
-            .filter(|&&y| y as usize > x)
-            .map(|&y| distance(&points[x], &points[y as usize]))
-            .sum()
-    });
-    let count = edges.neighbours.len() / 2;
-    if count == 0 { 0.0 } else { total / count as f64 }
+pub(crate) fn mean_edge_length(
+    points: &[[f64; 3]],
+    edges: &Adjacency,
+    progress: Progress<'_>,
+) -> Result<f64, Cancelled> {
+    let total = parallel::try_sum(points.len(), progress, |x| {
+        let later = edges.of(x).iter().filter(|&&y| y as usize > x);
+        later.map(|&y| distance(&points[x], &points[y as usize])).sum()
+    })?;
+    let count = edges.nnz() / 2;
+    Ok(if count == 0 { 0.0 } else { total / count as f64 })
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! Weighted undirected graphs.
 
 use super::Adjacency;
+use crate::rows::CompressedRows;
+use crate::{ClassifiedError, ErrorKind, Progress, parallel};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Why a list of edges is not a graph that can be walked on.
@@ -32,20 +35,37 @@ pub enum GraphError {
         /// Its weight.
         weight: f64,
     },
+    /// The columns of the edges are not of one length.
+    #[error(
+        "{n_rows} first nodes, {n_columns} second nodes and {n_weights} weights are not one of each for every edge"
+    )]
+    Lengths {
+        /// How many first nodes.
+        n_rows: usize,
+        /// How many second nodes.
+        n_columns: usize,
+        /// How many weights.
+        n_weights: usize,
+    },
 }
 
-/// An undirected graph with non-negative edge weights.
+impl ClassifiedError for GraphError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
+}
+
+/// An undirected graph with non-negative edge weights. Copies share the edges.
 #[derive(Clone, Debug)]
 pub struct Graph {
-    adjacency: Adjacency,
-    weights: Vec<f64>,
+    rows: Arc<CompressedRows<f64>>,
 }
 
 impl Graph {
     /// The graph of `n_nodes` nodes with the undirected edges `(u, v, weight)`.
     ///
-    /// An edge given several times, in either direction, counts with the sum of its weights; a loop `(u, u)` is left
-    /// out, because the lazy walk has its own. Weights have no unit: only their ratios at a node matter.
+    /// An edge given several times, in either direction, counts with the sum of its weights; a loop `(u, u)` does not count,
+    /// because the lazy walk has its own. Weights have no unit: only their ratios at a node matter. O(edges log edges).
     ///
     /// # Errors
     /// [`GraphError`] when there is no node, an edge names a node that does not exist, or a weight is negative or not
@@ -58,6 +78,38 @@ impl Graph {
     /// # Ok::<(), adwave::shape::GraphError>(())
     /// ```
     pub fn new(n_nodes: usize, edges: &[(u32, u32, f64)]) -> Result<Self, GraphError> {
+        Self::from_edges(n_nodes, edges.iter().copied())
+    }
+
+    /// [`new`](Self::new) from three columns: edge `e` joins `rows[e]` and `columns[e]` with `weights[e]`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`GraphError::Lengths`] when the columns are not of one length.
+    ///
+    /// ```
+    /// use adwave::shape::Graph;
+    /// let path = Graph::from_columns(3, &[0, 1], &[1, 2], &[1.0, 2.5])?;
+    /// assert_eq!(path.neighbours(2).collect::<Vec<_>>(), [(1, 2.5)]);
+    /// # Ok::<(), adwave::shape::GraphError>(())
+    /// ```
+    pub fn from_columns(
+        n_nodes: usize,
+        rows: &[u32],
+        columns: &[u32],
+        weights: &[f64],
+    ) -> Result<Self, GraphError> {
+        if rows.len() != columns.len() || columns.len() != weights.len() {
+            let (n_rows, n_columns, n_weights) = (rows.len(), columns.len(), weights.len());
+            return Err(GraphError::Lengths { n_rows, n_columns, n_weights });
+        }
+        let edges = rows.iter().zip(columns).zip(weights);
+        Self::from_edges(n_nodes, edges.map(|((&u, &v), &weight)| (u, v, weight)))
+    }
+
+    fn from_edges(
+        n_nodes: usize,
+        edges: impl ExactSizeIterator<Item = (u32, u32, f64)>,
+    ) -> Result<Self, GraphError> {
         if n_nodes == 0 {
             return Err(GraphError::NoNodes);
         }
@@ -65,7 +117,7 @@ impl Graph {
             return Err(GraphError::TooManyNodes(n_nodes));
         }
         let mut directed = Vec::with_capacity(2 * edges.len());
-        for (edge, &(u, v, weight)) in edges.iter().enumerate() {
+        for (edge, (u, v, weight)) in edges.enumerate() {
             if let Some(node) = [u, v].into_iter().find(|&node| node as usize >= n_nodes) {
                 return Err(GraphError::NodeOutOfRange { edge, node, n_nodes });
             }
@@ -78,44 +130,38 @@ impl Graph {
             }
         }
         // A stable sort keeps repeated edges in their given order, so that both directions sum to the same bits.
-        directed.sort_by_key(|&(u, v, _)| (u, v));
-        let mut offsets = vec![0_usize; n_nodes + 1];
-        let (mut columns, mut weights) = (Vec::new(), Vec::new());
-        let mut last = None;
-        for (u, v, weight) in directed {
-            if last == Some((u, v)) {
-                *weights.last_mut().expect("the edge before this one") += weight;
-            } else {
-                columns.push(v);
-                weights.push(weight);
-                offsets[u as usize + 1] += 1;
-                last = Some((u, v));
-            }
-        }
-        for u in 0..n_nodes {
-            offsets[u + 1] += offsets[u];
-        }
-        Ok(Self { adjacency: Adjacency { offsets, neighbours: columns }, weights })
+        parallel::unstopped(parallel::sort_by(&mut directed, Progress::none(), |a, b| {
+            (a.0, a.1).cmp(&(b.0, b.1))
+        }));
+        let Ok(rows) = CompressedRows::from_sorted(n_nodes, directed) else {
+            unreachable!("the edges have been checked and sorted")
+        };
+        Ok(Self { rows: Arc::new(rows) })
     }
 
     /// Number of nodes.
     pub fn n_nodes(&self) -> usize {
-        self.adjacency.n_vertices()
+        self.rows.n_rows()
     }
 
     /// Who is joined with whom.
     pub fn adjacency(&self) -> &Adjacency {
-        &self.adjacency
+        self.rows.pattern()
     }
 
     /// The weight of each entry of [`adjacency`](Self::adjacency).
     pub fn weights(&self) -> &[f64] {
-        &self.weights
+        self.rows.values()
+    }
+
+    /// The symmetric matrix of the weights, n_nodes × n_nodes with an empty diagonal.
+    pub fn rows(&self) -> &CompressedRows<f64> {
+        &self.rows
     }
 
     /// The neighbours of node `u` with the weights of the edges to them, by rising index.
     pub fn neighbours(&self, u: usize) -> impl ExactSizeIterator<Item = (u32, f64)> + '_ {
-        let range = self.adjacency.offsets[u]..self.adjacency.offsets[u + 1];
-        self.adjacency.neighbours[range.clone()].iter().copied().zip(self.weights[range].iter().copied())
+        let (columns, weights) = self.rows.row(u);
+        columns.iter().copied().zip(weights.iter().copied())
     }
 }

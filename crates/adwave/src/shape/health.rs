@@ -1,10 +1,9 @@
 //! What is unusual about a shape: counts that explain a surprising result.
 
-use super::{
-    Adjacency, MAX_COORDINATE, PreparedGeometry, Shape, enclosed_volume, n_components, surface_area,
-};
+use super::adjacency::try_n_components;
+use super::{Adjacency, Mesh, Polygons, PreparedGeometry, Shape, enclosed_volume, surface_area};
+use crate::{Cancelled, Progress, parallel};
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 /// Counts of what a mesh, cloud or graph consists of and of what may be wrong with it.
 ///
@@ -33,7 +32,7 @@ pub struct Health {
     pub n_repeated_faces: usize,
     /// Vertices at the position of an earlier vertex.
     pub n_welded: usize,
-    /// Vertices of the analysis without neighbours: they keep their value in every band.
+    /// Welded vertices without neighbours: they keep their value in every band.
     pub n_isolated: usize,
     /// Vertices of no face.
     pub n_unreferenced: usize,
@@ -45,92 +44,186 @@ pub struct Health {
     pub euler_characteristic: Option<i64>,
 }
 
-/// Counts what `shape` consists of, given its [`PreparedGeometry`] and the neighbours that its walk steps to. O(n log n).
-pub fn health(shape: &Shape, geometry: &PreparedGeometry, neighbours: &Adjacency) -> Health {
+/// Faces or half-edges that a thread treats at a time.
+const AT_A_TIME: usize = 1 << 13;
+
+/// Counts what the shape of a [`PreparedGeometry`] consists of, given the neighbours that diffusion steps to.
+/// O(n log n).
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn health(
+    geometry: &PreparedGeometry,
+    neighbours: &Adjacency,
+    progress: Progress<'_>,
+) -> Result<Health, Cancelled> {
+    let shape = geometry.shape();
     let mut health = Health {
         n_vertices: shape.n_vertices(),
         n_faces: 0,
         n_polygons: 0,
-        n_edges: neighbours.neighbours.len() / 2,
-        n_components: n_components(neighbours),
+        n_edges: neighbours.nnz() / 2,
+        n_components: try_n_components(neighbours, progress)?,
         n_boundary_edges: 0,
         n_non_manifold_edges: 0,
         n_misoriented_edges: 0,
         n_zero_area_faces: 0,
         n_repeated_faces: 0,
         n_welded: shape.n_vertices() - geometry.n_vertices(),
-        n_isolated: (0..geometry.n_vertices()).filter(|&x| neighbours.of(x).is_empty()).count(),
+        n_isolated: (0..neighbours.n_rows()).filter(|&x| neighbours.of(x).is_empty()).count(),
         n_unreferenced: 0,
         area: 0.0,
         volume: None,
         euler_characteristic: None,
     };
-    let Shape::Mesh(mesh) = shape else { return health };
-    debug_assert!(mesh.points().iter().flatten().all(|c| c.abs() <= MAX_COORDINATE));
-    let faces = mesh.faces();
-    health.n_faces = faces.len();
-    health.n_polygons = faces.iter().filter(|f| f.len() > 3).count();
-
-    let mut referenced = vec![false; mesh.points().len()];
-    for &corner in faces.corners() {
-        referenced[corner as usize] = true;
+    progress.check()?;
+    if let Shape::Mesh(mesh) = shape {
+        count_faces(mesh, geometry, &mut health, progress)?;
     }
-    health.n_unreferenced = referenced.iter().filter(|&&r| !r).count();
+    Ok(health)
+}
 
-    let class = |corner: u32| geometry.vertex_map.welded(corner as usize) as u32;
-    health.n_zero_area_faces = (0..faces.len())
-        .into_par_iter()
-        .filter(|&f| has_no_area(faces.get(f).iter().map(|&c| &mesh.points()[c as usize])))
-        .count();
+fn count_faces(
+    mesh: &Mesh,
+    geometry: &PreparedGeometry,
+    health: &mut Health,
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    let faces = mesh.faces();
+    let count = |is_counted: &(dyn Fn(&[u32]) -> bool + Sync)| {
+        parallel::try_map_chunks(
+            faces.len(),
+            AT_A_TIME,
+            progress,
+            || (),
+            |(), range| range.filter(|&f| is_counted(faces.get(f))).count(),
+        )
+        .map(|counts| counts.iter().sum::<usize>())
+    };
+    health.n_faces = faces.len();
+    health.n_polygons = count(&|face| face.len() > 3)?;
+    health.n_zero_area_faces = count(&|face| has_no_area(face.iter().map(|&c| &mesh.points()[c as usize])))?;
+    health.n_unreferenced = mesh.points().len() - n_named(mesh.points().len(), faces, |c| c, progress)?;
+    let welded = geometry.vertex_map().as_slice();
+    let class = |corner: u32| welded[corner as usize];
+    health.n_repeated_faces = n_repeated(faces, class, progress)?;
+    count_edges(faces, class, health, progress)?;
+    health.area = surface_area(geometry.points(), geometry.triangles());
+    let has_edges = health.n_edges > 0;
+    let closed = health.n_boundary_edges == 0 && health.n_non_manifold_edges == 0 && has_edges;
+    if closed && health.n_misoriented_edges == 0 {
+        health.volume = Some(enclosed_volume(geometry.points(), geometry.triangles()));
+    }
+    if !faces.is_empty() {
+        let n_used = n_named(geometry.n_vertices(), faces, class, progress)?;
+        health.euler_characteristic = Some(n_used as i64 - health.n_edges as i64 + faces.len() as i64);
+    }
+    Ok(())
+}
 
-    let mut corner_sets: Vec<Vec<u32>> = faces
-        .iter()
-        .map(|face| {
-            let mut corners: Vec<u32> = face.iter().map(|&c| class(c)).collect();
-            corners.sort_unstable();
-            corners
-        })
-        .collect();
-    corner_sets.par_sort_unstable();
-    health.n_repeated_faces = corner_sets.windows(2).filter(|pair| pair[0] == pair[1]).count();
-    drop(corner_sets);
-
-    // Every edge of every face as (smaller end, larger end, runs upwards).
-    let mut half_edges: Vec<(u32, u32, bool)> = Vec::with_capacity(faces.corners().len());
-    for face in faces.iter().filter(|f| f.len() > 2) {
-        for k in 0..face.len() {
-            let (a, b) = (class(face[k]), class(face[(k + 1) % face.len()]));
-            if a != b {
-                half_edges.push((a.min(b), a.max(b), a < b));
-            }
+/// How many of `n` vertices are a corner of a face.
+fn n_named(
+    n: usize,
+    faces: &Polygons,
+    name: impl Fn(u32) -> u32,
+    progress: Progress<'_>,
+) -> Result<usize, Cancelled> {
+    let mut is_named = vec![false; n];
+    for corners in faces.corners().chunks(1 << 16) {
+        progress.check()?;
+        for &corner in corners {
+            is_named[name(corner) as usize] = true;
         }
     }
-    half_edges.par_sort_unstable();
-    let mut n_edges = 0_usize;
+    Ok(is_named.iter().filter(|&&named| named).count())
+}
+
+/// How many faces have the same vertices as an earlier one.
+fn n_repeated(
+    faces: &Polygons,
+    name: impl Fn(u32) -> u32 + Sync + Send,
+    progress: Progress<'_>,
+) -> Result<usize, Cancelled> {
+    // Triangles by themselves: vectors of their own for millions of faces take time to free, too.
+    let sorted = |f: usize| {
+        let mut corners = faces.get(f).iter().map(|&c| name(c)).collect::<Vec<u32>>();
+        corners.sort_unstable();
+        corners
+    };
+    let is_triangle = |f: &usize| faces.get(*f).len() == 3;
+    let of_triangle = |f: usize| {
+        let face = faces.get(f);
+        let mut corners = [face[0], face[1], face[2]].map(&name);
+        corners.sort_unstable();
+        corners
+    };
+    let chunks = parallel::try_map_chunks(
+        faces.len(),
+        AT_A_TIME,
+        progress,
+        || (),
+        |(), range| {
+            let triangles: Vec<[u32; 3]> = range.clone().filter(is_triangle).map(of_triangle).collect();
+            let others: Vec<Vec<u32>> = range.filter(|f| !is_triangle(f)).map(sorted).collect();
+            (triangles, others)
+        },
+    )?;
+    let (mut triangles, mut others) = (Vec::new(), Vec::new());
+    for (some, more) in chunks {
+        triangles.extend(some);
+        others.extend(more);
+    }
+    parallel::sort_unstable_by(&mut triangles, progress, Ord::cmp)?;
+    parallel::sort_unstable_by(&mut others, progress, Ord::cmp)?;
+    let repeated = triangles.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    Ok(repeated + others.windows(2).filter(|pair| pair[0] == pair[1]).count())
+}
+
+/// Counts the edges of all faces by how many faces they have.
+fn count_edges(
+    faces: &Polygons,
+    name: impl Fn(u32) -> u32 + Sync + Send,
+    health: &mut Health,
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    // Every edge of every face as (smaller end, larger end, runs upwards).
+    let chunks = parallel::try_map_chunks(
+        faces.len(),
+        AT_A_TIME,
+        progress,
+        || (),
+        |(), range| {
+            let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(3 * range.len());
+            for face in range.map(|f| faces.get(f)).filter(|face| face.len() > 2) {
+                for k in 0..face.len() {
+                    let (a, b) = (name(face[k]), name(face[(k + 1) % face.len()]));
+                    if a != b {
+                        edges.push((a.min(b), a.max(b), a < b));
+                    }
+                }
+            }
+            edges
+        },
+    )?;
+    let mut half_edges = Vec::with_capacity(chunks.iter().map(Vec::len).sum());
+    for chunk in chunks {
+        progress.check()?;
+        half_edges.extend(chunk);
+    }
+    parallel::sort_unstable_by(&mut half_edges, progress, Ord::cmp)?;
+    health.n_edges = 0;
     for edge in half_edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
-        n_edges += 1;
+        health.n_edges += 1;
+        if health.n_edges.is_multiple_of(AT_A_TIME) {
+            progress.check()?;
+        }
         match edge {
             [_] => health.n_boundary_edges += 1,
             [e, f] => health.n_misoriented_edges += usize::from(e.2 == f.2),
             _ => health.n_non_manifold_edges += 1,
         }
     }
-    health.n_edges = n_edges;
-
-    health.area = surface_area(&geometry.points, &geometry.triangles);
-    let closed = health.n_boundary_edges == 0 && health.n_non_manifold_edges == 0 && !half_edges.is_empty();
-    if closed && health.n_misoriented_edges == 0 {
-        health.volume = Some(enclosed_volume(&geometry.points, &geometry.triangles));
-    }
-    if !faces.is_empty() {
-        let mut used = vec![false; geometry.n_vertices()];
-        for &corner in faces.corners() {
-            used[class(corner) as usize] = true;
-        }
-        let n_used = used.iter().filter(|&&u| u).count();
-        health.euler_characteristic = Some(n_used as i64 - n_edges as i64 + faces.len() as i64);
-    }
-    health
+    Ok(())
 }
 
 /// Whether the corners of a face span no area beyond rounding (or are fewer than three).

@@ -1,15 +1,17 @@
 //! Polygon meshes.
 
 use super::{Polygons, ShapeError, check_points};
+use std::sync::Arc;
 
-/// Vertices and polygon faces, in the order of the file, with every coordinate finite and every index in range.
+/// Vertices and polygon faces, in the order of the file, with every coordinate finite and every index in range. Copies
+/// share both.
 ///
 /// Nothing else is promised: faces may repeat, have no area or fewer than three corners, share an edge three at a
 /// time, and vertices may be unreferenced. See [`Health`](super::Health) for a count of each.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    points: Vec<[f64; 3]>,
-    faces: Polygons,
+    points: Arc<Vec<[f64; 3]>>,
+    faces: Arc<Polygons>,
 }
 
 impl Mesh {
@@ -26,11 +28,22 @@ impl Mesh {
     /// assert_eq!(error, ShapeError::IndexOutOfRange { face: 0, index: 3, n_vertices: 3 });
     /// ```
     pub fn new(points: Vec<[f64; 3]>, faces: Polygons) -> Result<Self, ShapeError> {
+        Self::from_shared(Arc::new(points), Arc::new(faces))
+    }
+
+    /// [`new`](Self::new) of points and faces that others use too.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn from_shared(points: Arc<Vec<[f64; 3]>>, faces: Arc<Polygons>) -> Result<Self, ShapeError> {
         check_points(&points)?;
         let n_vertices = points.len();
-        if let Some(at) = faces.corners().iter().position(|&c| c as usize >= n_vertices) {
-            let face = faces.offsets().partition_point(|&o| o as usize <= at) - 1;
-            return Err(ShapeError::IndexOutOfRange { face, index: faces.corners()[at], n_vertices });
+        if faces.corners().iter().any(|&c| c as usize >= n_vertices) {
+            for (face, corners) in faces.iter().enumerate() {
+                if let Some(&index) = corners.iter().find(|&&c| c as usize >= n_vertices) {
+                    return Err(ShapeError::IndexOutOfRange { face, index, n_vertices });
+                }
+            }
         }
         Ok(Self { points, faces })
     }
@@ -43,5 +56,15 @@ impl Mesh {
     /// The faces.
     pub fn faces(&self) -> &Polygons {
         &self.faces
+    }
+
+    /// The vertices, to be used elsewhere without a copy.
+    pub fn shared_points(&self) -> Arc<Vec<[f64; 3]>> {
+        Arc::clone(&self.points)
+    }
+
+    /// The faces, to be used elsewhere without a copy.
+    pub fn shared_faces(&self) -> Arc<Polygons> {
+        Arc::clone(&self.faces)
     }
 }

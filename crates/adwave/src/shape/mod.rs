@@ -18,27 +18,30 @@ mod surface;
 mod triangulate;
 mod vertex_map;
 
-pub(crate) use adjacency::triangles_at_vertices;
 pub use adjacency::{Adjacency, k_rings, n_components, one_ring};
-pub(crate) use area::mean_edge_length;
+pub(crate) use adjacency::{triangles_at_vertices, try_k_rings, try_one_ring};
 pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
+pub(crate) use area::{mean_edge_length, try_cloud_areas, try_mesh_areas};
 pub use cloud::PointCloud;
 pub use graph::{Graph, GraphError};
 pub use health::{Health, health};
 pub use mesh::Mesh;
+pub(crate) use nearest::try_nearest_neighbours;
 pub use nearest::{Neighbourhoods, nearest_neighbours};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
+pub(crate) use surface::try_vertex_normals;
 pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
 pub use triangulate::triangulate;
 pub use vertex_map::{VertexMap, WeldMode};
 
+use crate::{ClassifiedError, ErrorKind, parallel};
 use thiserror::Error;
 
 /// The largest magnitude of a coordinate: squares and products of three lengths stay finite below it.
 pub const MAX_COORDINATE: f64 = 1e100;
 
-/// A mesh, a point cloud or a graph, in the order of its file.
+/// A mesh, a point cloud or a graph, in the order of its file. Copies share its arrays.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// A polygon mesh.
@@ -119,6 +122,15 @@ pub enum ShapeError {
     },
 }
 
+impl ClassifiedError for ShapeError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
+}
+
+/// Points that a thread looks at in one go.
+const POINTS_AT_A_TIME: usize = 1 << 14;
+
 /// Checks that there are points and that each is finite and of a magnitude that can be squared.
 fn check_points(points: &[[f64; 3]]) -> Result<(), ShapeError> {
     if points.is_empty() {
@@ -127,25 +139,27 @@ fn check_points(points: &[[f64; 3]]) -> Result<(), ShapeError> {
     if points.len() >= u32::MAX as usize {
         return Err(ShapeError::TooManyVertices(points.len()));
     }
-    for (vertex, &[x, y, z]) in points.iter().enumerate() {
-        for value in [x, y, z] {
-            if !value.is_finite() {
-                return Err(ShapeError::NotFinite { vertex, x, y, z });
-            }
-            if value.abs() > MAX_COORDINATE {
-                return Err(ShapeError::TooFar { vertex, value });
-            }
-        }
+    let is_bad = |value: &f64| !value.is_finite() || value.abs() > MAX_COORDINATE;
+    let first_bad = |mut range: std::ops::Range<usize>| range.find(|&x| points[x].iter().any(is_bad));
+    let bad = parallel::map_chunks(points.len(), POINTS_AT_A_TIME, first_bad);
+    let Some(vertex) = bad.into_iter().flatten().next() else { return Ok(()) };
+    let [x, y, z] = points[vertex];
+    match [x, y, z].into_iter().find(is_bad) {
+        Some(value) if value.is_finite() => Err(ShapeError::TooFar { vertex, value }),
+        _ => Err(ShapeError::NotFinite { vertex, x, y, z }),
     }
-    Ok(())
 }
 
 /// The two corners of the axis-aligned bounding box, smallest coordinates first; `None` without points.
 pub fn bounding_box(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
     let first = *points.first()?;
-    Some(points.iter().fold((first, first), |(lo, hi), p| {
-        (std::array::from_fn(|c| lo[c].min(p[c])), std::array::from_fn(|c| hi[c].max(p[c])))
-    }))
+    let wider = |(lo, hi): ([f64; 3], [f64; 3]), p: &([f64; 3], [f64; 3])| {
+        (std::array::from_fn(|c| lo[c].min(p.0[c])), std::array::from_fn(|c| hi[c].max(p.1[c])))
+    };
+    let boxes = parallel::map_chunks(points.len(), POINTS_AT_A_TIME, |range| {
+        points[range].iter().fold((first, first), |so_far, p| wider(so_far, &(*p, *p)))
+    });
+    Some(boxes.iter().fold((first, first), wider))
 }
 
 /// Length of the bounding box's diagonal in model units; 0 without points.

@@ -1,17 +1,23 @@
 //! An order of a graph's nodes in which neighbours are near each other.
 
 use super::Adjacency;
+use crate::{Cancelled, Progress, parallel};
 
 /// The place of every node in the reverse Cuthill–McKee order: breadth-first from a node of few neighbours, those with few
 /// neighbours first, turned round; component after component. O(edges log degree).
 ///
+/// Source: Cuthill and McKee, "Reducing the bandwidth of sparse symmetric matrices", 1969, with the order turned round.
+///
 /// A product with a matrix in this order finds what it reads in the cache; meshes and clouds have positions and are
 /// numbered along a curve through space instead.
-pub(crate) fn reverse_cuthill_mckee(adjacency: &Adjacency) -> Vec<u32> {
-    let n = adjacency.n_vertices();
+pub(crate) fn reverse_cuthill_mckee(
+    adjacency: &Adjacency,
+    progress: Progress<'_>,
+) -> Result<Vec<u32>, Cancelled> {
+    let n = adjacency.n_rows();
     let degree = |x: u32| adjacency.of(x as usize).len();
     let mut starts: Vec<u32> = (0..n as u32).collect();
-    starts.sort_by_key(|&x| degree(x));
+    parallel::sort_by(&mut starts, progress, |&x, &y| degree(x).cmp(&degree(y)))?;
     let mut seen = vec![false; n];
     let mut order: Vec<u32> = Vec::with_capacity(n);
     let mut next = Vec::new();
@@ -23,6 +29,9 @@ pub(crate) fn reverse_cuthill_mckee(adjacency: &Adjacency) -> Vec<u32> {
         order.push(start);
         while let Some(&x) = order.get(read) {
             read += 1;
+            if read.is_multiple_of(NODES_AT_A_TIME) {
+                progress.check()?;
+            }
             next.clear();
             next.extend(
                 adjacency
@@ -39,8 +48,11 @@ pub(crate) fn reverse_cuthill_mckee(adjacency: &Adjacency) -> Vec<u32> {
     for (k, &x) in order.iter().rev().enumerate() {
         place[x as usize] = k as u32;
     }
-    place
+    Ok(place)
 }
+
+/// Nodes between two looks at whether to go on.
+const NODES_AT_A_TIME: usize = 1 << 13;
 
 #[cfg(test)]
 mod tests {
@@ -64,7 +76,7 @@ mod tests {
             }
         }
         let graph = Graph::new((side * side) as usize + 1, &edges).unwrap();
-        let place = reverse_cuthill_mckee(graph.adjacency());
+        let place = reverse_cuthill_mckee(graph.adjacency(), Progress::none()).unwrap();
         let mut sorted = place.clone();
         sorted.sort_unstable();
         assert!(sorted.iter().copied().eq(0..=side * side), "every place once");

@@ -1,48 +1,44 @@
 //! Faces of a mesh as lists of corners, any number of corners a face.
 
-/// The faces of a mesh: face `f` has the corners `corners[offsets[f]..offsets[f + 1]]`, each a vertex index.
+/// The faces of a mesh, each a list of vertex indices in the order of the file.
 ///
-/// Nothing is checked here; [`Mesh::new`](crate::shape::Mesh::new) checks that every corner names a vertex.
+/// While all faces are triangles only their corners are stored. Nothing is checked here;
+/// [`Mesh::new`](crate::shape::Mesh::new) checks that every corner names a vertex.
 ///
 /// ```
 /// use adwave::shape::Polygons;
 /// let mut faces = Polygons::from_triangles(&[[0, 1, 2]]);
+/// assert_eq!(faces.triangles(), Some([[0, 1, 2]].as_slice()));
 /// faces.push(&[0, 2, 3, 4]);
-/// assert_eq!(faces.len(), 2);
+/// assert_eq!((faces.len(), faces.triangles()), (2, None));
 /// assert_eq!(faces.get(1), [0, 2, 3, 4]);
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Polygons {
-    offsets: Vec<u32>,
     corners: Vec<u32>,
-}
-
-impl Default for Polygons {
-    fn default() -> Self {
-        Self::new()
-    }
+    /// Where each face ends; empty while all faces are triangles.
+    ends: Vec<u32>,
 }
 
 impl Polygons {
     /// No faces.
     pub fn new() -> Self {
-        Self { offsets: vec![0], corners: Vec::new() }
+        Self::default()
     }
 
     /// No faces, with room for `n_faces` faces of `n_corners` corners in total.
     pub fn with_capacity(n_faces: usize, n_corners: usize) -> Self {
-        let mut offsets = Vec::with_capacity(n_faces + 1);
-        offsets.push(0);
-        Self { offsets, corners: Vec::with_capacity(n_corners) }
+        // With three corners a face on average all may be triangles, whose ends are not stored.
+        let n_ends = if n_corners == 3 * n_faces { 0 } else { n_faces };
+        Self { corners: Vec::with_capacity(n_corners), ends: Vec::with_capacity(n_ends) }
     }
 
     /// One face for each triangle.
     pub fn from_triangles(triangles: &[[u32; 3]]) -> Self {
-        let n = u32::try_from(triangles.len()).expect("at most 2^32/3 triangles");
-        Self { offsets: (0..=n).map(|f| 3 * f).collect(), corners: triangles.as_flattened().to_vec() }
+        Self { corners: triangles.as_flattened().to_vec(), ends: Vec::new() }
     }
 
-    /// Faces from their two lists, without a copy: face `f` has the corners `corners[offsets[f]..offsets[f + 1]]`. Nothing
+    /// Faces from their two lists, which are not copied: face `f` has the corners `corners[offsets[f]..offsets[f + 1]]`. Nothing
     /// where the offsets do not begin at 0, grow, and end at the number of corners.
     ///
     /// ```
@@ -52,28 +48,43 @@ impl Polygons {
     /// assert_eq!(faces.into_parts(), (vec![0, 3, 5], vec![0, 1, 2, 2, 3]));
     /// assert!(Polygons::from_parts(vec![0, 3], vec![0, 1]).is_none());
     /// ```
-    pub fn from_parts(offsets: Vec<u32>, corners: Vec<u32>) -> Option<Self> {
+    pub fn from_parts(mut offsets: Vec<u32>, corners: Vec<u32>) -> Option<Self> {
         let ends = (offsets.first().copied(), offsets.last().map(|&end| end as usize));
-        (ends == (Some(0), Some(corners.len())) && offsets.is_sorted()).then_some(Self { offsets, corners })
+        if ends != (Some(0), Some(corners.len())) || !offsets.is_sorted() {
+            return None;
+        }
+        if offsets.iter().zip((0..).step_by(3)).all(|(&offset, triple)| offset == triple) {
+            return Some(Self { corners, ends: Vec::new() });
+        }
+        offsets.remove(0);
+        Some(Self { corners, ends: offsets })
     }
 
-    /// The offsets and the corners, without a copy; see [`from_parts`](Self::from_parts).
+    /// The offsets and the corners, these without a copy; see [`from_parts`](Self::from_parts).
     pub fn into_parts(self) -> (Vec<u32>, Vec<u32>) {
-        (self.offsets, self.corners)
+        let offsets = std::iter::once(0).chain((0..self.len()).map(|f| end(self.end(f)))).collect();
+        (offsets, self.corners)
     }
 
     /// Adds a face at the end.
     ///
     /// # Panics
-    /// When the faces have 2³² corners or more in total.
+    /// When the faces have 2³² corners or more in total and are not all triangles.
     pub fn push(&mut self, corners: &[u32]) {
+        let are_triangles = self.ends.is_empty();
+        if are_triangles && corners.len() != 3 {
+            let n_faces = self.len();
+            self.ends.extend((1..=n_faces).map(|f| end(3 * f)));
+        }
         self.corners.extend_from_slice(corners);
-        self.offsets.push(u32::try_from(self.corners.len()).expect("fewer than 2^32 corners"));
+        if !are_triangles || corners.len() != 3 {
+            self.ends.push(end(self.corners.len()));
+        }
     }
 
     /// Number of faces.
     pub fn len(&self) -> usize {
-        self.offsets.len() - 1
+        if self.ends.is_empty() { self.corners.len() / 3 } else { self.ends.len() }
     }
 
     /// Whether there is no face.
@@ -83,12 +94,12 @@ impl Polygons {
 
     /// The corners of face `f`, vertex indices in the file's order.
     pub fn get(&self, f: usize) -> &[u32] {
-        &self.corners[self.offsets[f] as usize..self.offsets[f + 1] as usize]
+        &self.corners[if f == 0 { 0 } else { self.end(f - 1) }..self.end(f)]
     }
 
     /// The faces in order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + '_ {
-        self.offsets.windows(2).map(|w| &self.corners[w[0] as usize..w[1] as usize])
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone + '_ {
+        (0..self.len()).map(|f| self.get(f))
     }
 
     /// All corners of all faces, one after the other.
@@ -96,9 +107,25 @@ impl Polygons {
         &self.corners
     }
 
-    /// Where each face starts in [`corners`](Self::corners), and the end of the last: `len() + 1` numbers.
-    pub fn offsets(&self) -> &[u32] {
-        &self.offsets
+    /// Where face `f` ends in [`corners`](Self::corners), which is where the next one starts.
+    pub fn end(&self, f: usize) -> usize {
+        if self.ends.is_empty() { 3 * f + 3 } else { self.ends[f] as usize }
+    }
+
+    /// The faces as triangles, where all of them are.
+    pub fn triangles(&self) -> Option<&[[u32; 3]]> {
+        self.ends.is_empty().then(|| self.corners.as_chunks().0)
+    }
+}
+
+fn end(n_corners: usize) -> u32 {
+    u32::try_from(n_corners).expect("fewer than 2^32 corners")
+}
+
+impl From<Vec<[u32; 3]>> for Polygons {
+    /// One face for each triangle, without a copy.
+    fn from(triangles: Vec<[u32; 3]>) -> Self {
+        Self { corners: triangles.into_flattened(), ends: Vec::new() }
     }
 }
 
@@ -109,5 +136,21 @@ impl<'a> FromIterator<&'a [u32]> for Polygons {
             polygons.push(face);
         }
         polygons
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_are_what_was_pushed_wherever_the_first_polygon_comes() {
+        let faces: [&[u32]; 6] = [&[0, 1, 2], &[2, 1, 0], &[0, 1, 2, 3], &[], &[5], &[7, 8, 9]];
+        for skip in 0..faces.len() {
+            let polygons: Polygons = faces[skip..].iter().copied().collect();
+            assert!(polygons.iter().eq(faces[skip..].iter().copied()));
+            assert_eq!(polygons.triangles().is_some(), faces[skip..].iter().all(|f| f.len() == 3));
+        }
+        assert_eq!(Polygons::from(vec![[0, 1, 2]]), Polygons::from_triangles(&[[0, 1, 2]]));
     }
 }

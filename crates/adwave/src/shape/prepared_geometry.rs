@@ -1,57 +1,122 @@
 //! A shape made ready for the analysis: welded, triangulated, numbered so that neighbours are near in memory.
 
 use super::order::reverse_cuthill_mckee;
-use super::{Shape, VertexMap, WeldMode, triangulate};
+use super::triangulate::try_triangulate;
+use super::{Graph, Shape, VertexMap, WeldMode};
+use crate::{Cancelled, Progress, parallel};
+use std::borrow::Cow;
+use std::sync::Arc;
 
-/// The vertices of the analysis and how they belong to those of the shape.
+/// A shape with its welded vertices, in the order in which everything is computed, and how they belong to those of the
+/// shape. Copies share all arrays.
+///
+/// ```
+/// use adwave::Progress;
+/// use adwave::shape::{PointCloud, PreparedGeometry, Shape, WeldMode};
+/// let shape = Shape::Cloud(PointCloud::new(vec![[0.0; 3], [1.0; 3], [0.0; 3]])?);
+/// let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none())?;
+/// assert_eq!((shape.n_vertices(), geometry.n_vertices()), (3, 2));
+/// assert_eq!(geometry.points(), [[0.0; 3], [1.0; 3]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct PreparedGeometry {
-    /// Which vertices of the shape are one vertex here.
-    pub vertex_map: VertexMap,
-    /// Positions of the vertices here, in model units; empty for a graph.
-    pub points: Vec<[f64; 3]>,
-    /// The triangulated faces in the numbering here; empty for a cloud or a graph.
-    pub triangles: Vec<[u32; 3]>,
+    shape: Shape,
+    vertex_map: VertexMap,
+    points: Arc<Vec<[f64; 3]>>,
+    triangles: Arc<Vec<[u32; 3]>>,
 }
+
+/// Stages that are reported: vertex map, positions, triangles.
+const STAGES: u64 = 3;
+
+/// Shapes of a size between 2⁻³² and 2³² model units are computed on as they are: nothing can overflow or vanish that would
+/// not at a size of 1.
+const MODERATE_EXPONENT: f64 = 32.0;
+
+/// Positions in some unit, and how many model units that is.
+pub(crate) type UnitPoints<'a> = (Cow<'a, [[f64; 3]]>, f64);
 
 impl PreparedGeometry {
     /// Welds and triangulates `shape`. O(n log n).
-    pub fn new(shape: &Shape, weld_mode: WeldMode) -> Self {
-        let Some(points) = shape.points() else {
-            let vertex_map = match shape {
-                Shape::Graph(graph) => VertexMap::from_places(reverse_cuthill_mckee(graph.adjacency())),
-                _ => VertexMap::identity(shape.n_vertices()),
-            };
-            return Self { vertex_map, points: Vec::new(), triangles: Vec::new() };
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(shape: &Shape, weld_mode: WeldMode, progress: Progress<'_>) -> Result<Self, Cancelled> {
+        progress.step(0, STAGES)?;
+        let prepared = |vertex_map, points, triangles| Self {
+            shape: shape.clone(),
+            vertex_map,
+            points: Arc::new(points),
+            triangles: Arc::new(triangles),
         };
-        let vertex_map = VertexMap::new(points, weld_mode);
-        let triangles = match shape {
-            Shape::Mesh(mesh) => {
-                let mut triangles = triangulate(points, mesh.faces());
-                for corner in triangles.as_flattened_mut() {
-                    *corner = vertex_map.welded(*corner as usize) as u32;
-                }
-                triangles
+        let (points, faces) = match shape {
+            Shape::Graph(graph) => {
+                let place = reverse_cuthill_mckee(graph.adjacency(), progress)?;
+                progress.step(STAGES, STAGES)?;
+                return Ok(prepared(VertexMap::from_places(place), Vec::new(), Vec::new()));
             }
-            _ => Vec::new(),
+            Shape::Cloud(cloud) => (cloud.points(), None),
+            Shape::Mesh(mesh) => (mesh.points(), Some(mesh.faces())),
         };
-        Self { points: vertex_map.positions(points), vertex_map, triangles }
+        let vertex_map = VertexMap::try_new(points, weld_mode, progress)?;
+        progress.step(1, STAGES)?;
+        let positions = vertex_map.try_positions(points, progress)?;
+        progress.step(2, STAGES)?;
+        let welded = vertex_map.as_slice();
+        let triangles = match faces {
+            Some(faces) => try_triangulate(points, faces, progress, |corner| welded[corner as usize])?,
+            None => Vec::new(),
+        };
+        progress.step(STAGES, STAGES)?;
+        Ok(prepared(vertex_map, positions, triangles))
     }
 
-    /// Number of vertices of the analysis.
+    /// A graph whose nodes stay in the order in which they are given, for one that is numbered well already.
+    pub fn of_ordered_graph(graph: Graph) -> Self {
+        let vertex_map = VertexMap::identity(graph.n_nodes());
+        Self { shape: Shape::Graph(graph), vertex_map, points: Arc::default(), triangles: Arc::default() }
+    }
+
+    /// The shape, in the order of its file.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// Which vertices of the shape are one vertex here.
+    pub fn vertex_map(&self) -> &VertexMap {
+        &self.vertex_map
+    }
+
+    /// Positions of the welded vertices, in model units; empty for a graph.
+    pub fn points(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+
+    /// The triangulated faces between welded vertices; empty for a cloud or a graph.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Number of welded vertices.
     pub fn n_vertices(&self) -> usize {
         self.vertex_map.n_welded()
     }
 
-    /// The positions in units in which the bounding box measures between 1 and 4, and how many model units one such
-    /// unit is (a power of two, so nothing is rounded). Squares of lengths can then neither overflow nor vanish.
-    pub(crate) fn unit_points(&self) -> (Vec<[f64; 3]>, f64) {
+    /// The largest power of two that is not above the diagonal, in model units; 1 where all points are one.
+    pub(crate) fn size_unit(&self) -> f64 {
         let diagonal = super::diagonal(&self.points);
-        if diagonal == 0.0 {
-            return (self.points.clone(), 1.0);
+        if diagonal == 0.0 { 1.0 } else { diagonal.log2().floor().clamp(-1000.0, 1000.0).exp2() }
+    }
+
+    /// The positions in units in which squares of lengths can neither overflow nor vanish, and how many model units one such
+    /// unit is: a power of two, so that nothing is rounded, and 1 for a shape of moderate size.
+    pub(crate) fn unit_points(&self, progress: Progress<'_>) -> Result<UnitPoints<'_>, Cancelled> {
+        let unit = self.size_unit();
+        if unit.log2().abs() <= MODERATE_EXPONENT {
+            return Ok((Cow::Borrowed(&self.points), 1.0));
         }
-        let exponent = diagonal.log2().floor().clamp(-1000.0, 1000.0);
-        let unit = exponent.exp2();
-        (self.points.iter().map(|p| p.map(|c| c / unit)).collect(), unit)
+        let scaled = |x: usize| self.points[x].map(|c| c / unit);
+        Ok((Cow::Owned(parallel::try_collect(self.points.len(), progress, scaled)?), unit))
     }
 }

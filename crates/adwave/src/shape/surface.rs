@@ -2,8 +2,10 @@
 
 use super::adjacency::triangles_at_vertices;
 use super::area::triangle_area;
+use crate::parallel::{self, unstopped};
+use crate::rows::Pattern;
+use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 /// Twice the area of a triangle times its unit normal.
 fn doubled_normal(points: &[[f64; 3]], corners: [u32; 3]) -> Vector3<f64> {
@@ -13,10 +15,9 @@ fn doubled_normal(points: &[[f64; 3]], corners: [u32; 3]) -> Vector3<f64> {
 
 /// Unit normals of the triangles, by the right-hand rule; zero where a triangle has no area. O(triangles).
 pub fn face_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
-    triangles
-        .par_iter()
-        .map(|&t| doubled_normal(points, t).try_normalize(0.0).unwrap_or_default().into())
-        .collect()
+    parallel::collect(triangles.len(), |f| {
+        doubled_normal(points, triangles[f]).try_normalize(0.0).unwrap_or_default().into()
+    })
 }
 
 /// Unit normals of the vertices: the area-weighted mean of the triangles' normals; zero where that vanishes or where a
@@ -28,22 +29,28 @@ pub fn face_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]
 /// assert_eq!(vertex_normals(&points, &[[0, 1, 2]]), [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0; 3]]);
 /// ```
 pub fn vertex_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
-    let (offsets, at_vertex) = triangles_at_vertices(points.len(), triangles);
-    (0..points.len())
-        .into_par_iter()
-        .map(|x| {
-            let sum: Vector3<f64> = at_vertex[offsets[x]..offsets[x + 1]]
-                .iter()
-                .map(|&f| doubled_normal(points, triangles[f as usize]))
-                .sum();
-            sum.try_normalize(0.0).unwrap_or_default().into()
-        })
-        .collect()
+    let none = Progress::none();
+    let at_vertex = unstopped(triangles_at_vertices(points.len(), triangles, none));
+    unstopped(try_vertex_normals(points, triangles, &at_vertex, none))
+}
+
+/// [`vertex_normals`] from the triangles at each vertex, stopped when the call is.
+pub(crate) fn try_vertex_normals(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    at_vertex: &Pattern,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    parallel::try_collect(points.len(), progress, |x| {
+        let around = at_vertex.of(x).iter();
+        let sum: Vector3<f64> = around.map(|&f| doubled_normal(points, triangles[f as usize])).sum();
+        sum.try_normalize(0.0).unwrap_or_default().into()
+    })
 }
 
 /// Area of the surface in squared units of `points`. O(triangles).
 pub fn surface_area(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
-    crate::parallel::sum(triangles.len(), |f| {
+    parallel::sum(triangles.len(), |f| {
         let [a, b, c] = triangles[f].map(|v| &points[v as usize]);
         triangle_area(a, b, c)
     })
@@ -61,7 +68,7 @@ pub fn surface_area(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
 pub fn enclosed_volume(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     // Measured from a point of the surface: far from the origin the terms would cancel.
     let Some(origin) = points.first().map(|p| Vector3::from(*p)) else { return 0.0 };
-    crate::parallel::sum(triangles.len(), |f| {
+    parallel::sum(triangles.len(), |f| {
         let [a, b, c] = triangles[f].map(|v| Vector3::from(points[v as usize]) - origin);
         a.dot(&b.cross(&c)) / 6.0
     })

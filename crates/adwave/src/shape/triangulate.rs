@@ -1,6 +1,8 @@
 //! Polygon faces cut into triangles, for the mathematics only: files keep their polygons.
 
 use super::Polygons;
+use crate::parallel::{self, unstopped};
+use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 
 /// Cuts every face of three corners or more into triangles with the corners of the face. O(corners) for convex faces.
@@ -18,24 +20,52 @@ use nalgebra::Vector3;
 /// assert!(triangles.iter().all(|t| t.contains(&1)));
 /// ```
 pub fn triangulate(points: &[[f64; 3]], faces: &Polygons) -> Vec<[u32; 3]> {
-    let mut triangles = Vec::with_capacity(faces.corners().len().saturating_sub(2 * faces.len()));
-    let mut earcut = earcut::Earcut::new();
-    let mut cut: Vec<u32> = Vec::new();
-    for face in faces.iter() {
-        match *face {
-            [_, _] | [_] | [] => {}
-            [a, b, c] => triangles.push([a, b, c]),
-            _ => match reflex_outline(points, face) {
-                None => triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]])),
-                Some(outline) => {
-                    earcut.earcut(outline.iter().copied(), &[], &mut cut);
-                    triangles
-                        .extend(cut.as_chunks().0.iter().map(|ear: &[u32; 3]| ear.map(|k| face[k as usize])));
-                }
-            },
-        }
+    unstopped(try_triangulate(points, faces, Progress::none(), |corner| corner))
+}
+
+/// Faces that a thread cuts at a time.
+const FACES_AT_A_TIME: usize = 1 << 12;
+
+/// [`triangulate`] with other names for the corners, stopped when the call is.
+pub(super) fn try_triangulate(
+    points: &[[f64; 3]],
+    faces: &Polygons,
+    progress: Progress<'_>,
+    renamed: impl Fn(u32) -> u32 + Sync + Send,
+) -> Result<Vec<[u32; 3]>, Cancelled> {
+    if let Some(triangles) = faces.triangles() {
+        return parallel::try_collect(triangles.len(), progress, |f| triangles[f].map(&renamed));
     }
-    triangles
+    let scratch = || (earcut::Earcut::new(), Vec::new());
+    let chunks =
+        parallel::try_map_chunks(faces.len(), FACES_AT_A_TIME, progress, scratch, |scratch, range| {
+            let (earcut, cut) = scratch;
+            let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(2 * range.len());
+            for face in range.map(|f| faces.get(f)) {
+                match *face {
+                    [_, _] | [_] | [] => {}
+                    [a, b, c] => triangles.push([a, b, c]),
+                    _ => match reflex_outline(points, face) {
+                        None => triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]])),
+                        Some(outline) => {
+                            earcut.earcut(outline.iter().copied(), &[], cut);
+                            let ears = cut.as_chunks().0.iter();
+                            triangles.extend(ears.map(|ear: &[u32; 3]| ear.map(|k| face[k as usize])));
+                        }
+                    },
+                }
+            }
+            for corner in triangles.as_flattened_mut() {
+                *corner = renamed(*corner);
+            }
+            triangles
+        })?;
+    let mut triangles = Vec::with_capacity(chunks.iter().map(Vec::len).sum());
+    for chunk in chunks {
+        progress.check()?;
+        triangles.extend(chunk);
+    }
+    Ok(triangles)
 }
 
 /// The face in its own plane when it has a reflex corner, `None` when it is convex or has no area.

@@ -1,31 +1,41 @@
-//! Vertices at exactly equal positions are one vertex of the analysis.
+//! Vertices at exactly equal positions are one welded vertex.
 //!
 //! STL stores every triangle with corners of its own, OBJ and glTF split vertices along texture seams: without welding
-//! the walk could not cross there. The welded vertices are numbered along a Hilbert curve, so that vertices near in
+//! diffusion could not cross there. The welded vertices are numbered along a Hilbert curve, so that vertices near in
 //! space are near in memory whatever the order of the file, and so that the file's order does not change a single bit
 //! of the result.
 
-use rayon::prelude::*;
+use crate::parallel::{self, unstopped};
+use crate::rows::{Pattern, incidence};
+use crate::{Cancelled, Progress};
+use std::cmp::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::{self, AtomicU32};
 
 /// Whether vertices at exactly equal positions are merged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WeldMode {
-    /// Vertices whose three coordinates are equal are one vertex of the analysis (0 and −0 are equal).
+    /// Vertices whose three coordinates are equal are one welded vertex (0 and −0 are equal).
     #[default]
     EqualPositions,
     /// Every vertex stands for itself.
     Off,
 }
 
-/// Which vertices of the shape are one vertex of the analysis: a map from `0..n_vertices()` onto `0..n_welded()`.
+/// Which vertices of the shape are one welded vertex: a map from `0..n_vertices()` onto `0..n_welded()`. Of a graph, whose
+/// nodes have no positions, a permutation. Copies share it.
 #[derive(Clone, Debug)]
 pub struct VertexMap {
-    welded: Vec<u32>,
-    n_welded: usize,
+    welded: Arc<Vec<u32>>,
+    /// The last vertex of the shape in each class.
+    last_member: Arc<Vec<u32>>,
 }
 
+/// Vertices that a thread treats at a time.
+const VERTICES_AT_A_TIME: usize = 1 << 13;
+
 impl VertexMap {
-    /// Groups `points` (finite) by position. O(n log n).
+    /// Groups `points` by position. O(n log n).
     ///
     /// ```
     /// use adwave::shape::{VertexMap, WeldMode};
@@ -34,49 +44,85 @@ impl VertexMap {
     /// assert_eq!(vertex_map.welded(0), vertex_map.welded(2));
     /// ```
     pub fn new(points: &[[f64; 3]], mode: WeldMode) -> Self {
-        let Some((lo, hi)) = super::bounding_box(points) else {
-            return Self { welded: Vec::new(), n_welded: 0 };
-        };
+        unstopped(Self::try_new(points, mode, Progress::none()))
+    }
+
+    /// [`new`](Self::new), stopped when the call is.
+    pub(crate) fn try_new(
+        points: &[[f64; 3]],
+        mode: WeldMode,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let Some((lo, hi)) = super::bounding_box(points) else { return Ok(Self::identity(0)) };
+        let n = points.len();
         let extent = (0..3).map(|c| hi[c] - lo[c]).fold(0.0, f64::max);
         let cells = f64::from((1_u32 << HILBERT_BITS) - 1);
         let scale = if extent > 0.0 { cells / extent } else { 0.0 };
-        let mut order: Vec<(u64, u32)> = points
-            .par_iter()
-            .enumerate()
-            .map(|(i, p)| {
-                // `scale` may overflow for a shape of subnormal extent; the cast saturates and the exact comparison
-                // below still separates unequal points.
-                (hilbert(std::array::from_fn(|c| ((p[c] - lo[c]) * scale) as u32)), i as u32)
-            })
-            .collect();
-        order.par_sort_unstable_by(|a, b| {
-            a.0.cmp(&b.0)
-                .then_with(|| {
-                    let (p, q) = (&points[a.1 as usize], &points[b.1 as usize]);
-                    p.partial_cmp(q).expect("coordinates are finite")
-                })
-                .then(a.1.cmp(&b.1))
-        });
-        let mut welded = vec![0_u32; points.len()];
-        let mut class = 0_u32;
-        for k in 0..order.len() {
-            let i = order[k].1 as usize;
-            if k > 0 && (mode == WeldMode::Off || points[i] != points[order[k - 1].1 as usize]) {
-                class += 1;
-            }
-            welded[i] = class;
+        let mut order: Vec<(u64, u32)> = parallel::try_collect(n, progress, |i| {
+            let p = &points[i];
+            // `scale` may overflow for a shape of subnormal extent; the cast saturates and the exact comparison
+            // below still separates unequal points.
+            (hilbert(std::array::from_fn(|c| ((p[c] - lo[c]) * scale) as u32)), i as u32)
+        })?;
+        parallel::sort_unstable_by(&mut order, progress, |a, b| {
+            let by_position = || compare(&points[a.1 as usize], &points[b.1 as usize]);
+            a.0.cmp(&b.0).then_with(by_position).then(a.1.cmp(&b.1))
+        })?;
+        let starts_class = |k: usize| {
+            let (before, here) = (order[k - 1], order[k]);
+            mode == WeldMode::Off
+                || before.0 != here.0
+                || points[before.1 as usize] != points[here.1 as usize]
+        };
+        // Where a class starts, the one before it has had its last member.
+        let ended: Vec<Vec<u32>> = parallel::try_map_chunks(
+            n,
+            VERTICES_AT_A_TIME,
+            progress,
+            || (),
+            |(), range| {
+                let starts = range.filter(|&k| k > 0 && starts_class(k));
+                starts.map(|k| order[k - 1].1).collect()
+            },
+        )?;
+        let mut last_member = Vec::with_capacity(ended.iter().map(Vec::len).sum::<usize>() + 1);
+        let mut classes_before = Vec::with_capacity(ended.len());
+        for ended in ended {
+            classes_before.push(last_member.len() as u32);
+            last_member.extend(ended);
         }
-        Self { welded, n_welded: class as usize + 1 }
+        last_member.push(order[n - 1].1);
+        let welded: Vec<AtomicU32> = (0..n).map(|_| AtomicU32::new(0)).collect();
+        parallel::try_map_chunks(
+            n,
+            VERTICES_AT_A_TIME,
+            progress,
+            || (),
+            |(), range| {
+                let mut class = classes_before[range.start / VERTICES_AT_A_TIME];
+                for k in range {
+                    class += u32::from(k > 0 && starts_class(k));
+                    welded[order[k].1 as usize].store(class, atomic::Ordering::Relaxed);
+                }
+            },
+        )?;
+        let welded = welded.into_iter().map(AtomicU32::into_inner).collect();
+        Ok(Self { welded: Arc::new(welded), last_member: Arc::new(last_member) })
     }
 
     /// Every vertex stands for itself, at the given places: `welded(x) == place[x]`, each place once.
     pub(crate) fn from_places(place: Vec<u32>) -> Self {
-        Self { n_welded: place.len(), welded: place }
+        let mut vertex_at = vec![0; place.len()];
+        for (x, &place) in (0..).zip(&place) {
+            vertex_at[place as usize] = x;
+        }
+        Self { welded: Arc::new(place), last_member: Arc::new(vertex_at) }
     }
 
     /// Every vertex stands for itself, in the given order: `welded(x) == x`.
     pub fn identity(n_vertices: usize) -> Self {
-        Self { welded: (0..n_vertices as u32).collect(), n_welded: n_vertices }
+        let all = Arc::new((0..n_vertices as u32).collect::<Vec<_>>());
+        Self { welded: Arc::clone(&all), last_member: all }
     }
 
     /// Number of vertices of the shape.
@@ -84,12 +130,12 @@ impl VertexMap {
         self.welded.len()
     }
 
-    /// Number of vertices of the analysis.
+    /// Number of welded vertices.
     pub fn n_welded(&self) -> usize {
-        self.n_welded
+        self.last_member.len()
     }
 
-    /// The vertex of the analysis that vertex `x` of the shape belongs to.
+    /// The welded vertex that vertex `x` of the shape belongs to.
     pub fn welded(&self, x: usize) -> usize {
         self.welded[x] as usize
     }
@@ -99,50 +145,105 @@ impl VertexMap {
         &self.welded
     }
 
-    /// The vertices of each class, by rising index: where each class starts (and the end of the last), and the vertices.
-    pub(crate) fn members(&self) -> (Vec<usize>, Vec<u32>) {
-        super::adjacency::incidence(self.n_welded, self.welded.iter().zip(0..).map(|(&class, x)| (class, x)))
+    /// For each welded vertex one vertex of the shape that belongs to it: the last.
+    pub(crate) fn last_members(&self) -> &[u32] {
+        &self.last_member
     }
 
-    /// The positions of the analysis' vertices.
+    /// The vertices of the shape that belong to each welded vertex, by rising index.
+    pub(crate) fn members(&self) -> Pattern {
+        unstopped(self.try_members(Progress::none()))
+    }
+
+    fn try_members(&self, progress: Progress<'_>) -> Result<Pattern, Cancelled> {
+        incidence(self.n_welded(), self.n_vertices(), progress, |x| std::slice::from_ref(&self.welded[x]))
+    }
+
+    /// The positions of the welded vertices.
+    ///
+    /// # Panics
+    /// When there is not a position per vertex of the shape.
     pub fn positions(&self, points: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut positions = vec![[0.0; 3]; self.n_welded];
-        for (&class, p) in self.welded.iter().zip(points) {
-            positions[class as usize] = p.map(|c| c + 0.0); // −0 becomes 0, whichever of the two comes last
-        }
-        positions
+        unstopped(self.try_positions(points, Progress::none()))
+    }
+
+    /// [`positions`](Self::positions), stopped when the call is.
+    pub(crate) fn try_positions(
+        &self,
+        points: &[[f64; 3]],
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>, Cancelled> {
+        let position = |class: usize| points[self.last_member[class] as usize].map(|c| c + 0.0); // −0 becomes 0
+        parallel::try_collect(self.n_welded(), progress, position)
     }
 
     /// The mean of `signal` (n_vertices × n_channels, row-major) over the vertices of each class.
     ///
     /// Where a class has one value only, however often, the mean is that value to the last bit.
     pub fn mean(&self, signal: &[f64], n_channels: usize) -> Vec<f64> {
-        let mut mean = vec![0.0; self.n_welded * n_channels];
-        if self.n_welded == self.welded.len() {
-            for (&class, row) in self.welded.iter().zip(signal.chunks_exact(n_channels)) {
-                mean[class as usize * n_channels..][..n_channels].copy_from_slice(row);
-            }
-            return mean;
+        unstopped(self.try_mean(signal, n_channels, Progress::none()))
+    }
+
+    /// [`mean`](Self::mean), stopped when the call is.
+    pub(crate) fn try_mean(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let mut mean = vec![0.0; self.n_welded() * n_channels];
+        if n_channels == 0 {
+            return Ok(mean);
         }
-        let mut count = vec![0_u32; self.n_welded];
-        for (&class, row) in self.welded.iter().zip(signal.chunks_exact(n_channels)) {
-            count[class as usize] += 1;
-            let n = f64::from(count[class as usize]);
-            for (m, value) in mean[class as usize * n_channels..][..n_channels].iter_mut().zip(row) {
-                *m += (value - *m) / n;
-            }
+        let row = |x: u32| &signal[x as usize * n_channels..][..n_channels];
+        if self.n_welded() == self.n_vertices() {
+            parallel::try_for_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
+                for (mean, &x) in rows.chunks_exact_mut(n_channels).zip(&self.last_member[first..]) {
+                    mean.copy_from_slice(row(x));
+                }
+            })?;
+            return Ok(mean);
         }
-        mean
+        let members = self.try_members(progress)?;
+        parallel::try_for_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
+            for (class, mean) in (first..).zip(rows.chunks_exact_mut(n_channels)) {
+                for (count, &x) in (1..).zip(members.of(class)) {
+                    for (m, value) in mean.iter_mut().zip(row(x)) {
+                        *m += (value - *m) / f64::from(count);
+                    }
+                }
+            }
+        })?;
+        Ok(mean)
     }
 
     /// Gives every vertex of the shape the value of its class: n_welded × n_channels → n_vertices × n_channels.
     pub fn scatter<T: Copy + Send + Sync>(&self, values: &[T], n_channels: usize) -> Vec<T> {
-        let mut scattered = Vec::with_capacity(self.welded.len() * n_channels);
-        for &class in &self.welded {
-            scattered.extend_from_slice(&values[class as usize * n_channels..][..n_channels]);
-        }
-        scattered
+        unstopped(self.try_scatter(values, n_channels, Progress::none()))
     }
+
+    /// [`scatter`](Self::scatter), stopped when the call is.
+    pub(crate) fn try_scatter<T: Copy + Send + Sync>(
+        &self,
+        values: &[T],
+        n_channels: usize,
+        progress: Progress<'_>,
+    ) -> Result<Vec<T>, Cancelled> {
+        let Some(&any) = values.first() else { return Ok(Vec::new()) };
+        let mut scattered = vec![any; self.n_vertices() * n_channels];
+        parallel::try_for_rows(&mut scattered, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
+            for (row, &class) in rows.chunks_exact_mut(n_channels).zip(&self.welded[first..]) {
+                row.copy_from_slice(&values[class as usize * n_channels..][..n_channels]);
+            }
+        })?;
+        Ok(scattered)
+    }
+}
+
+/// Points by their coordinates, 0 and −0 being equal.
+fn compare(p: &[f64; 3], q: &[f64; 3]) -> Ordering {
+    let [x, y, z] = [0, 1, 2].map(|c| (p[c] + 0.0).total_cmp(&(q[c] + 0.0)));
+    x.then(y).then(z)
 }
 
 /// Bits per axis of a Hilbert key: three axes fill 63 of 64 bits.
@@ -221,7 +322,8 @@ mod tests {
 
     #[test]
     fn the_mean_of_equal_values_is_that_value() {
-        let vertex_map = VertexMap { welded: vec![0, 1, 0, 0], n_welded: 2 };
+        let (welded, last_member) = (Arc::new(vec![0, 1, 0, 0]), Arc::new(vec![3, 1]));
+        let vertex_map = VertexMap { welded, last_member };
         assert_eq!(vertex_map.mean(&[0.1, 7.0, 0.1, 0.1], 1), [0.1, 7.0]);
         assert_eq!(vertex_map.mean(&[1.0, 0.0, 2.0, 3.0], 1)[0], 2.0);
         assert_eq!(vertex_map.scatter(&[5, 6], 1), [5, 6, 5, 5]);

@@ -1,9 +1,10 @@
 //! Normals of a point cloud, oriented alike.
 
+use crate::parallel::{self, unstopped};
 use crate::shape::{Adjacency, Neighbourhoods};
 use crate::signal::Frame;
+use crate::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
-use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
@@ -20,15 +21,32 @@ const BORDER_GAP: f64 = 0.75 * PI;
 /// closed surface, to one side everywhere on an open one.
 ///
 /// Source: Hoppe, DeRose, Duchamp, McDonald and Stuetzle, "Surface reconstruction from unorganized points", 1992.
+///
+/// # Panics
+/// Unless `near` has as many neighbourhoods as there are points.
 pub fn cloud_normals(points: &[[f64; 3]], near: &Neighbourhoods) -> Vec<[f64; 3]> {
-    let mut normals: Vec<Vector3<f64>> = (0..points.len())
-        .into_par_iter()
-        .with_min_len(256)
-        .map(|x| plane_normal(points, near.adjacency.of(x), x))
-        .collect();
-    orient(points, &near.adjacency.union_with_transpose(), &mut normals);
-    normals.into_iter().map(Into::into).collect()
+    unstopped(try_cloud_normals(points, near, Progress::none()))
 }
+
+/// [`cloud_normals`], stopped when the call is.
+pub(crate) fn try_cloud_normals(
+    points: &[[f64; 3]],
+    near: &Neighbourhoods,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let mut normals: Vec<Vector3<f64>> = vec![Vector3::zeros(); points.len()];
+    parallel::try_for_rows(&mut normals, 1, POINTS_AT_A_TIME, progress, |first, normals| {
+        for (x, normal) in (first..).zip(normals) {
+            *normal = plane_normal(points, near.adjacency.of(x), x);
+        }
+    })?;
+    let joined = near.adjacency.union_with_transpose(progress)?;
+    orient(points, &joined, &mut normals, progress)?;
+    Ok(normals.into_iter().map(Into::into).collect())
+}
+
+/// Points that a thread treats, or that one walk over the cloud meets, between two looks at whether to go on.
+const POINTS_AT_A_TIME: usize = 1 << 10;
 
 /// The direction in which a point and its neighbours spread least.
 fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
@@ -65,7 +83,10 @@ pub(crate) fn cloud_border(points: &[[f64; 3]], neighbours: &Adjacency) -> Vec<u
         let round = angles[0] + TAU - angles[angles.len() - 1];
         angles.windows(2).map(|pair| pair[1] - pair[0]).fold(round, f64::max) > BORDER_GAP
     };
-    (0..points.len()).into_par_iter().with_min_len(256).filter(is_border).collect()
+    let chunks = parallel::map_chunks(points.len(), POINTS_AT_A_TIME, |range| {
+        range.filter(is_border).collect::<Vec<usize>>()
+    });
+    chunks.into_iter().flatten().collect()
 }
 
 /// A step of the tree, the one between the most similar planes first, then by the points' order.
@@ -95,10 +116,15 @@ impl PartialEq for Step {
 
 impl Eq for Step {}
 
-fn orient(points: &[[f64; 3]], near: &Adjacency, normals: &mut [Vector3<f64>]) {
+fn orient(
+    points: &[[f64; 3]],
+    near: &Adjacency,
+    normals: &mut [Vector3<f64>],
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
     let mut done = vec![false; points.len()];
-    let mut queue = BinaryHeap::new();
-    for seed in seeds(points, near, normals) {
+    let (mut queue, mut n_done) = (BinaryHeap::new(), 0_usize);
+    for seed in seeds(points, near, normals, progress)? {
         done[seed] = true;
         let mut x = seed;
         loop {
@@ -111,15 +137,25 @@ fn orient(points: &[[f64; 3]], near: &Adjacency, normals: &mut [Vector3<f64>]) {
             };
             x = step.to as usize;
             done[x] = true;
+            n_done += 1;
+            if n_done.is_multiple_of(POINTS_AT_A_TIME) {
+                progress.check()?;
+            }
             if normals[x].dot(&normals[step.from as usize]) < 0.0 {
                 normals[x] = -normals[x];
             }
         }
     }
+    Ok(())
 }
 
 /// The point of each connected part that lies furthest from the part's centre, its normal turned away from there.
-fn seeds(points: &[[f64; 3]], near: &Adjacency, normals: &mut [Vector3<f64>]) -> Vec<usize> {
+fn seeds(
+    points: &[[f64; 3]],
+    near: &Adjacency,
+    normals: &mut [Vector3<f64>],
+    progress: Progress<'_>,
+) -> Result<Vec<usize>, Cancelled> {
     let mut seen = vec![false; points.len()];
     let mut seeds = Vec::new();
     for start in 0..points.len() {
@@ -135,6 +171,9 @@ fn seeds(points: &[[f64; 3]], near: &Adjacency, normals: &mut [Vector3<f64>]) ->
                 }
             }
             at += 1;
+            if at.is_multiple_of(POINTS_AT_A_TIME) {
+                progress.check()?;
+            }
         }
         let position = |x: u32| Vector3::from(points[x as usize]);
         let centre = part.iter().map(|&x| position(x) / part.len() as f64).sum::<Vector3<f64>>();
@@ -148,5 +187,5 @@ fn seeds(points: &[[f64; 3]], near: &Adjacency, normals: &mut [Vector3<f64>]) ->
         }
         seeds.push(seed);
     }
-    seeds
+    Ok(seeds)
 }

@@ -33,6 +33,8 @@ impl Curvature {
             let spread = (h * h - k).max(0.0).sqrt();
             FRAC_2_PI * h.atan2(spread)
         };
-        self.mean.iter().zip(&self.gaussian).map(index).collect()
+        crate::parallel::collect(self.mean.len().min(self.gaussian.len()), |x| {
+            index((&self.mean[x], &self.gaussian[x]))
+        })
     }
 }

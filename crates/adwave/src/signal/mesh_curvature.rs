@@ -1,9 +1,10 @@
 //! Curvature of a triangulated surface by cotangents and angle defects.
 
 use super::Curvature;
-use crate::shape::{Adjacency, MeshArea, mesh_areas, one_ring, triangles_at_vertices};
+use crate::parallel::{self, unstopped};
+use crate::shape::{Adjacency, MeshArea, triangles_at_vertices, try_mesh_areas, try_one_ring};
+use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Twice the area over the square of the longest side below which a triangle counts as without area: its cotangents would
@@ -21,33 +22,41 @@ const THIN: f64 = 1e-12;
 /// Source: Meyer, Desbrun, Schröder and Barr, "Discrete differential-geometry operators for triangulated 2-manifolds",
 /// 2003.
 pub fn mesh_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Curvature {
-    let areas = mesh_areas(points, triangles, MeshArea::MixedVoronoi);
-    let (offsets, at_vertex) = triangles_at_vertices(points.len(), triangles);
-    let ring = one_ring(points.len(), triangles);
-    let vertices: Vec<Vertex> = (0..points.len())
-        .into_par_iter()
-        .with_min_len(512)
-        .map(|x| {
-            let around = at_vertex[offsets[x]..offsets[x + 1]].iter().map(|&f| triangles[f as usize]);
-            Vertex::measure(points, x as u32, areas[x], around, ring.of(x))
-        })
-        .collect();
+    unstopped(try_mesh_curvature(points, triangles, Progress::none()))
+}
+
+/// [`mesh_curvature`], stopped when the call is.
+pub(crate) fn try_mesh_curvature(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    progress: Progress<'_>,
+) -> Result<Curvature, Cancelled> {
+    let n = points.len();
+    let at_vertex = triangles_at_vertices(n, triangles, progress)?;
+    let areas = try_mesh_areas(points, triangles, &at_vertex, MeshArea::MixedVoronoi, progress)?;
+    let ring = try_one_ring(triangles, &at_vertex, progress)?;
+    let vertices: Vec<Vertex> = parallel::try_collect(n, progress, |x| {
+        let around = at_vertex.of(x).iter().map(|&f| triangles[f as usize]);
+        Vertex::measure(points, x as u32, areas[x], around, ring.of(x))
+    })?;
     let inner = |x: usize, value: fn(&Vertex) -> f64| match vertices[x].place {
         Place::Inside => value(&vertices[x]),
         Place::Border => mean_of_inner(&vertices, &ring, x, value),
     };
-    Curvature {
-        mean: (0..points.len()).map(|x| inner(x, |v| v.mean)).collect(),
-        gaussian: (0..points.len()).map(|x| inner(x, |v| v.gaussian)).collect(),
-    }
+    Ok(Curvature {
+        mean: parallel::try_collect(n, progress, |x| inner(x, |v| v.mean))?,
+        gaussian: parallel::try_collect(n, progress, |x| inner(x, |v| v.gaussian))?,
+    })
 }
 
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 enum Place {
+    #[default]
     Inside,
     Border,
 }
 
+#[derive(Clone, Default)]
 struct Vertex {
     mean: f64,
     gaussian: f64,

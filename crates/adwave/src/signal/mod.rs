@@ -13,14 +13,21 @@ mod quadric;
 
 pub(crate) use cloud_normals::cloud_border;
 pub use cloud_normals::cloud_normals;
+pub(crate) use cloud_normals::try_cloud_normals;
 pub use curvature::Curvature;
 pub use degree::degree;
 pub use luminance::{lightness, luminance};
 pub use mesh_curvature::mesh_curvature;
+use mesh_curvature::try_mesh_curvature;
 pub use quadric::cloud_curvature;
+use quadric::try_cloud_curvature;
 pub(crate) use quadric::{Frame, fit_quadric};
 
-use crate::shape::{CloudArea, PreparedGeometry, Shape, cloud_areas, nearest_neighbours, vertex_normals};
+use crate::shape::{
+    CloudArea, PreparedGeometry, Shape, triangles_at_vertices, try_cloud_areas, try_nearest_neighbours,
+    try_vertex_normals,
+};
+use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
 use thiserror::Error;
 
 /// How many nearest points a normal or a curvature of a cloud is fitted to, where nothing else is said: three times what
@@ -100,67 +107,106 @@ pub enum SignalError {
         /// What was asked for.
         kind: SurfaceSignal,
     },
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
-/// The signal `kind` of `shape`, n_vertices × [`n_channels`](SurfaceSignal::n_channels), in the order of the shape; always
-/// finite. `geometry` is the shape's own. O(n) on a mesh, O(n log n) on a cloud.
+impl ClassifiedError for SignalError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Cancelled(cancelled) => cancelled.kind(),
+            _ => ErrorKind::Input,
+        }
+    }
+}
+
+/// The signal `kind` of a prepared shape, n_vertices × [`n_channels`](SurfaceSignal::n_channels), in the order of the shape;
+/// always finite. O(n) on a mesh, O(n log n) on a cloud.
 ///
 /// On a cloud normals and curvatures come from a quadric that is fitted to each point and its [`FIT_NEIGHBOURS`] nearest;
 /// their sign from orienting neighbouring normals alike (see [`cloud_normals`]).
 ///
 /// # Errors
-/// [`SignalError`] where the shape is a graph, or a density is asked for on a mesh.
+/// [`SignalError`] where the shape is a graph, or a density is asked for on a mesh; cancelled.
 ///
 /// ```
+/// use adwave::Progress;
 /// use adwave::shape::{PreparedGeometry, PointCloud, Shape, WeldMode};
 /// use adwave::signal::{SurfaceSignal, surface_signal};
 /// // A square grid of step 0.5: 4 points a unit area. The 10th nearest point is two steps away, and π·1²·density = 10
 /// // neighbours give 3.2: the disc reaches half-way to the next points.
 /// let grid = (0..400).map(|i| [0.5 * f64::from(i % 20), 0.5 * f64::from(i / 20), 0.0]).collect();
 /// let shape = Shape::Cloud(PointCloud::new(grid)?);
-/// let domain = PreparedGeometry::new(&shape, WeldMode::EqualPositions);
-/// let density = surface_signal(&shape, &domain, SurfaceSignal::Density)?;
+/// let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none())?;
+/// let density = surface_signal(&geometry, SurfaceSignal::Density, Progress::none())?;
 /// assert!((density[210] - 10.0 / std::f64::consts::PI).abs() < 1e-12);
-/// assert!(surface_signal(&shape, &domain, SurfaceSignal::MeanCurvature)?.iter().all(|h| h.abs() < 1e-12));
+/// let mean_curvature = surface_signal(&geometry, SurfaceSignal::MeanCurvature, Progress::none())?;
+/// assert!(mean_curvature.iter().all(|h| h.abs() < 1e-12));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn surface_signal(
-    shape: &Shape,
     geometry: &PreparedGeometry,
     kind: SurfaceSignal,
+    progress: Progress<'_>,
 ) -> Result<Vec<f64>, SignalError> {
-    let is_mesh = match shape {
+    let is_mesh = match geometry.shape() {
         Shape::Mesh(_) => true,
         Shape::Cloud(_) => false,
         Shape::Graph(_) => return Err(SignalError::NoPositions { kind }),
     };
-    let (points, unit) = geometry.unit_points();
+    if is_mesh && kind == SurfaceSignal::Density {
+        return Err(SignalError::CloudsOnly { kind });
+    }
+    progress.step(0, STAGES)?;
+    let (points, unit) = geometry.unit_points(progress)?;
+    let triangles = geometry.triangles();
+    let normals = || {
+        Ok::<_, Cancelled>(if is_mesh {
+            let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
+            try_vertex_normals(&points, triangles, &at_vertex, progress)?
+        } else {
+            let near = try_nearest_neighbours(&points, FIT_NEIGHBOURS, progress)?;
+            progress.step(1, STAGES)?;
+            try_cloud_normals(&points, &near, progress)?
+        })
+    };
     let curvature = || {
         if is_mesh {
-            mesh_curvature(&points, &geometry.triangles)
-        } else {
-            cloud_curvature(&points, &nearest_neighbours(&points, FIT_NEIGHBOURS))
+            return try_mesh_curvature(&points, triangles, progress);
         }
+        let near = try_nearest_neighbours(&points, FIT_NEIGHBOURS, progress)?;
+        progress.step(1, STAGES)?;
+        try_cloud_curvature(&points, &near, progress)
+    };
+    let in_model_units = |mut values: Vec<f64>, scaled: fn(f64, f64) -> f64| {
+        parallel::try_for_rows(&mut values, 1, 1 << 13, progress, |_, values| {
+            for value in values {
+                *value = scaled(*value, unit);
+            }
+        })?;
+        Ok::<_, Cancelled>(values)
     };
     let values = match kind {
-        SurfaceSignal::Normals if is_mesh => vertex_normals(&points, &geometry.triangles).into_flattened(),
-        SurfaceSignal::Normals => {
-            cloud_normals(&points, &nearest_neighbours(&points, FIT_NEIGHBOURS)).into_flattened()
-        }
-        SurfaceSignal::MeanCurvature => curvature().mean.into_iter().map(|h| h / unit).collect(),
-        SurfaceSignal::GaussianCurvature => {
-            curvature().gaussian.into_iter().map(|k| k / unit / unit).collect()
-        }
-        SurfaceSignal::ShapeIndex => curvature().shape_index(FLAT),
-        SurfaceSignal::Density if is_mesh => return Err(SignalError::CloudsOnly { kind }),
+        SurfaceSignal::Normals => normals()?.into_flattened(),
+        SurfaceSignal::MeanCurvature => in_model_units(curvature()?.mean, |h, unit| h / unit)?,
+        SurfaceSignal::GaussianCurvature => in_model_units(curvature()?.gaussian, |k, unit| k / unit / unit)?,
+        SurfaceSignal::ShapeIndex => curvature()?.shape_index(FLAT * (unit / geometry.size_unit())),
         SurfaceSignal::Density => {
-            let near = nearest_neighbours(&points, DENSITY_NEIGHBOURS);
-            let areas = cloud_areas(&points, &near, CloudArea::KthNeighbour);
-            areas.into_iter().map(|a| if a > 0.0 { 1.0 / (a * unit * unit) } else { 0.0 }).collect()
+            let near = try_nearest_neighbours(&points, DENSITY_NEIGHBOURS, progress)?;
+            progress.step(1, STAGES)?;
+            let areas = try_cloud_areas(&points, &near, CloudArea::KthNeighbour, progress)?;
+            in_model_units(areas, |a, unit| if a > 0.0 { 1.0 / (a * unit * unit) } else { 0.0 })?
         }
     };
-    Ok(geometry.vertex_map.scatter(&values, kind.n_channels()))
+    progress.step(2, STAGES)?;
+    let signal = geometry.vertex_map().try_scatter(&values, kind.n_channels(), progress)?;
+    progress.step(STAGES, STAGES)?;
+    Ok(signal)
 }
+
+/// Stages that are reported: neighbours, values, the order of the shape.
+const STAGES: u64 = 3;
 
 #[cfg(test)]
 mod tests;

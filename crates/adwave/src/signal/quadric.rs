@@ -1,9 +1,10 @@
 //! Least-squares quadrics over a tangent plane.
 
-use super::{Curvature, cloud_normals};
+use super::{Curvature, try_cloud_normals};
+use crate::parallel::{self, unstopped};
 use crate::shape::Neighbourhoods;
+use crate::{Cancelled, Progress};
 use nalgebra::{Matrix6, Vector3, Vector6};
-use rayon::prelude::*;
 
 /// A right-handed frame at a point: two directions of the tangent plane and the normal.
 pub(crate) struct Frame {
@@ -57,9 +58,21 @@ pub(crate) fn fit_quadric(samples: impl Iterator<Item = [f64; 3]>) -> Option<[f6
 /// Curvatures of a cloud, in 1/unit and 1/unit² of `points`: of the quadric over the tangent plane that fits a point and
 /// its neighbours best; 0 where fewer than 6 points or points on a conic leave it open. O(n k log n).
 ///
-/// Signs as for [`mesh_curvature`](super::mesh_curvature), with the normals of [`cloud_normals`].
+/// Signs as for [`mesh_curvature`](super::mesh_curvature), with the normals of [`cloud_normals`](super::cloud_normals).
+///
+/// # Panics
+/// Unless `near` has as many neighbourhoods as there are points.
 pub fn cloud_curvature(points: &[[f64; 3]], near: &Neighbourhoods) -> Curvature {
-    let normals = cloud_normals(points, near);
+    unstopped(try_cloud_curvature(points, near, Progress::none()))
+}
+
+/// [`cloud_curvature`], stopped when the call is.
+pub(crate) fn try_cloud_curvature(
+    points: &[[f64; 3]],
+    near: &Neighbourhoods,
+    progress: Progress<'_>,
+) -> Result<Curvature, Cancelled> {
+    let normals = try_cloud_normals(points, near, progress)?;
     let at = |x: usize| {
         let (normal, radius) = (Vector3::from(normals[x]), near.radius[x]);
         if normal == Vector3::zeros() || radius == 0.0 {
@@ -76,6 +89,13 @@ pub fn cloud_curvature(points: &[[f64; 3]], near: &Neighbourhoods) -> Curvature 
         let mean = -(ee * f - 2.0 * ff * e + gg * d) / (2.0 * det * root);
         (mean / radius, (d * f - e * e) / (det * det) / (radius * radius))
     };
-    let (mean, gaussian) = (0..points.len()).into_par_iter().with_min_len(256).map(at).unzip();
-    Curvature { mean, gaussian }
+    let chunks = parallel::try_map_chunks(
+        points.len(),
+        1 << 10,
+        progress,
+        || (),
+        |(), range| range.map(at).unzip::<f64, f64, Vec<f64>, Vec<f64>>(),
+    )?;
+    let (mean, gaussian): (Vec<_>, Vec<_>) = chunks.into_iter().unzip();
+    Ok(Curvature { mean: mean.concat(), gaussian: gaussian.concat() })
 }

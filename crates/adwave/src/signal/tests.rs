@@ -17,7 +17,8 @@ fn mesh(points: Vec<[f64; 3]>, faces: Polygons) -> Shape {
 }
 
 fn signal(shape: &Shape, kind: SurfaceSignal) -> Vec<f64> {
-    surface_signal(shape, &PreparedGeometry::new(shape, WeldMode::EqualPositions), kind).unwrap()
+    let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()).unwrap();
+    surface_signal(&geometry, kind, Progress::none()).unwrap()
 }
 
 fn median_error(values: &[f64], expected: impl Fn(usize) -> f64) -> f64 {
@@ -68,11 +69,11 @@ fn gaussian_curvature_integrates_to_four_pi_on_a_sphere_and_to_zero_on_a_torus()
     for (name, expected) in [("sphere", 4.0 * std::f64::consts::PI), ("torus", 0.0)] {
         let sample = Sample::by_name(name, Some(3000)).unwrap();
         let shape = mesh(sample.points, sample.faces);
-        let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions);
-        let curvature = mesh_curvature(&geometry.points, &geometry.triangles);
+        let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
+        let curvature = mesh_curvature(geometry.points(), geometry.triangles());
         let areas = crate::shape::mesh_areas(
-            &geometry.points,
-            &geometry.triangles,
+            geometry.points(),
+            geometry.triangles(),
             crate::shape::MeshArea::MixedVoronoi,
         );
         let total: f64 = curvature.gaussian.iter().zip(areas).map(|(k, a)| k * a).sum();
@@ -136,12 +137,15 @@ fn normals_of_a_cloud_point_out_of_a_closed_surface() {
 #[test]
 fn the_border_of_a_cloud_is_its_rim() {
     let grid: Vec<[f64; 3]> = (0..900).map(|i| [f64::from(i % 30), f64::from(i / 30), 0.0]).collect();
-    let near = nearest_neighbours(&grid, 10).adjacency;
+    let near = crate::shape::nearest_neighbours(&grid, 10).adjacency;
     let expected: Vec<usize> =
         (0..900).filter(|&i| [i % 30, i / 30].iter().any(|&k| k == 0 || k == 29)).collect();
     assert_eq!(cloud_border(&grid, &near), expected);
     let sphere = Sample::by_name("sphere", Some(2000)).unwrap().points;
-    assert_eq!(cloud_border(&sphere, &nearest_neighbours(&sphere, 10).adjacency), Vec::<usize>::new());
+    assert_eq!(
+        cloud_border(&sphere, &crate::shape::nearest_neighbours(&sphere, 10).adjacency),
+        Vec::<usize>::new()
+    );
 }
 
 #[test]
@@ -163,8 +167,8 @@ fn degenerate_shapes_give_finite_signals_and_graphs_an_error() {
         for kind in [SurfaceSignal::MeanCurvature, SurfaceSignal::GaussianCurvature] {
             assert!(signal(&mesh, kind).iter().all(|v| v.is_finite()), "{kind:?}");
         }
-        let geometry = PreparedGeometry::new(&mesh, WeldMode::EqualPositions);
-        let error = surface_signal(&mesh, &geometry, SurfaceSignal::Density).unwrap_err();
+        let geometry = PreparedGeometry::new(&mesh, WeldMode::EqualPositions, Progress::none()).unwrap();
+        let error = surface_signal(&geometry, SurfaceSignal::Density, Progress::none()).unwrap_err();
         assert!(error.to_string().contains("cloud"));
     }
 }

@@ -6,7 +6,7 @@ mod recurrence;
 mod tiled_diffusion;
 mod tiles;
 
-pub(crate) use kernel::{with_capacity, zeros};
+pub(crate) use kernel::zeros;
 pub use product::apply;
 pub(crate) use recurrence::{Next, Recurrence, Sum, Weighing};
 pub(crate) use tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};

@@ -52,8 +52,8 @@ fn apply_fixed<const D: usize>(diffusion: &Diffusion, x: &[f64], y: &mut [f64]) 
     let neighbours = diffusion.neighbours();
     y.par_chunks_mut(ROWS_AT_A_TIME * D).enumerate().for_each(|(chunk, out)| {
         let rows = Rows {
-            offsets: &neighbours.offsets,
-            columns: &neighbours.neighbours,
+            offsets: neighbours.offsets(),
+            columns: neighbours.columns(),
             weights: diffusion.weights(),
             first: chunk * ROWS_AT_A_TIME,
             x,

@@ -104,7 +104,7 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
         .collect();
     changes.push(("scaling by 7.3".to_owned(), vec![Change::Scaling { factor: 7.3 }]));
     let resampling =
-        if analysis.walk.geometry().triangles.is_empty() { "half the points" } else { "4 × the faces" };
+        if analysis.walk.geometry().triangles().is_empty() { "half the points" } else { "4 × the faces" };
     changes.push((resampling.to_owned(), vec![Change::Resampling { seed: 1 }]));
     for (name, changes) in changes {
         let mut sum: Vec<LevelRepeatability> = Vec::new();

@@ -72,7 +72,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     if field == COORDS {
         let points = edited.as_chunks().0.to_vec();
         let moved = displacement(input.file.points(), &points);
-        let volumes = volumes(&decomposer, &input, &points);
+        let volumes = volumes(&decomposer, &points);
         describe_move(&mut text, moved, decomposer.diagonal(), volumes);
         report["moved"] = json!({
             "rms": moved.rms, "max": moved.max, "furthest_vertex": moved.furthest,
@@ -145,10 +145,10 @@ fn chosen_schedule(
 }
 
 /// Volume before and after, where the surface encloses one.
-fn volumes(decomposer: &Decomposer, input: &Input, after: &[[f64; 3]]) -> Option<(f64, f64)> {
-    let before = decomposer.health(&input.shape).volume?;
+fn volumes(decomposer: &Decomposer, after: &[[f64; 3]]) -> Option<(f64, f64)> {
+    let before = decomposer.health().volume?;
     let geometry = decomposer.geometry();
-    Some((before, enclosed_volume(&geometry.vertex_map.positions(after), &geometry.triangles)))
+    Some((before, enclosed_volume(&geometry.vertex_map().positions(after), geometry.triangles())))
 }
 
 fn describe_move(text: &mut String, moved: Displacement, diagonal: f64, volumes: Option<(f64, f64)>) {

@@ -12,7 +12,7 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use pages::{with_capacity, zeros};
+pub(crate) use pages::zeros;
 pub(crate) use rows::{Rows, apply_rows};
 
 use super::tiles::{Index, Run, Tile};

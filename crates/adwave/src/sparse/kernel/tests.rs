@@ -1,6 +1,7 @@
 //! Every variant of the loops against the checked one.
 
 use super::*;
+use crate::Progress;
 use crate::operator::{Diffusion, OperatorParams, local_operator};
 use crate::shape::{Graph, PreparedGeometry, Shape};
 use crate::sparse::tiles::Tiles;
@@ -12,7 +13,8 @@ fn diffusion(n: u32) -> Diffusion {
         .collect();
     let shape = Shape::Graph(Graph::new(n as usize, &edges).expect("edges of the graph"));
     let params = OperatorParams::default();
-    Diffusion::new(local_operator(&shape, &PreparedGeometry::new(&shape, params.weld), &params))
+    let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).unwrap();
+    Diffusion::new(local_operator(&geometry, &params, Progress::none()).unwrap(), Progress::none()).unwrap()
 }
 
 struct Outcome {

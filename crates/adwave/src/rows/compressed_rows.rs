@@ -1,0 +1,268 @@
+//! Sparse matrices by compressed rows.
+
+use super::{Pattern, RowsError, rows_at_a_time};
+use crate::parallel;
+use crate::{Cancelled, Progress};
+
+/// A stored value: `f32` for a basis, `f64` for operators and for the basis that is the reference.
+pub trait Value: Copy + Default + Send + Sync + PartialEq + Into<f64> {
+    /// The nearest stored value.
+    fn from_f64(value: f64) -> Self;
+}
+
+impl Value for f32 {
+    fn from_f64(value: f64) -> Self {
+        value as f32
+    }
+}
+
+impl Value for f64 {
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+}
+
+/// A sparse matrix by compressed rows: the entries of row `x` are at `offsets[x]..offsets[x + 1]`, by rising column, each once.
+///
+/// The arrays are those of SciPy's `csr_matrix` (`indptr`, `indices`, `data`).
+///
+/// ```
+/// use adwave::rows::CompressedRows;
+/// let matrix = CompressedRows::new(vec![0, 2, 3], vec![0, 1, 1], vec![1.0, 2.0, 3.0], 2)?;
+/// assert_eq!((matrix.get(0, 1), matrix.get(1, 0)), (2.0, 0.0));
+/// let (indptr, indices, data) = matrix.into_scipy()?;
+/// assert_eq!((indptr, indices, data), (vec![0, 2, 3], vec![0, 1, 1], vec![1.0, 2.0, 3.0]));
+/// # Ok::<(), adwave::rows::RowsError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CompressedRows<V = f32> {
+    pattern: Pattern,
+    values: Vec<V>,
+}
+
+/// `indptr`, `indices` and `data` of SciPy's `csr_matrix`, with indices of type `I`.
+pub type ScipyArrays<I, V> = (Vec<I>, Vec<I>, Vec<V>);
+
+impl<V> CompressedRows<V> {
+    /// The matrix of `n_columns` columns with those arrays. O(entries).
+    ///
+    /// # Errors
+    /// [`RowsError`] where they do not fit together, or the columns of a row do not rise.
+    pub fn new(
+        offsets: Vec<usize>,
+        columns: Vec<u32>,
+        values: Vec<V>,
+        n_columns: usize,
+    ) -> Result<Self, RowsError> {
+        let pattern = Pattern::with_values(offsets, columns, n_columns, values.len())?;
+        for row in 0..pattern.n_rows() {
+            if let Some(pair) = pattern.of(row).windows(2).find(|pair| pair[0] >= pair[1]) {
+                return Err(RowsError::NotRising { row, column: pair[1] as usize });
+            }
+        }
+        Ok(Self { pattern, values })
+    }
+
+    /// Values of a pattern, one for each entry (or none at all, for a pattern by itself).
+    pub(crate) fn trusted(pattern: Pattern, values: Vec<V>) -> Self {
+        debug_assert_eq!(values.len(), pattern.nnz());
+        Self { pattern, values }
+    }
+
+    /// Number of rows.
+    pub fn n_rows(&self) -> usize {
+        self.pattern.n_rows()
+    }
+
+    /// Number of stored entries.
+    pub fn nnz(&self) -> usize {
+        self.pattern.nnz()
+    }
+
+    /// Size of the three arrays in bytes.
+    pub fn bytes(&self) -> u64 {
+        bytes::<V>(self.n_rows(), self.nnz() as u64)
+    }
+
+    /// Which entries there are.
+    pub fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    /// Where each row starts, and the end of the last: one more than there are rows.
+    pub fn offsets(&self) -> &[usize] {
+        self.pattern.offsets()
+    }
+
+    /// The columns, row after row.
+    pub fn columns(&self) -> &[u32] {
+        self.pattern.columns()
+    }
+
+    /// The value of each entry.
+    pub fn values(&self) -> &[V] {
+        &self.values
+    }
+
+    /// The value of each entry, to be changed.
+    pub fn values_mut(&mut self) -> &mut [V] {
+        &mut self.values
+    }
+
+    /// Columns and values of row `x`.
+    #[inline]
+    pub fn row(&self, x: usize) -> (&[u32], &[V]) {
+        let range = self.pattern.range(x);
+        (&self.pattern.columns()[range.clone()], &self.values[range])
+    }
+
+    /// Where the entries are, and their values.
+    pub fn into_parts(self) -> (Pattern, Vec<V>) {
+        (self.pattern, self.values)
+    }
+
+    /// `indptr`, `indices` and `data` of SciPy's `csr_matrix`, in its usual index type. Indices and values keep their memory;
+    /// only `indptr`, one number for each row, may be copied. O(entries).
+    ///
+    /// # Errors
+    /// [`RowsError::TooManyEntries`] beyond 2³¹ − 1 entries or rows; then take [`into_scipy_wide`](Self::into_scipy_wide).
+    pub fn into_scipy(self) -> Result<ScipyArrays<i32, V>, RowsError> {
+        let (nnz, n_rows) = (self.nnz(), self.n_rows());
+        if nnz.max(n_rows) > i32::MAX as usize || self.columns().iter().any(|&y| y > i32::MAX as u32) {
+            return Err(RowsError::TooManyEntries { nnz, n_rows });
+        }
+        let (offsets, columns) = self.pattern.into_parts();
+        let indptr = offsets.into_iter().map(|offset| offset as i32).collect();
+        Ok((indptr, columns.into_iter().map(|y| y as i32).collect(), self.values))
+    }
+
+    /// [`into_scipy`](Self::into_scipy) with 64-bit indices, for matrices of any size. O(entries).
+    pub fn into_scipy_wide(self) -> ScipyArrays<i64, V> {
+        let (offsets, columns) = self.pattern.into_parts();
+        let indptr = offsets.into_iter().map(|offset| offset as i64).collect();
+        (indptr, columns.into_iter().map(i64::from).collect(), self.values)
+    }
+}
+
+impl CompressedRows<f64> {
+    /// The square matrix of `n` rows with `value` at `(row, column)`. Entries come by rising row and then column; those given
+    /// several times are summed in their order. O(entries).
+    ///
+    /// # Errors
+    /// [`RowsError`] for an entry outside the matrix, or one that comes too late.
+    ///
+    /// ```
+    /// use adwave::rows::CompressedRows;
+    /// let matrix = CompressedRows::from_sorted(2, [(0, 1, 1.0), (0, 1, 0.5), (1, 0, 2.0)])?;
+    /// assert_eq!(matrix.row(0), ([1].as_slice(), [1.5].as_slice()));
+    /// # Ok::<(), adwave::rows::RowsError>(())
+    /// ```
+    pub fn from_sorted(
+        n: usize,
+        entries: impl IntoIterator<Item = (u32, u32, f64)>,
+    ) -> Result<Self, RowsError> {
+        let (mut offsets, mut columns, mut values) = (vec![0_usize; n + 1], Vec::new(), Vec::new());
+        let mut last: Option<(u32, u32)> = None;
+        for (row, column, value) in entries {
+            if let (Some(sum), true) = (values.last_mut(), last == Some((row, column))) {
+                *sum += value;
+                continue;
+            }
+            let (r, c) = (row as usize, column as usize);
+            if r >= n || c >= n {
+                return Err(RowsError::NoColumn { row: r, column: c, n_columns: n });
+            }
+            if last.is_some_and(|last| last > (row, column)) {
+                return Err(RowsError::NotRising { row: r, column: c });
+            }
+            columns.push(column);
+            values.push(value);
+            offsets[r + 1] += 1;
+            last = Some((row, column));
+        }
+        for x in 0..n {
+            offsets[x + 1] += offsets[x];
+        }
+        Ok(Self::trusted(Pattern::trusted(offsets, columns), values))
+    }
+}
+
+impl<V: Value> CompressedRows<V> {
+    /// The identity of `n_rows` rows.
+    pub fn identity(n_rows: usize) -> Self {
+        let pattern = Pattern::trusted((0..=n_rows).collect(), (0..n_rows as u32).collect());
+        Self { pattern, values: vec![V::from_f64(1.0); n_rows] }
+    }
+
+    /// The entry of row `x` and column `y`, 0 where none is stored. O(log entries of the row).
+    pub fn get(&self, x: usize, y: usize) -> V {
+        let (columns, values) = self.row(x);
+        columns.binary_search(&(y as u32)).map_or(V::default(), |at| values[at])
+    }
+
+    /// `self − other`, entry by entry: the pattern is the union of both.
+    pub(crate) fn minus(&self, other: &Self, progress: Progress<'_>) -> Result<Self, Cancelled> {
+        Self::from_rows(
+            self.n_rows(),
+            256,
+            progress,
+            || (),
+            |(), x, columns, values| subtract(self.row(x), other.row(x), columns, values),
+        )
+    }
+
+    /// The matrix whose row and column `new_of[x]` are row and column `x` of this one. O(nnz log(nnz / rows)).
+    ///
+    /// # Panics
+    /// When `new_of` is no permutation of the rows.
+    #[must_use]
+    pub fn permuted(&self, new_of: &[u32]) -> Self {
+        assert_eq!(new_of.len(), self.n_rows(), "one new number for each row");
+        let mut old_of = vec![u32::MAX; new_of.len()];
+        for (&new, old) in new_of.iter().zip(0..) {
+            assert!(old_of[new as usize] == u32::MAX, "row {new} would come from two rows");
+            old_of[new as usize] = old;
+        }
+        let (n, at_a_time) = (self.n_rows(), rows_at_a_time(self.n_rows()));
+        let row = |entries: &mut Vec<(u32, V)>, x: usize, columns: &mut Vec<u32>, values: &mut Vec<V>| {
+            let (old_columns, old_values) = self.row(old_of[x] as usize);
+            entries.clear();
+            entries.extend(old_columns.iter().map(|&y| new_of[y as usize]).zip(old_values.iter().copied()));
+            entries.sort_unstable_by_key(|e| e.0);
+            columns.extend(entries.iter().map(|e| e.0));
+            values.extend(entries.iter().map(|e| e.1));
+        };
+        parallel::unstopped(Self::from_rows(n, at_a_time, Progress::none(), Vec::new, row))
+    }
+}
+
+/// Bytes of a matrix of `n_rows` rows and `nnz` entries.
+pub(crate) fn bytes<V>(n_rows: usize, nnz: u64) -> u64 {
+    nnz * (size_of::<u32>() + size_of::<V>()) as u64 + (n_rows as u64 + 1) * size_of::<usize>() as u64
+}
+
+/// Appends the entries of the sparse row `fine − coarse`; where both have an entry the difference is rounded once.
+pub(crate) fn subtract<V: Value>(
+    fine: (&[u32], &[V]),
+    coarse: (&[u32], &[V]),
+    columns: &mut Vec<u32>,
+    values: &mut Vec<V>,
+) {
+    let (mut i, mut k) = (0, 0);
+    while i < fine.0.len() || k < coarse.0.len() {
+        // A finished row counts as standing beyond every column.
+        let (a, b) = (fine.0.get(i), coarse.0.get(k));
+        let Some(column) = a.into_iter().chain(b).copied().min() else { break };
+        let mut value = 0.0;
+        if a == Some(&column) {
+            value += fine.1[i].into();
+            i += 1;
+        }
+        if b == Some(&column) {
+            value -= coarse.1[k].into();
+            k += 1;
+        }
+        columns.push(column);
+        values.push(V::from_f64(value));
+    }
+}
