@@ -2,7 +2,7 @@
 
 use super::{CloudGraph, OperatorParams};
 use crate::shape::{
-    Adjacency, Graph, PreparedGeometry, Shape, VertexMap, cloud_areas, k_rings, mesh_areas,
+    Adjacency, CloudArea, Graph, PreparedGeometry, Shape, VertexMap, cloud_areas, k_rings, mesh_areas,
     nearest_neighbours, one_ring, squared_distance,
 };
 use rayon::prelude::*;
@@ -64,13 +64,17 @@ pub fn local_operator(shape: &Shape, geometry: &PreparedGeometry, params: &Opera
             });
             let mean_length = total / near.adjacency.neighbours.len().max(1) as f64;
             let areas = cloud_areas(&points, &near, params.cloud_area);
-            match params.cloud_graph {
+            let mut operator = match params.cloud_graph {
                 CloudGraph::Union => {
                     let union = near.adjacency.union_with_transpose();
                     gaussian(&points, unit, union, areas, mean_length, true)
                 }
                 CloudGraph::Directed => gaussian(&points, unit, near.adjacency, areas, mean_length, false),
+            };
+            if params.cloud_area == CloudArea::Unit {
+                operator.areas.fill(1.0); // an area of 1 has no unit to be scaled by
             }
+            operator
         }
         Shape::Graph(graph) => weighted(graph, &geometry.vertex_map),
     }
