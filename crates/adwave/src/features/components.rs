@@ -40,7 +40,8 @@ impl Means {
         match scope {
             ThresholdScope::Shape => Self { component: None, n_components: 1 },
             ThresholdScope::Component => {
-                let (component, n_components) = component_of(adjacency);
+                // A directed cloud hangs together whichever way its edges point.
+                let (component, n_components) = component_of(&adjacency.union_with_transpose());
                 Self { component: Some(component), n_components }
             }
         }
