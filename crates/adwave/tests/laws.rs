@@ -141,7 +141,10 @@ fn bands_sum_to_the_signal_and_constants_have_none() {
         let split = bands(&shape, &params, &values, n_channels);
         let error = largest_difference(&split.reconstruct(), &values);
         assert!(error <= RECONSTRUCTION * size, "{name}: off by {error}");
-        assert_eq!(split.scaling(0), values, "{name}");
+        let scaling = split.all_scaling();
+        for (j, level) in scaling.chunks_exact(values.len()).enumerate() {
+            assert_eq!(*split.scaling(j), *level, "{name}: S_{j} by itself and with the others");
+        }
 
         let constant = vec![0.3; shape.n_vertices()];
         let split = bands(&shape, &params, &constant, 1);

@@ -4,6 +4,7 @@ use super::ThresholdScope;
 use super::response::Level;
 use crate::population::Population;
 use crate::shape::Adjacency;
+use crate::{Cancelled, Progress};
 
 /// Which component each vertex belongs to, numbered by their first vertices, and how many there are.
 fn component_of(adjacency: &Adjacency) -> (Vec<u32>, usize) {
@@ -37,14 +38,19 @@ pub(super) struct Means {
 }
 
 impl Means {
-    pub(super) fn new(adjacency: &Adjacency, scope: ThresholdScope) -> Self {
-        match scope {
+    pub(super) fn new(
+        adjacency: &Adjacency,
+        scope: ThresholdScope,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        Ok(match scope {
             ThresholdScope::Shape => Self { component: None, n_components: 1 },
             ThresholdScope::Component => {
-                let (component, n_components) = component_of(adjacency);
+                // A directed cloud hangs together whichever way its edges point.
+                let (component, n_components) = component_of(&adjacency.union_with_transpose(progress)?);
                 Self { component: Some(component), n_components }
             }
-        }
+        })
     }
 
     /// The mean of each group.

@@ -60,7 +60,7 @@ pub fn features(
     let population = Population::new(decomposer);
     let ring = decomposer.ring();
     let neighbourhood = Neighbourhood { ring: &ring, rings: if decomposer.is_cloud() { 1 } else { 2 } };
-    let means = Means::new(&ring, params.scope);
+    let means = Means::new(&ring, params.scope, progress)?;
     let mut found: Vec<(usize, Feature)> = Vec::new();
     for layer in layers(&population, wavelets, params.response) {
         for j in 2..n_levels {

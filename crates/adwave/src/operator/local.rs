@@ -3,7 +3,7 @@
 use super::{CloudGraph, OperatorParams};
 use crate::rows::{CompressedRows, rows_at_a_time, try_for_entries};
 use crate::shape::{
-    Adjacency, Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length, squared_distance,
+    Adjacency, CloudArea, Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length, squared_distance,
     triangles_at_vertices, try_cloud_areas, try_k_rings, try_mesh_areas, try_nearest_neighbours,
     try_one_ring,
 };
@@ -129,10 +129,14 @@ fn of_cloud(
     let areas = try_cloud_areas(&points, &near, params.cloud_area, progress)?;
     progress.step(2, STAGES)?;
     let kernel = Kernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
-    match params.cloud_graph {
+    let mut operator = match params.cloud_graph {
         CloudGraph::Union => kernel.operator(near.adjacency.union_with_transpose(progress)?, true, progress),
         CloudGraph::Directed => kernel.operator(near.adjacency, false, progress),
+    }?;
+    if params.cloud_area == CloudArea::Unit {
+        operator.areas.fill(1.0); // an area of 1 has no unit to be scaled by
     }
+    Ok(operator)
 }
 
 /// The kernel (eq. 1) of a mesh or cloud.
