@@ -19,6 +19,7 @@ pub mod sample;
 pub mod shape;
 pub mod signal;
 pub mod sparse;
+pub mod vector;
 
 pub use decomposer::Decomposer;
 pub use error::{ClassifiedError, ErrorKind};
