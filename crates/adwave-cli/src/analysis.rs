@@ -1,4 +1,4 @@
-//! What `saliency`, `features`, `evaluate` and `report` begin with: a shape, a signal on it, a walk, and the bands.
+//! What `saliency`, `features`, `evaluate` and `report` begin with: a shape, a signal on it, its diffusion operator, and the bands.
 
 use crate::args::FieldArgs;
 use crate::args::{LevelArgs, ShapeArgs};
@@ -59,7 +59,7 @@ impl Analysis {
     ) -> Result<Self, CliError> {
         let params = bands_params(levels)?;
         let mut watch = Stopwatch::start();
-        let (walk, signal) = with_spinner(global, "building the walk", || {
+        let (walk, signal) = with_spinner(global, "building the diffusion operator", || {
             // First the signal: a name that does not exist shows before the walk is built.
             let signal = signal::load_with_texture(&input, &field.field, field.texture.as_deref())?;
             let walk = Decomposer::new(&input.shape, &shape.operator());
@@ -79,7 +79,7 @@ impl Analysis {
     pub(crate) fn headline(&self, field: &str) -> String {
         let n = self.bands.n_vertices;
         let masked = self.walk.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
-        let masked = if masked > 0 { format!(", {masked} of them left out") } else { String::new() };
+        let masked = if masked > 0 { format!(", {masked} of them masked") } else { String::new() };
         format!("{}: {n} vertices{masked}, {field}\n{}\n", self.input.name, self.why)
     }
 

@@ -1,5 +1,6 @@
-//! Pages of pictures and numbers: the report of one shape, and every figure and table of the paper made again.
+//! Pages of pictures and numbers: the report of one shape, and every figure and table of the paper reproduced.
 
+pub mod demo;
 pub mod page;
 pub mod reproduce;
 pub mod shape_report;

@@ -9,7 +9,7 @@ use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, COORDS};
 use adwave::Decomposer;
-use adwave_baselines::compare::{CompareError, Comparison, Method, Outcome, Subject, compare};
+use adwave_baselines::compare::{Comparison, Method, Outcome, Subject, compare};
 use adwave_io::{Field, FieldValues};
 use clap::Args;
 use clap::ValueEnum;
@@ -25,7 +25,7 @@ Methods:
   taubin       smooth by the windowed sinc, half the gain at the same frequency
   lee          the saliency map of Lee, Varshney and Jacobs
   feature-map  critical points of a signal smoothed by heat [default signal: mean-curvature]
-  sgwt         spectral graph wavelets of the same walk, as many bands, and back
+  sgwt         spectral graph wavelets of the same diffusion operator, as many bands, and back
   dw, bdw      diffusion wavelets, biorthogonal ones (up to 6000 vertices), and back
 
 Both results go to DIR as adwave.ply and METHOD.ply, the table as comparison.json.
@@ -85,8 +85,9 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     };
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load_with_texture(&input, field, args.field.texture.as_deref())?;
-    let walk =
-        with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let walk = with_spinner(global, "building the diffusion operator", || {
+        Decomposer::new(&input.shape, &args.shape.operator())
+    });
     let (schedule, why) = schedule(&args.levels, &walk)?;
     let subject = Subject {
         shape: &input.shape,
@@ -168,15 +169,6 @@ impl From<MethodArg> for Method {
             MethodArg::Dw => Self::DiffusionWavelets,
             MethodArg::Bdw => Self::Biorthogonal,
             MethodArg::Taubin => Self::Taubin,
-        }
-    }
-}
-
-impl From<CompareError> for CliError {
-    fn from(error: CompareError) -> Self {
-        match error {
-            CompareError::Bands(error) => error.into(),
-            other => Self::input(other),
         }
     }
 }

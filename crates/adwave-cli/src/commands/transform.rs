@@ -35,7 +35,7 @@ pub(crate) struct TransformArgs {
     /// Where the bands go (.npz, .vtp or .ply)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// The signal: coords, a field of the file, or an .npy file with one row a vertex
+    /// The signal: coords, a field of the file, or an .npy file with one row per vertex
     #[arg(long, value_name = "NAME", default_value = "coords")]
     pub(crate) field: String,
     #[command(flatten)]
@@ -56,8 +56,9 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load(&input, &args.field)?;
     let read = watch.lap();
-    let decomposer =
-        with_spinner(global, "building the walk", || Decomposer::new(&input.shape, &args.shape.operator()));
+    let decomposer = with_spinner(global, "building the diffusion operator", || {
+        Decomposer::new(&input.shape, &args.shape.operator())
+    });
     let decomposer = signal::mask(decomposer, &signal, &args.field, global)?;
     let (schedule, why) = schedule(&args.levels, &decomposer)?;
     let prepared = watch.lap();

@@ -1,11 +1,12 @@
 //! Fig. 1: the framework. A shape, its bands from fine to coarse, and what is done with them.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, norms, positions, rms, walk};
+use super::numbers::{bands, norms, positions, walk};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::bands::{BandsParams, Schedule};
 use adwave::features::{FeatureParams, features};
 use adwave::filter::{Edit, Gains, Layer, Preset};
+use adwave::measure::rms;
 use adwave::region::{Length, Region};
 use adwave::saliency::{SaliencyParams, saliency};
 use adwave::shape::{bounding_box, diagonal};
