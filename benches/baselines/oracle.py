@@ -117,7 +117,7 @@ def wavelets(program, folder, name, graph):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("program", help="the example oracle_values")
+    parser.add_argument("program", help="the program oracle_values of benches/helpers")
     parser.add_argument("--data", type=Path, help="folder with shapes and graphs")
     args = parser.parse_args()
     results = []

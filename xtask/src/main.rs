@@ -73,12 +73,12 @@ fn oracle() -> Outcome {
 
 fn oracle_baselines() -> Outcome {
     let build =
-        ["build", "--release", "--locked", "--quiet", "-p", "adwave-baselines", "--example", "oracle_values"];
+        ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers", "--bin", "oracle_values"];
     cargo(&build, &[])?;
     let python = python::environment(&root(), "baselines")?;
     run(Command::new(python)
         .arg(root().join("benches/baselines/oracle.py"))
-        .arg(root().join("target/release/examples/oracle_values"))
+        .arg(root().join("target/release/oracle_values"))
         .arg("--data")
         .arg(std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from)))
 }

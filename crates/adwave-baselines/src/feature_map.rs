@@ -74,7 +74,7 @@ pub struct FeatureLevel {
     pub time: f64,
     /// The smoothed function, in the order of the shape.
     pub smoothed: Vec<f64>,
-    /// By rising vertex of the analysis.
+    /// By rising welded vertex.
     pub points: Vec<CriticalPoint>,
     /// `Σ index(x)`: the Euler characteristic of the mesh.
     pub index_sum: i64,
@@ -85,7 +85,7 @@ const ACCURACY: f64 = 1e-10;
 /// Largest degree of its polynomial: then t is about 5·10⁵ / λ_max.
 const MAX_DEGREE: usize = 8192;
 
-/// Critical points of `signal` (a value a vertex) smoothed for each of `times` (squared model units). Equal values are told
+/// Critical points of `signal` (a value per vertex) smoothed for each of `times` (squared model units). Equal values are told
 /// apart by their vertices' numbers, so that every function is in general position (Edelsbrunner & Mücke, 1990).
 /// O(n · √(t·λ_max)) for each time.
 ///

@@ -4,8 +4,8 @@
 //! model and nothing to choose. Where it does not: balls in space join sheets that do not touch, the cost grows with the
 //! density of the vertices, and it takes the curvature of a mesh, no other signal.
 
-use crate::vector::{cross, dot, minus, norm};
 use adwave::shape::{PreparedGeometry, Shape, WeldMode, diagonal, one_ring};
+use adwave::vector::{cross, dot, norm, subtract};
 use adwave::{Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
@@ -94,12 +94,12 @@ fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
     let mut sum = vec![(0.0, 0.0); points.len()];
     for t in triangles {
         let [a, b, c] = t.map(|v| points[v as usize]);
-        let (u, v) = (minus(&b, &a), minus(&c, &a));
+        let (u, v) = (subtract(&b, &a), subtract(&c, &a));
         let area = norm(&cross(&u, &v));
         for k in 0..3 {
             let x = t[k] as usize;
             for y in [t[(k + 1) % 3], t[(k + 2) % 3]] {
-                let d = minus(&points[x], &points[y as usize]);
+                let d = subtract(&points[x], &points[y as usize]);
                 let length = dot(&d, &d);
                 if length > 0.0 {
                     sum[x].0 += area * 2.0 * dot(&normals[x], &d) / length;
@@ -118,7 +118,7 @@ fn sphere_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> 
     for t in triangles {
         for k in 0..3 {
             let [x, y, z] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]].map(|v| points[v as usize]);
-            let (a, b) = (minus(&y, &x), minus(&z, &x));
+            let (a, b) = (subtract(&y, &x), subtract(&z, &x));
             let weight = dot(&a, &a) * dot(&b, &b);
             if weight > 0.0 {
                 let n = cross(&a, &b);

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod differential;
+mod error_kind;
 pub mod feature_map;
 pub mod harmonics;
 pub mod laplacian;
@@ -12,4 +13,3 @@ pub mod multiscale;
 pub mod sgwt;
 pub mod signature;
 pub mod taubin;
-mod vector;

@@ -13,7 +13,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TaubinError {
     /// A pass band outside the spectrum.
-    #[error("the pass band is {0}; it lies between 0 and 2, both left out")]
+    #[error("the pass band is {0}; it lies between 0 and 2, both excluded")]
     PassBand(f64),
     /// No steps, or too many.
     #[error("{got} iterations; take 1 to {most}")]

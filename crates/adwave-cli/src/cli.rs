@@ -55,7 +55,7 @@ pub(crate) enum Command {
     Saliency(SaliencyArgs),
     /// Find the places where a level stands out, each with its size
     Features(FeaturesArgs),
-    /// Measure how stable the features are, or how well a map agrees with where people look
+    /// Measure how stable the features are, or how well a map agrees with fixations of the eye
     Evaluate(EvaluateArgs),
     /// Do the same by another method, and show the differences and the times side by side
     Compare(CompareArgs),
@@ -69,7 +69,7 @@ pub(crate) enum Command {
     Sample(SampleArgs),
     /// Decompose, filter and edit a built-in creature, and show what happened
     Demo(DemoArgs),
-    /// Make the figures and tables of the paper again, with the numbers behind them and whether its claims hold
+    /// Reproduce the figures and tables of the paper, with the numbers behind them and whether its claims hold
     Reproduce(ReproduceArgs),
     /// Print the completions for a shell
     Completions(CompletionsArgs),

@@ -20,14 +20,23 @@ pub(crate) enum CliError {
     ClosedPipe,
 }
 
+impl ClassifiedError for CliError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Input(_) => ErrorKind::Input,
+            Self::Environment(_) | Self::ClosedPipe => ErrorKind::Machine,
+            Self::Cancelled => ErrorKind::Cancelled,
+        }
+    }
+}
+
 impl CliError {
     /// 2 for bad usage or input, 1 for trouble with the machine, 130 for Ctrl-C as shells have it.
     pub(crate) fn exit_code(&self) -> u8 {
-        match self {
-            Self::Input(_) => 2,
-            Self::Environment(_) => 1,
-            Self::Cancelled => 130,
-            Self::ClosedPipe => 0,
+        match self.kind() {
+            ErrorKind::Input | ErrorKind::Memory => 2,
+            ErrorKind::Machine => 1,
+            ErrorKind::Cancelled => 130,
         }
     }
 
@@ -44,7 +53,37 @@ impl CliError {
     pub(crate) fn input(error: impl std::fmt::Display) -> Self {
         Self::Input(error.to_string())
     }
+
+    /// An error of one of the libraries, by its kind.
+    pub(crate) fn of(error: &impl ClassifiedError) -> Self {
+        match error.kind() {
+            // Both are for the user to mend: by another shape, or by asking for less.
+            ErrorKind::Input | ErrorKind::Memory => Self::Input(error.to_string()),
+            ErrorKind::Machine => Self::Environment(error.to_string()),
+            ErrorKind::Cancelled => Self::Cancelled,
+        }
+    }
 }
+
+/// `From` for errors that tell their kind.
+macro_rules! by_kind {
+    ($($error:ty),* $(,)?) => {
+        $(impl From<$error> for CliError {
+            fn from(error: $error) -> Self {
+                Self::of(&error)
+            }
+        })*
+    };
+}
+
+by_kind!(
+    adwave::bands::ScheduleError,
+    adwave_baselines::compare::CompareError,
+    adwave_render::RenderError,
+    adwave_report::demo::DemoError,
+    adwave_report::reproduce::ModelError,
+    adwave_report::reproduce::ReproduceError,
+);
 
 impl From<adwave::bands::BandsError> for CliError {
     fn from(error: adwave::bands::BandsError) -> Self {
@@ -76,11 +115,5 @@ impl From<adwave::filter::FilterError> for CliError {
             adwave::filter::FilterError::Bands(error) => error.into(),
             other => Self::input(other),
         }
-    }
-}
-
-impl From<adwave::bands::ScheduleError> for CliError {
-    fn from(error: adwave::bands::ScheduleError) -> Self {
-        Self::input(error)
     }
 }

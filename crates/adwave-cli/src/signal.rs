@@ -112,7 +112,7 @@ pub(crate) fn load_with_texture(
     )))
 }
 
-/// The walk without the vertices where the signal is NaN.
+/// The same with the vertices masked where the signal is NaN.
 pub(crate) fn mask(
     walk: Decomposer,
     signal: &Signal,
@@ -122,7 +122,7 @@ pub(crate) fn mask(
     let Some(flags) = missing(&signal.values, signal.n_channels) else { return Ok(walk) };
     let masked = walk.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
     let n_missing = flags.iter().filter(|&&f| f).count();
-    note(global, &format!("{name} is NaN at {n_missing} of {} vertices, which are left out", flags.len()));
+    note(global, &format!("{name} is NaN at {n_missing} of {} vertices, which are masked", flags.len()));
     Ok(masked)
 }
 

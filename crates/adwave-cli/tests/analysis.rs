@@ -188,7 +188,7 @@ fn evaluation_counts_what_is_found_again_and_compares_maps() {
     }
     json(folder.path(), "saliency a.ply -o looks.npy --levels 6 --weighting ranks");
     let line =
-        "evaluate a.ply --levels 6 --weighting ranks --against looks.npy --threshold 2 --map looks.npy";
+        "evaluate a.ply --levels 6 --weighting ranks --fixations looks.npy --threshold 2 --map looks.npy";
     let report = json(folder.path(), line);
     for map in &report["maps"].as_array().unwrap()[..2] {
         assert!((map["correlation"].as_f64().unwrap() - 1.0).abs() < 1e-9);

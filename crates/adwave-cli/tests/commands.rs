@@ -163,6 +163,29 @@ fn the_demo_shows_all_of_it() {
     for file in ["creature.ply", "enhance.ply", "band1.ply", "band2.ply", "bands.vtp", "local-edit.toml"] {
         assert!(path.join("adwave-demo").join(file).is_file(), "{file}");
     }
+    // The last line names a page that shows it all, opens from a disk, and whose links lead to files.
+    let folder = path.join("adwave-demo");
+    assert!(text.trim_end().ends_with("index.html"), "{text}");
+    let page = fs::read_to_string(folder.join("index.html")).unwrap();
+    let tags = common::page::tags(&page);
+    let pictures: Vec<_> = tags.iter().filter(|t| t.name == "img").collect();
+    assert!(pictures.len() >= 6 + 2 + 1, "{} pictures", pictures.len());
+    for picture in pictures {
+        assert!(picture.get("src").unwrap().starts_with("data:"), "inside the page");
+        assert!(picture.get("alt").unwrap().split(' ').count() > 2);
+    }
+    assert!(page.contains("prefers-color-scheme:dark"));
+    for link in tags.iter().filter(|t| t.name == "a").filter_map(|t| t.get("href")) {
+        let is_there = |file: &str| folder.join(file).is_file();
+        assert!(link.starts_with("data:text/csv") || link.starts_with('#') || is_there(link), "{link}");
+    }
+    for name in ["sheet.png", "saliency.png", "features.png"] {
+        let picture = image::open(folder.join(name)).unwrap().into_rgb8();
+        assert!(picture.width() >= 1200, "{name}");
+        let ground = picture.get_pixel(0, 0);
+        let n_drawn = picture.pixels().filter(|p| *p != ground).count();
+        assert!(n_drawn > picture.pixels().len() / 20, "{name} is empty");
+    }
     // What is printed can be followed.
     let line = "filter sample:creature --vertices 20000 -o edit.ply --recipe adwave-demo/local-edit.toml -q";
     adwave(path).args(common::words(line)).assert().success();

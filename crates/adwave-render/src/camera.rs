@@ -1,7 +1,8 @@
 //! From the model to the picture.
 
 use crate::params::{Projection, RenderParams};
-use crate::vector::{Vec3, dot, sub};
+use adwave::vector::{Vector, dot, subtract};
+use adwave::{Cancelled, Progress};
 
 /// A part of the picture, pixels.
 #[derive(Clone, Copy, Debug)]
@@ -26,9 +27,9 @@ pub(crate) struct Projected {
 /// A camera that frames what it was fitted to.
 #[derive(Clone, Debug)]
 pub(crate) struct Camera {
-    axes: [Vec3; 3],
+    axes: [Vector; 3],
     /// Where lengths are measured from, and the model's length that counts as 1.
-    origin: Vec3,
+    origin: Vector,
     unit: f64,
     /// The eye's place across the picture, and its distance (perspective) or 0.
     eye: [f64; 2],
@@ -43,9 +44,17 @@ pub(crate) struct Camera {
 /// The eye of a perspective keeps this far from the shape, in diagonals of the shape: nearer, it would look distorted.
 const MIN_DISTANCE: f64 = 0.5;
 
+/// Balls that are looked at between two looks at whether to go on.
+const BALLS_AT_A_TIME: usize = 1 << 14;
+
 impl Camera {
     /// The camera from `params.view` that shows all the balls (centre and radius) as large as fits into `rect`. O(n).
-    pub(crate) fn fit(balls: &[(Vec3, f64)], params: &RenderParams, rect: Rect) -> Self {
+    pub(crate) fn fit(
+        balls: &[(Vector, f64)],
+        params: &RenderParams,
+        rect: Rect,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let axes = params.view.axes(params.up);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (p, r) in balls {
@@ -69,9 +78,11 @@ impl Camera {
             center: [rect.left + rect.width / 2.0, rect.top + rect.height / 2.0],
             depths: [0.0, 1.0],
         };
-        let spheres = || balls.iter().map(|(p, r)| (camera.seen(p), r / unit));
-        let most =
-            |f: &dyn Fn(Vec3, f64) -> f64| spheres().map(|(v, r)| f(v, r)).fold(f64::NEG_INFINITY, f64::max);
+        let most = |f: &dyn Fn(Vector, f64) -> f64| {
+            let chunks = balls.chunks(BALLS_AT_A_TIME).take_while(|_| !progress.is_cancelled());
+            let spheres = chunks.flatten().map(|(p, r)| (camera.seen(p), r / unit));
+            spheres.map(|(v, r)| f(v, r)).fold(f64::NEG_INFINITY, f64::max)
+        };
         let nearest = most(&|v, r| v[2] + r);
         let farthest = -most(&|v, r| r - v[2]);
         let tangents = match params.projection {
@@ -103,7 +114,7 @@ impl Camera {
                 // What is seen from there, as tangents: the lens is as long and shifted as fills the picture with it.
                 let seen = [0, 1].map(|c| {
                     let tangent =
-                        |v: Vec3, r: f64, sign: f64| (sign * (v[c] - eye[c]) + r) / (distance - v[2] - r);
+                        |v: Vector, r: f64, sign: f64| (sign * (v[c] - eye[c]) + r) / (distance - v[2] - r);
                     [most(&|v, r| tangent(v, r, 1.0)), most(&|v, r| tangent(v, r, -1.0))]
                 });
                 let fill = |c: usize, side: f64| side / (seen[c][0] + seen[c][1]).max(1e-9);
@@ -112,23 +123,24 @@ impl Camera {
                 (distance, focal)
             }
         };
+        progress.check()?;
         camera.center[0] += shift[0];
         camera.center[1] -= shift[1];
         camera.eye = eye;
         camera.distance = distance;
         camera.focal = focal;
         camera.depths = [farthest - 1e-3, nearest];
-        camera
+        Ok(camera)
     }
 
     /// In the viewer's axes, from the origin, in units.
-    fn seen(&self, p: &Vec3) -> Vec3 {
-        let d = sub(p, &self.origin).map(|c| c / self.unit);
+    fn seen(&self, p: &Vector) -> Vector {
+        let d = subtract(p, &self.origin).map(|c| c / self.unit);
         self.axes.map(|axis| dot(&axis, &d))
     }
 
     /// A direction in the viewer's axes: right, up, towards the viewer.
-    pub(crate) fn turn(&self, d: &Vec3) -> Vec3 {
+    pub(crate) fn turn(&self, d: &Vector) -> Vector {
         self.axes.map(|axis| dot(&axis, d))
     }
 
@@ -136,7 +148,7 @@ impl Camera {
         self.distance > 0.0
     }
 
-    pub(crate) fn project(&self, p: &Vec3) -> Projected {
+    pub(crate) fn project(&self, p: &Vector) -> Projected {
         let v = self.seen(p);
         let scale = self.scale(v[2]);
         Projected {
@@ -147,7 +159,7 @@ impl Camera {
     }
 
     /// A radius at `p` in pixels, and how much nearer its foremost point is.
-    pub(crate) fn radius(&self, p: &Vec3, radius: f64) -> (f64, f64) {
+    pub(crate) fn radius(&self, p: &Vector, radius: f64) -> (f64, f64) {
         let depth = self.seen(p)[2];
         let r = radius / self.unit;
         (r * self.scale(depth), self.near(depth + r) - self.near(depth))

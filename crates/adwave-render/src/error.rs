@@ -1,6 +1,7 @@
 //! What a picture can fail by.
 
-use crate::view::ViewError;
+use crate::view::{UpError, ViewError};
+use adwave::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
 
 /// A picture that cannot be made.
@@ -75,6 +76,9 @@ pub enum RenderError {
         /// Its radius.
         radius: f64,
     },
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A view that is none.
     #[error(transparent)]
     View(#[from] ViewError),
@@ -115,4 +119,37 @@ pub enum RenderError {
         /// The encoder's words.
         reason: String,
     },
+}
+
+impl ClassifiedError for RenderError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Cancelled(error) => error.kind(),
+            Self::View(error) => error.kind(),
+            Self::NoPixels { .. }
+            | Self::TooLarge { .. }
+            | Self::NoPoints
+            | Self::BadPoint { .. }
+            | Self::BadCorner { .. }
+            | Self::PaintLength { .. }
+            | Self::BadRange { .. }
+            | Self::BadBall { .. }
+            | Self::BadParam { .. }
+            | Self::NoPanels
+            | Self::BadPart { .. } => ErrorKind::Input,
+            Self::Encoding { .. } => ErrorKind::Machine,
+        }
+    }
+}
+
+impl ClassifiedError for ViewError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
+}
+
+impl ClassifiedError for UpError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
 }

@@ -10,6 +10,7 @@ use crate::picture::Picture;
 use crate::render::Subject;
 use crate::surface::{Ball, FieldPaint, Paint, Surface, check_balls};
 use crate::text;
+use adwave::Progress;
 
 /// One picture of a sheet.
 #[derive(Clone, Debug)]
@@ -45,6 +46,7 @@ pub fn grid(
     columns: usize,
     shared: SharedCamera,
     params: &RenderParams,
+    progress: Progress<'_>,
 ) -> Result<Picture, RenderError> {
     params.check()?;
     if panels.is_empty() || columns == 0 {
@@ -92,7 +94,8 @@ pub fn grid(
     };
     let mut sheet = Picture::filled(sheet_width, sheet_rows, empty)?;
     let own = if common.is_some() { params.clone().with_color_bar(ColorBar::Hidden) } else { params.clone() };
-    let subjects: Vec<Subject> = panels.iter().map(|p| Subject::new(&p.surface, &p.balls)).collect();
+    let subjects: Vec<Subject> =
+        panels.iter().map(|p| Subject::new(&p.surface, &p.balls, progress)).collect::<Result<_, _>>()?;
     let layouts: Vec<Layout> = panels
         .iter()
         .zip(&scales)
@@ -109,10 +112,10 @@ pub fn grid(
     let narrowest = layouts.iter().map(|l| l.stage).min_by(|a, b| a.width.total_cmp(&b.width));
     for (k, (subject, layout)) in subjects.iter().zip(&layouts).enumerate() {
         let camera = match (shared, narrowest) {
-            (SharedCamera::Same, Some(stage)) => Camera::fit(&all, params, stage),
-            _ => Camera::fit(&subject.framed, params, layout.stage),
+            (SharedCamera::Same, Some(stage)) => Camera::fit(&all, params, stage, progress)?,
+            _ => Camera::fit(&subject.framed, params, layout.stage, progress)?,
         };
-        let mut picture = subject.picture(&camera, scales[k].as_ref(), params);
+        let mut picture = subject.picture(&camera, scales[k].as_ref(), params, progress)?;
         if let (Some(scale), Some(bar)) = (&scales[k], &layout.bar) {
             color_bar::draw(&mut picture, bar, scale);
         }

@@ -1,6 +1,7 @@
 //! Normals of a mesh for smooth shading, with edges kept sharp.
 
-use crate::vector::{Vec3, add_scaled, cross, dot, sub, unit};
+use adwave::vector::{Vector, add_scaled, cross, dot, subtract, unit};
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -8,10 +9,13 @@ use std::collections::HashMap;
 #[derive(Debug)]
 pub(crate) struct CornerNormals {
     /// Unit normals in the model's axes, on the side that their triangle's order of corners tells; zero without area.
-    pub(crate) normals: Vec<Vec3>,
+    pub(crate) normals: Vec<Vector>,
     /// For each triangle the normals of its corners.
     pub(crate) of: Vec<[u32; 3]>,
 }
+
+/// Vertices or corners that are looked at between two looks at whether to go on.
+const AT_A_TIME: usize = 1 << 14;
 
 /// Normals that are means over the faces at a vertex, weighted by their angles there, over those faces only that meet the
 /// corner's own at less than `crease_angle` (degrees). O(n), and O(Σ valence²) at creases.
@@ -19,40 +23,51 @@ pub(crate) struct CornerNormals {
 /// Vertices at equal positions count as one, so that the seams of files that repeat vertices do not show.
 ///
 /// Source: Thürmer and Wüthrich, "Computing vertex normals from polygonal facets", 1998.
-pub(crate) fn corner_normals(points: &[Vec3], triangles: &[[u32; 3]], crease_angle: f64) -> CornerNormals {
-    let class = positions(points);
+pub(crate) fn corner_normals(
+    points: &[Vector],
+    triangles: &[[u32; 3]],
+    crease_angle: f64,
+    progress: Progress<'_>,
+) -> Result<CornerNormals, Cancelled> {
+    let class = positions(points, progress)?;
     let scale = largest_extent(points);
-    let faces: Vec<Vec3> = triangles.par_iter().map(|t| face_normal(points, t, scale)).collect();
-    let (first, corners) = corners_at(&class, triangles);
+    let faces: Vec<Vector> = triangles.par_iter().map(|t| face_normal(points, t, scale)).collect();
+    progress.check()?;
+    let (first, corners) = corners_at(&class, triangles, progress)?;
     let limit = crease_angle.to_radians().cos();
     let half = (crease_angle / 2.0).to_radians().cos();
     // (class, normals of its corners): one normal where the vertex is smooth, one a corner at a crease.
-    let found: Vec<Vec<Vec3>> = (0..first.len() - 1)
+    let found: Vec<Vec<Vector>> = (0..first.len() - 1)
         .into_par_iter()
         .with_min_len(1024)
         .map(|v| {
+            progress.check()?;
             let here = &corners[first[v]..first[v + 1]];
-            let weighted: Vec<(Vec3, f64)> = here
+            let weighted: Vec<(Vector, f64)> = here
                 .iter()
                 .map(|&c| (faces[c as usize / 3], corner_angle(points, &triangles[c as usize / 3], c % 3)))
                 .collect();
             // Both sides are lit alike, so a face that is listed the other way round counts turned over.
-            let mean = |towards: &Vec3, least: f64| {
+            let mean = |towards: &Vector, least: f64| {
                 let kept = weighted.iter().filter(|(n, _)| dot(towards, n).abs() >= least);
-                let add = |sum: Vec3, (n, w): &(Vec3, f64)| add_scaled(&sum, w.copysign(dot(towards, n)), n);
+                let add =
+                    |sum: Vector, (n, w): &(Vector, f64)| add_scaled(&sum, w.copysign(dot(towards, n)), n);
                 unit(&kept.fold([0.0; 3], add))
             };
             let first = weighted.iter().map(|(n, _)| *n).find(|n| *n != [0.0; 3]).unwrap_or([0.0; 3]);
             let all = mean(&first, 0.0).unwrap_or([0.0; 3]);
             if weighted.iter().all(|(n, _)| dot(n, &all).abs() >= half || *n == [0.0; 3]) {
-                return vec![all];
+                return Ok(vec![all]);
             }
-            weighted.iter().map(|(own, _)| mean(own, limit).unwrap_or(*own)).collect()
+            Ok(weighted.iter().map(|(own, _)| mean(own, limit).unwrap_or(*own)).collect())
         })
-        .collect();
+        .collect::<Result<_, Cancelled>>()?;
     let mut of = vec![[0_u32; 3]; triangles.len()];
     let mut normals = Vec::with_capacity(found.len());
     for (v, list) in found.iter().enumerate() {
+        if v % AT_A_TIME == 0 {
+            progress.check()?;
+        }
         let start = normals.len();
         normals.extend_from_slice(list);
         for (k, &c) in corners[first[v]..first[v + 1]].iter().enumerate() {
@@ -65,17 +80,17 @@ pub(crate) fn corner_normals(points: &[Vec3], triangles: &[[u32; 3]], crease_ang
             of[face][c as usize % 3] = at as u32;
         }
     }
-    CornerNormals { normals, of }
+    Ok(CornerNormals { normals, of })
 }
 
-fn largest_extent(points: &[Vec3]) -> f64 {
+fn largest_extent(points: &[Vector]) -> f64 {
     let most = points.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
     if most > 0.0 { most } else { 1.0 }
 }
 
-fn face_normal(points: &[Vec3], triangle: &[u32; 3], scale: f64) -> Vec3 {
+fn face_normal(points: &[Vector], triangle: &[u32; 3], scale: f64) -> Vector {
     let [a, b, c] = triangle.map(|v| points[v as usize].map(|c| c / scale));
-    let (ab, ac) = (sub(&b, &a), sub(&c, &a));
+    let (ab, ac) = (subtract(&b, &a), subtract(&c, &a));
     // Edges of length 1, lest the cross product of tiny ones underflows.
     match (unit(&ab), unit(&ac)) {
         (Some(ab), Some(ac)) => unit(&cross(&ab, &ac)).unwrap_or([0.0; 3]),
@@ -83,34 +98,41 @@ fn face_normal(points: &[Vec3], triangle: &[u32; 3], scale: f64) -> Vec3 {
     }
 }
 
-fn corner_angle(points: &[Vec3], triangle: &[u32; 3], corner: u32) -> f64 {
+fn corner_angle(points: &[Vector], triangle: &[u32; 3], corner: u32) -> f64 {
     let at = |k: u32| points[triangle[(k % 3) as usize] as usize];
     let p = at(corner);
-    match (unit(&sub(&at(corner + 1), &p)), unit(&sub(&at(corner + 2), &p))) {
+    match (unit(&subtract(&at(corner + 1), &p)), unit(&subtract(&at(corner + 2), &p))) {
         (Some(a), Some(b)) => dot(&a, &b).clamp(-1.0, 1.0).acos(),
         _ => 0.0,
     }
 }
 
 /// A number for each vertex, equal for those at equal positions.
-fn positions(points: &[Vec3]) -> Vec<u32> {
+fn positions(points: &[Vector], progress: Progress<'_>) -> Result<Vec<u32>, Cancelled> {
     let mut numbers: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
-    points
-        .iter()
-        .map(|p| {
+    let mut class = Vec::with_capacity(points.len());
+    for chunk in points.chunks(AT_A_TIME) {
+        progress.check()?;
+        class.extend(chunk.iter().map(|p| {
             let next = numbers.len() as u32;
             // −0 is where 0 is.
             *numbers.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(next)
-        })
-        .collect()
+        }));
+    }
+    Ok(class)
 }
 
 /// The corners (3 × triangle + corner) at each class of vertices, as offsets and a list.
-fn corners_at(class: &[u32], triangles: &[[u32; 3]]) -> (Vec<usize>, Vec<u32>) {
+fn corners_at(
+    class: &[u32],
+    triangles: &[[u32; 3]],
+    progress: Progress<'_>,
+) -> Result<(Vec<usize>, Vec<u32>), Cancelled> {
     let n = class.iter().max().map_or(0, |m| *m as usize + 1);
     let mut first = vec![0; n + 1];
-    for &v in triangles.as_flattened() {
-        first[class[v as usize] as usize + 1] += 1;
+    for chunk in triangles.as_flattened().chunks(AT_A_TIME) {
+        progress.check()?;
+        chunk.iter().for_each(|&v| first[class[v as usize] as usize + 1] += 1);
     }
     for v in 0..n {
         first[v + 1] += first[v];
@@ -118,18 +140,25 @@ fn corners_at(class: &[u32], triangles: &[[u32; 3]]) -> (Vec<usize>, Vec<u32>) {
     let mut next = first.clone();
     let mut corners = vec![0; triangles.len() * 3];
     for (c, &v) in triangles.as_flattened().iter().enumerate() {
+        if c % AT_A_TIME == 0 {
+            progress.check()?;
+        }
         let at = &mut next[class[v as usize] as usize];
         corners[*at] = c as u32;
         *at += 1;
     }
-    (first, corners)
+    Ok((first, corners))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const CUBE_CORNER: [Vec3; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    fn corner_normals(points: &[Vector], triangles: &[[u32; 3]], crease_angle: f64) -> CornerNormals {
+        super::corner_normals(points, triangles, crease_angle, Progress::none()).unwrap()
+    }
+
+    const CUBE_CORNER: [Vector; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     const THREE_SIDES: [[u32; 3]; 3] = [[0, 1, 2], [0, 2, 3], [0, 3, 1]];
 
     #[test]

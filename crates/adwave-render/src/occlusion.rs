@@ -1,6 +1,7 @@
 //! What depth does to light: places that see little of the sky are darker, ridges a little brighter.
 
 use crate::vector::{Direction, dot_f32};
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// The foremost surface of each pixel.
@@ -55,12 +56,17 @@ impl Front {
     ///
     /// Source: McGuire, Mara and Luebke, "Scalable ambient obscurance", 2012, with a fixed pattern of 4 × 4 in place of
     /// random turns, and the depth-aware smoothing over just that pattern.
-    pub(crate) fn light(&self, radius: f32, kind: Kind) -> Vec<f32> {
+    pub(crate) fn light(
+        &self,
+        radius: f32,
+        kind: Kind,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f32>, Cancelled> {
         let taps = taps(radius);
-        let raw: Vec<f32> = self.by_rows(|x, y, k| self.openness(x, y, k, radius, &taps));
+        let raw: Vec<f32> = self.by_rows(progress, |x, y, k| self.openness(x, y, k, radius, &taps))?;
         let near = (0.02 * radius).max(1.5);
         let smooth = |values: &[f32], step: [i32; 2]| {
-            self.by_rows(|x, y, k| {
+            self.by_rows(progress, |x, y, k| {
                 let (mut sum, mut weight) = (0.0, 0.0);
                 for d in 1 - BLUR.len() as i32..BLUR.len() as i32 {
                     if let Some((other, depth)) = self.at(x + d * step[0], y + d * step[1]) {
@@ -75,25 +81,31 @@ impl Front {
                 if weight > 0.0 { sum / weight } else { values[k] }
             })
         };
-        let smoothed = smooth(&smooth(&raw, [1, 0]), [0, 1]);
+        let smoothed = smooth(&smooth(&raw, [1, 0])?, [0, 1])?;
         match kind {
-            Kind::Mesh => self.by_rows(|x, y, k| smoothed[k] * self.ridge(x, y, k)),
-            Kind::Cloud => smoothed,
+            Kind::Mesh => self.by_rows(progress, |x, y, k| smoothed[k] * self.ridge(x, y, k)),
+            Kind::Cloud => Ok(smoothed),
         }
     }
 
     /// A value for each pixel that shows something, 1 elsewhere.
-    fn by_rows(&self, value: impl Fn(i32, i32, usize) -> f32 + Sync) -> Vec<f32> {
+    fn by_rows(
+        &self,
+        progress: Progress<'_>,
+        value: impl Fn(i32, i32, usize) -> f32 + Sync,
+    ) -> Result<Vec<f32>, Cancelled> {
         let mut values = vec![1.0; self.depth.len()];
-        values.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
+        values.par_chunks_mut(self.width).enumerate().try_for_each(|(y, row)| {
+            progress.check()?;
             for (x, v) in row.iter_mut().enumerate() {
                 let k = y * self.width + x;
                 if self.depth[k] > f32::NEG_INFINITY {
                     *v = value(x as i32, y as i32, k);
                 }
             }
-        });
-        values
+            Ok::<(), Cancelled>(())
+        })?;
+        Ok(values)
     }
 
     fn openness(&self, x: i32, y: i32, k: usize, radius: f32, taps: &[[[i32; 2]; TAPS]]) -> f32 {

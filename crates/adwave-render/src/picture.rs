@@ -128,7 +128,7 @@ impl Picture {
             .expect("a part that is inside")
     }
 
-    /// Puts another picture in, its corner at (`left`, `top`); what lies outside is left out.
+    /// Puts another picture in, its corner at (`left`, `top`); what lies outside is cut off.
     pub fn place(&mut self, other: &Self, left: u32, top: u32) {
         if left >= self.width || top >= self.height {
             return;

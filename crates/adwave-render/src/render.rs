@@ -13,11 +13,16 @@ use crate::scene::Scene;
 use crate::shade::{to_byte, to_linear};
 use crate::splats::Splats;
 use crate::surface::{Ball, Paint, Surface, check_balls};
-use crate::vector::{Direction, Vec3};
+use crate::vector::Direction;
+use adwave::vector::Vector;
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// How far light is kept off, in diagonals of what is seen.
 const OCCLUSION_REACH: f32 = 0.07;
+
+/// How many triangles or discs are drawn between two looks at whether to go on.
+const PRIMITIVES_AT_A_TIME: usize = 4096;
 
 /// A picture of a surface with balls, framed as large as fits, with a bar of colours if it shows a field.
 ///
@@ -26,25 +31,31 @@ const OCCLUSION_REACH: f32 = 0.07;
 /// # Errors
 ///
 /// Sizes, views and parameters out of range; no points; coordinates that are not finite; triangles or paint that do not fit
-/// the vertices.
+/// the vertices; [`RenderError::Cancelled`].
 ///
 /// ```
+/// use adwave::Progress;
 /// use adwave_render::{Background, Paint, RenderParams, Surface, render};
 /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 /// let surface = Surface { points: &points, triangles: &[[0, 1, 2]], paint: Paint::CLAY };
 /// let params = RenderParams::default().with_size(64, 48).with_background(Background::Transparent);
-/// let picture = render(&surface, &[], &params).unwrap();
+/// let picture = render(&surface, &[], &params, Progress::none()).unwrap();
 /// assert_eq!(picture.pixel(0, 0)[3], 0);
 /// ```
-pub fn render(surface: &Surface, balls: &[Ball], params: &RenderParams) -> Result<Picture, RenderError> {
+pub fn render(
+    surface: &Surface,
+    balls: &[Ball],
+    params: &RenderParams,
+    progress: Progress<'_>,
+) -> Result<Picture, RenderError> {
     params.check()?;
     surface.check()?;
     check_balls(balls)?;
-    let subject = Subject::new(surface, balls);
+    let subject = Subject::new(surface, balls, progress)?;
     let scale = subject.scale();
     let layout = Layout::new(params, scale.as_ref().zip(subject.label()), None);
-    let camera = Camera::fit(&subject.framed, params, layout.stage);
-    let mut picture = subject.picture(&camera, scale.as_ref(), params);
+    let camera = Camera::fit(&subject.framed, params, layout.stage, progress)?;
+    let mut picture = subject.picture(&camera, scale.as_ref(), params, progress)?;
     if let (Some(scale), Some(bar)) = (&scale, &layout.bar) {
         color_bar::draw(&mut picture, bar, scale);
     }
@@ -57,11 +68,15 @@ pub(crate) struct Subject<'a> {
     balls: &'a [Ball],
     splats: Option<Splats>,
     /// What the camera frames: centres and radii.
-    pub(crate) framed: Vec<(Vec3, f64)>,
+    pub(crate) framed: Vec<(Vector, f64)>,
 }
 
 impl<'a> Subject<'a> {
-    pub(crate) fn new(surface: &'a Surface<'a>, balls: &'a [Ball]) -> Self {
+    pub(crate) fn new(
+        surface: &'a Surface<'a>,
+        balls: &'a [Ball],
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let points = surface.points;
         let seen = |t: &&[u32; 3]| {
             let [a, b, c] = t.map(|v| points[v as usize]);
@@ -72,13 +87,14 @@ impl<'a> Subject<'a> {
             used[v as usize] = true;
         }
         // A mesh whose triangles have all shrunk to nothing is still seen by its vertices.
-        let splats = (!used.contains(&true)).then(|| Splats::new(points));
-        let mut framed: Vec<(Vec3, f64)> = match &splats {
+        let splats = (!used.contains(&true)).then(|| Splats::new(points, progress)).transpose()?;
+        let mut framed: Vec<(Vector, f64)> = match &splats {
             Some(splats) => points.iter().copied().zip(splats.radii.iter().copied()).collect(),
             None => points.iter().zip(&used).filter(|p| *p.1).map(|(p, _)| (*p, 0.0)).collect(),
         };
         framed.extend(balls.iter().map(|b| (b.center, b.radius)));
-        Self { surface, balls, splats, framed }
+        progress.check()?;
+        Ok(Self { surface, balls, splats, framed })
     }
 
     /// The colours of its field.
@@ -103,9 +119,11 @@ impl<'a> Subject<'a> {
         camera: &Camera,
         scale: Option<&ColorScale>,
         params: &RenderParams,
-    ) -> Picture {
-        let scene = Scene::new(self.surface, self.balls, self.splats.as_ref(), camera, scale, params);
-        let pixels = draw(&scene, camera, params);
+        progress: Progress<'_>,
+    ) -> Result<Picture, Cancelled> {
+        let scene =
+            Scene::new(self.surface, self.balls, self.splats.as_ref(), camera, scale, params, progress)?;
+        let pixels = draw(&scene, camera, params, progress)?;
         let reach = OCCLUSION_REACH * camera.pixels_per_unit() as f32;
         let front = Front {
             width: params.width as usize,
@@ -113,12 +131,13 @@ impl<'a> Subject<'a> {
             depth: pixels.iter().map(|p| p.depth).collect(),
             normal: pixels.iter().map(|p| p.normal).collect(),
         };
-        let light = front.light(reach.clamp(2.0, 400.0), scene.kind());
+        let light = front.light(reach.clamp(2.0, 400.0), scene.kind(), progress)?;
         let mut rgba = vec![0; pixels.len() * 4];
         rgba.par_chunks_exact_mut(4).with_min_len(4096).enumerate().for_each(|(k, out)| {
             out.copy_from_slice(&resolve(&pixels[k], light[k], params.background));
         });
-        Picture { width: params.width, height: params.height, rgba }
+        progress.check()?;
+        Ok(Picture { width: params.width, height: params.height, rgba })
     }
 }
 
@@ -134,24 +153,30 @@ struct Pixel {
 
 const EMPTY: Pixel = Pixel { color: [0.0; 3], coverage: 0.0, depth: f32::NEG_INFINITY, normal: [0.0; 3] };
 
-fn draw(scene: &Scene, camera: &Camera, params: &RenderParams) -> Vec<Pixel> {
+fn draw(
+    scene: &Scene,
+    camera: &Camera,
+    params: &RenderParams,
+    progress: Progress<'_>,
+) -> Result<Vec<Pixel>, Cancelled> {
     let (width, height) = (params.width as usize, params.height as usize);
     let n_tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
-    let bins = Bins::new(scene.n_primitives(), n_tiles, |k| scene.pixel_box(k));
+    let bins = Bins::new(scene.n_primitives(), n_tiles, |k| scene.pixel_box(k), progress)?;
     let samples = params.samples as usize;
     let tiles: Vec<Vec<Pixel>> = (0..n_tiles[0] * n_tiles[1])
         .into_par_iter()
         .map(|t| {
             if bins.of(t).is_empty() {
-                return Vec::new();
+                return Ok(Vec::new());
             }
             let mut tile = TileSamples::new(t % n_tiles[0], t / n_tiles[0], samples);
-            for &k in bins.of(t) {
-                scene.draw(k, &mut tile);
+            for chunk in bins.of(t).chunks(PRIMITIVES_AT_A_TIME) {
+                progress.check()?;
+                chunk.iter().for_each(|&k| scene.draw(k, &mut tile));
             }
-            (0..TILE * TILE).map(|p| pixel(scene, camera, &tile, samples, p % TILE, p / TILE)).collect()
+            Ok((0..TILE * TILE).map(|p| pixel(scene, camera, &tile, samples, p % TILE, p / TILE)).collect())
         })
-        .collect();
+        .collect::<Result<_, Cancelled>>()?;
     let mut pixels = vec![EMPTY; width * height];
     pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
         for (tile_x, part) in row.chunks_mut(TILE).enumerate() {
@@ -162,7 +187,7 @@ fn draw(scene: &Scene, camera: &Camera, params: &RenderParams) -> Vec<Pixel> {
             }
         }
     });
-    pixels
+    Ok(pixels)
 }
 
 /// The mean over a pixel's samples; those that show the same primitive are shaded once, in their middle.

@@ -10,6 +10,7 @@ use crate::shade::{CLAY, GLOSSY, Gloss, MATTE, lit, to_linear};
 use crate::splats::Splats;
 use crate::surface::{Ball, Paint, Surface};
 use crate::vector::Direction;
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// How many colours a map is tabulated by.
@@ -108,7 +109,8 @@ impl<'a> Scene<'a> {
         camera: &Camera,
         scale: Option<&ColorScale>,
         params: &RenderParams,
-    ) -> Self {
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let samples = f64::from(params.samples);
         let direction = |n: &[f64; 3]| camera.turn(n).map(|c| c as f32);
         let disc = |center: &[f64; 3], radius: f64, normal| {
@@ -125,7 +127,7 @@ impl<'a> Scene<'a> {
             };
             Body::Cloud(surface.points.par_iter().enumerate().map(place).collect())
         } else {
-            let found = corner_normals(surface.points, surface.triangles, params.crease_angle);
+            let found = corner_normals(surface.points, surface.triangles, params.crease_angle, progress)?;
             let project = |p: &[f64; 3]| {
                 let p = camera.project(p);
                 Corner::new(p.x * samples, p.y * samples, p.near)
@@ -137,14 +139,15 @@ impl<'a> Scene<'a> {
                 normals_of: found.of,
             }
         };
-        Self {
+        progress.check()?;
+        Ok(Self {
             body,
             pigment: Pigment::new(&surface.paint, scale),
             balls: balls.iter().map(|b| (disc(&b.center, b.radius, None), to_linear(b.color))).collect(),
             gloss: if matches!(surface.paint, Paint::Plain(_)) { CLAY } else { MATTE },
             perspective: camera.is_perspective(),
             samples: params.samples as usize,
-        }
+        })
     }
 
     fn n_of_body(&self) -> usize {

@@ -1,8 +1,9 @@
 //! The discs that stand for the points of a cloud.
 
-use crate::vector::{Vec3, add_scaled, dot, unit};
 use adwave::shape::{Neighbourhoods, diagonal, nearest_neighbours};
 use adwave::signal::cloud_normals;
+use adwave::vector::{Vector, add_scaled, dot, unit};
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// How many neighbours tell the size and the direction of a disc.
@@ -23,19 +24,20 @@ pub(crate) struct Splats {
     /// Model units.
     pub(crate) radii: Vec<f64>,
     /// Unit vectors of either sign; zero where the neighbours tell no plane.
-    pub(crate) normals: Vec<Vec3>,
+    pub(crate) normals: Vec<Vector>,
 }
 
 impl Splats {
     /// Discs as wide as the cloud is sparse, in the planes of the points' neighbours. O(n log n).
-    pub(crate) fn new(points: &[Vec3]) -> Self {
+    pub(crate) fn new(points: &[Vector], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let n = points.len();
         let diagonal = diagonal(points);
         let lone = if diagonal > 0.0 { LONE * diagonal } else { 1.0 };
         if n <= 3 {
-            return Self { radii: vec![lone; n], normals: vec![[0.0; 3]; n] };
+            return Ok(Self { radii: vec![lone; n], normals: vec![[0.0; 3]; n] });
         }
         let near = nearest_neighbours(points, NEIGHBOURS);
+        progress.check()?;
         let own: Vec<f64> = near.radius.par_iter().map(|r| OVERLAP * r).collect();
         let mut sorted: Vec<f64> = own.iter().copied().filter(|r| *r > 0.0).collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -44,15 +46,20 @@ impl Splats {
         let spread = (NEIGHBOURS as f64 / std::f64::consts::PI).sqrt();
         let radii =
             own.iter().map(|r| r.clamp(median / LARGEST, median * LARGEST).min(lone * LARGEST) / spread);
-        Self { radii: radii.collect(), normals: smoothed(&cloud_normals(points, &near), &near) }
+        let radii = radii.collect();
+        let normals = cloud_normals(points, &near);
+        progress.check()?;
+        let normals = smoothed(&normals, &near);
+        progress.check()?;
+        Ok(Self { radii, normals })
     }
 }
 
 /// The means over each point and its neighbours, signs made alike: noise in the planes would show as glitter.
-fn smoothed(normals: &[Vec3], near: &Neighbourhoods) -> Vec<Vec3> {
+fn smoothed(normals: &[Vector], near: &Neighbourhoods) -> Vec<Vector> {
     let mean = |x: usize| {
         let own = &normals[x];
-        let add = |sum: Vec3, &y: &u32| {
+        let add = |sum: Vector, &y: &u32| {
             let other = &normals[y as usize];
             add_scaled(&sum, if dot(own, other) < 0.0 { -1.0 } else { 1.0 }, other)
         };

@@ -35,7 +35,7 @@ impl Paint<'_> {
 /// A field, shown by a colour map with a bar beside it.
 #[derive(Clone, Debug)]
 pub struct FieldPaint<'a> {
-    /// One value a vertex; where it is NaN the surface is grey.
+    /// One value per vertex; where it is NaN the surface is grey.
     pub values: &'a [f64],
     /// Its name and unit, for the bar.
     pub label: String,

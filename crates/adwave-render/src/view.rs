@@ -1,6 +1,6 @@
 //! Where the viewer stands.
 
-use crate::vector::{Vec3, add_scaled, cross};
+use adwave::vector::{Vector, add_scaled, cross};
 use std::str::FromStr;
 use thiserror::Error;
 
@@ -44,7 +44,7 @@ impl View {
     }
 
     /// The picture's right, its up, and the direction towards the viewer: orthonormal, right-handed.
-    pub(crate) fn axes(self, up: Up) -> [Vec3; 3] {
+    pub(crate) fn axes(self, up: Up) -> [Vector; 3] {
         let [right, up, front] = up.axes();
         let (azimuth, elevation) = (self.azimuth.to_radians(), self.elevation.to_radians());
         let level = add_scaled(&front.map(|c| c * azimuth.cos()), azimuth.sin(), &right);
@@ -118,7 +118,7 @@ pub enum Up {
 
 impl Up {
     /// Right, up and the direction towards the viewer of the front view.
-    fn axes(self) -> [Vec3; 3] {
+    fn axes(self) -> [Vector; 3] {
         match self {
             Self::X => [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],
             Self::Y => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],

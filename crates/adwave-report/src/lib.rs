@@ -1,6 +1,7 @@
-//! Pages of pictures and numbers: the report of one shape, and every figure and table of the paper made again.
+//! Pages of pictures and numbers: the report of one shape, and every figure and table of the paper reproduced.
 
 mod analysis;
+pub mod demo;
 pub mod page;
 pub mod reproduce;
 pub mod shape_report;

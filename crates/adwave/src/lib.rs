@@ -21,6 +21,7 @@ pub mod sample;
 pub mod shape;
 pub mod signal;
 pub mod sparse;
+pub mod vector;
 
 pub use decomposer::{BandsRequest, Decomposer, VertexFunctions};
 pub use editor::{Editor, Touched};

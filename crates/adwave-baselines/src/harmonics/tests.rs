@@ -40,7 +40,7 @@ fn octasphere(times: u32) -> Shape {
                 *middle.entry((a.min(b), a.max(b))).or_insert_with(|| {
                     let sum: [f64; 3] =
                         std::array::from_fn(|c| points[a as usize][c] + points[b as usize][c]);
-                    let length = crate::vector::norm(&sum);
+                    let length = adwave::vector::norm(&sum);
                     points.push(sum.map(|c| c / length));
                     points.len() as u32 - 1
                 })

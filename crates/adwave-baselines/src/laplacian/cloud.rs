@@ -1,7 +1,7 @@
 //! The Laplacian of a point cloud by the heat kernel.
 
-use super::super::vector::{dot, minus};
 use adwave::operator::LocalOperator;
+use adwave::vector::{dot, subtract};
 
 /// `Δ|x − p|² = 4` in a plane.
 const PLANE: f64 = 4.0;
@@ -24,7 +24,7 @@ pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec
     let mut moment = vec![0.0; points.len()];
     for x in 0..points.len() {
         for &y in operator.neighbours().of(x).iter().filter(|&&y| y as usize > x) {
-            let d = minus(&points[x], &points[y as usize]);
+            let d = subtract(&points[x], &points[y as usize]);
             let squared = if four_t > 0.0 { dot(&d, &d) / four_t } else { 0.0 };
             let weight = mass[x] / unit * (mass[y as usize] / unit) * (-squared).exp();
             weights.push((x as u32, y, weight));

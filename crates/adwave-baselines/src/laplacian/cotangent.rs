@@ -1,6 +1,6 @@
 //! Cotangents of triangles.
 
-use super::super::vector::{cross, dot, minus, norm};
+use adwave::vector::{cross, dot, norm, subtract};
 
 /// `w = ½ Σ cot(opposite angle)` for each side of each triangle, sides of several triangles once for each (Pinkall &
 /// Polthier, 1993). Triangles without area give nothing.
@@ -9,7 +9,7 @@ pub(super) fn as_given(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<(u32,
     for &t in triangles {
         let p = t.map(|v| points[v as usize]);
         for k in 0..3 {
-            let (a, b) = (minus(&p[(k + 1) % 3], &p[k]), minus(&p[(k + 2) % 3], &p[k]));
+            let (a, b) = (subtract(&p[(k + 1) % 3], &p[k]), subtract(&p[(k + 2) % 3], &p[k]));
             let doubled_area = norm(&cross(&a, &b));
             if doubled_area > f64::EPSILON * norm(&a) * norm(&b) {
                 weights.push((t[(k + 1) % 3], t[(k + 2) % 3], 0.5 * dot(&a, &b) / doubled_area));

@@ -4,8 +4,8 @@
 //! amount that does it (Sharp & Crane, "A Laplacian for nonmanifold triangle meshes", CGF 39, 2020); then every edge whose
 //! two opposite angles sum to more than π is flipped (Bobenko & Springborn, 2007), which ends with all weights ≥ 0.
 
-use super::super::vector::{minus, norm};
 use super::LaplacianInfo;
+use adwave::vector::{norm, subtract};
 
 /// Each triangle inequality holds by at least this part of the mean edge.
 const MARGIN: f64 = 1e-5;
@@ -56,7 +56,7 @@ impl Intrinsic {
         let proper = triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
         let corner: Vec<u32> = proper.flatten().copied().collect();
         let length = (0..corner.len())
-            .map(|h| norm(&minus(&points[corner[next(h)] as usize], &points[corner[h] as usize])))
+            .map(|h| norm(&subtract(&points[corner[next(h)] as usize], &points[corner[h] as usize])))
             .collect();
         let mut sides: Vec<(u32, u32, usize)> = (0..corner.len())
             .map(|h| {

@@ -19,7 +19,7 @@ pub enum Triangulation {
     /// proper by lengthening all edges by as little as that takes.
     #[default]
     IntrinsicDelaunay,
-    /// On the triangles as they are, so that obtuse ones give negative weights; triangles without area are left out.
+    /// On the triangles as they are, so that obtuse ones give negative weights; triangles without area are skipped.
     AsGiven,
 }
 

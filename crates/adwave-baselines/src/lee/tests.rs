@@ -37,7 +37,7 @@ fn a_bump_is_more_salient_than_a_plane() {
     let up = (0..3).find(|&c| hi[c] == lo[c]).unwrap();
     let middle: [f64; 3] = std::array::from_fn(|c| 0.5 * (lo[c] + hi[c]));
     let size = diagonal(&points);
-    let distance = |p: &[f64; 3]| norm(&minus(p, &middle)) / size;
+    let distance = |p: &[f64; 3]| norm(&subtract(p, &middle)) / size;
     for p in &mut points {
         p[up] += 0.02 * size * (-(distance(p) / 0.02).powi(2)).exp();
     }
@@ -64,7 +64,7 @@ fn the_tree_finds_what_comparing_all_pairs_finds() {
         for (k, width) in WIDTHS.iter().enumerate() {
             let (mut sum, mut total) = (0.0, 0.0);
             for (p, h) in points.iter().zip(&h) {
-                let d = minus(p, &points[x]);
+                let d = subtract(p, &points[x]);
                 let squared = dot(&d, &d);
                 if squared <= 4.0 * width * width {
                     let g = (-squared / (2.0 * width * width)).exp();

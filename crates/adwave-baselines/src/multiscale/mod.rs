@@ -22,7 +22,7 @@ use thiserror::Error;
 
 /// Most vertices: the bases of the first levels are dense, eight bytes an entry.
 pub const MAX_VERTICES: usize = 6000;
-/// Most levels: the steps of the walk fit into 64 bits.
+/// Most levels: the steps of diffusion fit into 64 bits.
 pub const MAX_LEVELS: usize = 62;
 
 /// Why there are no diffusion wavelets.
@@ -34,8 +34,8 @@ pub enum MultiscaleError {
         /// Number of vertices.
         n: usize,
     },
-    /// The walk is not reversible, or never stays at all.
-    #[error("the walk is not reversible, so it has no symmetric form")]
+    /// The operator is not reversible, or never stays at all.
+    #[error("the diffusion operator is not reversible, so it has no symmetric form")]
     NotReversible,
     /// A precision or a number of levels out of range.
     #[error("precision {precision} and {levels} levels; it takes 1e-14 to 0.1, and 1 to {most} levels", most = MAX_LEVELS)]

@@ -18,10 +18,10 @@ pub(crate) struct FieldArgs {
     pub(crate) texture: Option<PathBuf>,
 }
 
-/// What is left out near a border.
+/// What is masked near a border.
 #[derive(Debug, Args)]
 pub(crate) struct BorderArgs {
-    /// Leave out what lies within so many σ of a border or of what is masked: features, and of a map each level, which
+    /// Mask what lies within so many σ of a border or of what is masked: features, and of a map each level, which
     /// fades in between S·σ and 2·S·σ; coordinates need 1
     #[arg(long = "border", value_name = "S", allow_negative_numbers = true, help_heading = "Border")]
     pub(crate) sigmas: Option<f64>,
@@ -30,7 +30,7 @@ pub(crate) struct BorderArgs {
 /// How the levels are put together to a map.
 #[derive(Debug, Args)]
 pub(crate) struct MapArgs {
-    /// How many of the finest levels are left out
+    /// How many of the finest levels are skipped
     #[arg(long, value_name = "N", default_value_t = SaliencyParams::default().skip, help_heading = "Map")]
     pub(crate) skip: usize,
     /// How the levels are weighed
@@ -47,7 +47,7 @@ impl MapArgs {
 named! {
     /// `adwave::saliency::Weighting` by its names here.
     WeightingArg for Weighting {
-        /// (max − mean)², one number a level
+        /// (max − mean)², one number per level
         Level = PerLevel,
         /// (max − |W|)² at each vertex, as eq. 17 is printed
         Printed = AsPrinted,

@@ -1,4 +1,4 @@
-//! Which shape, how its walk is built, and which levels.
+//! Which shape, how its diffusion operator is built, and which levels.
 
 use super::named::named;
 use adwave::bands::BandsParams;
@@ -7,7 +7,7 @@ use adwave::shape::{CloudArea, MeshArea, WeldMode};
 use clap::{Args, ValueEnum};
 use std::num::NonZeroUsize;
 
-/// A shape, and how its walk is built.
+/// A shape, and how its diffusion operator is built.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ShapeArgs {
     /// File (OBJ, PLY, OFF, STL, XYZ/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI, MTX; plain or gzip), '-', or sample:NAME
@@ -26,22 +26,22 @@ pub(crate) struct ShapeArgs {
     #[arg(long, value_name = "K", default_value_t = 1, help_heading = "Shape")]
     pub(crate) seed: u64,
     /// Take vertices at exactly equal positions as different vertices
-    #[arg(long, help_heading = "Walk")]
+    #[arg(long, help_heading = "Diffusion operator")]
     pub(crate) no_weld: bool,
-    /// Mesh: how many rings of neighbours one step can reach
-    #[arg(long, value_name = "N", default_value_t = count(OperatorParams::default().rings), help_heading = "Walk")]
+    /// Mesh: how many rings of neighbours one step takes in
+    #[arg(long, value_name = "N", default_value_t = count(OperatorParams::default().rings), help_heading = "Diffusion operator")]
     pub(crate) rings: NonZeroUsize,
     /// Mesh: the area of a vertex
-    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Walk")]
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Diffusion operator")]
     pub(crate) mesh_area: MeshAreaArg,
-    /// Cloud: how many nearest neighbours one step can reach
-    #[arg(long, value_name = "K", default_value_t = count(OperatorParams::default().neighbours), help_heading = "Walk")]
+    /// Cloud: how many nearest neighbours one step takes in
+    #[arg(long, value_name = "K", default_value_t = count(OperatorParams::default().neighbours), help_heading = "Diffusion operator")]
     pub(crate) neighbours: NonZeroUsize,
     /// Cloud: step to the nearest of each point only, as the paper has it, not in both directions
-    #[arg(long, help_heading = "Walk")]
+    #[arg(long, help_heading = "Diffusion operator")]
     pub(crate) directed: bool,
     /// Cloud: the area of a point
-    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Walk")]
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Diffusion operator")]
     pub(crate) cloud_area: CloudAreaArg,
 }
 
@@ -51,7 +51,7 @@ fn count(n: usize) -> NonZeroUsize {
 }
 
 impl ShapeArgs {
-    /// How the walk is built.
+    /// How the diffusion operator is built.
     pub(crate) fn operator(&self) -> OperatorParams {
         OperatorParams::default()
             .with_weld(if self.no_weld { WeldMode::Off } else { WeldMode::EqualPositions })

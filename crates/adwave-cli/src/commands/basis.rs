@@ -150,7 +150,7 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
         vertex_map.n_welded()
     );
     text += &table(
-        ["level", "entries", "a vertex", "MB"],
+        ["level", "entries", "per vertex", "MB"],
         (0..levels).map(|j| {
             let nnz = basis.info.nnz[j];
             [

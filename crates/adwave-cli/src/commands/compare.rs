@@ -8,7 +8,7 @@ use crate::output::{bands_params, number, print, schedule, table, write_shape};
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, COORDS};
-use adwave_baselines::compare::{CompareError, Comparison, Method, Outcome, Subject, compare};
+use adwave_baselines::compare::{Comparison, Method, Outcome, Subject, compare};
 use adwave_io::{Field, FieldValues};
 use clap::Args;
 use clap::ValueEnum;
@@ -24,7 +24,7 @@ Methods:
   taubin       smooth by the windowed sinc, half the gain at the same frequency
   lee          the saliency map of Lee, Varshney and Jacobs
   feature-map  critical points of a signal smoothed by heat [default signal: mean-curvature]
-  sgwt         spectral graph wavelets of the same walk, as many bands, and back
+  sgwt         spectral graph wavelets of the same diffusion operator, as many bands, and back
   dw, bdw      diffusion wavelets, biorthogonal ones (up to 6000 vertices), and back
 
 Both results go to DIR as adwave.ply and METHOD.ply, the table as comparison.json.
@@ -166,15 +166,6 @@ impl From<MethodArg> for Method {
             MethodArg::Dw => Self::DiffusionWavelets,
             MethodArg::Bdw => Self::Biorthogonal,
             MethodArg::Taubin => Self::Taubin,
-        }
-    }
-}
-
-impl From<CompareError> for CliError {
-    fn from(error: CompareError) -> Self {
-        match error {
-            CompareError::Bands(error) => error.into(),
-            other => Self::input(other),
         }
     }
 }

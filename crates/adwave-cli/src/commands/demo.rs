@@ -2,7 +2,7 @@
 
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{number, print, steps_json, steps_text, table, write_shape};
+use crate::output::{number, print, steps_json, steps_text, table, write_error, write_shape};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::make_sample;
 use adwave::Decomposer;
@@ -10,7 +10,11 @@ use adwave::bands::{Bands, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset, displacement};
 use adwave::region::{Length, Region};
 use adwave::shape::{Mesh, Shape, bounding_box, enclosed_volume};
-use adwave_io::{Field, FieldValues, Levels, Recipe, ShapeFile, write_recipe};
+use adwave_io::{Field, FieldValues, Levels, Recipe, ShapeFile, atomic_write, write_recipe};
+use adwave_report::demo::{DemoText, PICTURES, ShownEdit, demo};
+use adwave_report::page::Link;
+use adwave_report::shape_report::{COORDS, Subject};
+use adwave_report::{Table, column};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -51,19 +55,20 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
     write_shape(global, &file, &at("creature.ply"))?;
     write_bands(global, &file, &bands, &at("bands.vtp"))?;
     let volume = enclosed_volume(file.points(), &decomposer_triangles(&file));
-    let mut edits = Vec::new();
+    let mut editor = with_progress(global, "preparing to edit", |p| {
+        decomposer.request(coords, 3, &schedule).progress(p).editor()
+    })?;
+    let (mut edits, mut shown) = (Vec::new(), Vec::new());
     for (name, layer) in edits_of(&file) {
         let start = Instant::now();
         let edit = Edit::new(std::slice::from_ref(&layer));
-        let edited = with_progress(global, name, |p| {
-            decomposer.request(coords, 3, &schedule).progress(p).filter(&edit)
-        })?;
+        editor.set_edit(&edit)?;
         let ms = start.elapsed().as_secs_f64() * 1e3;
-        let points: Vec<[f64; 3]> = edited.as_chunks().0.to_vec();
+        let points: Vec<[f64; 3]> = editor.edited().as_chunks().0.to_vec();
         let moved = displacement(file.points(), &points);
         let after = enclosed_volume(&points, &decomposer_triangles(&file));
         let mut out = file.clone();
-        out.set_points(points)?;
+        out.set_points(points.clone())?;
         write_shape(global, &out, &at(&format!("{name}.ply")))?;
         if name == LOCAL_EDIT {
             let recipe =
@@ -71,11 +76,41 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
             write_recipe(&at("local-edit.toml"), &recipe).map_err(CliError::input)?;
         }
         edits.push((name, moved.rms, moved.max, 100.0 * (after - volume) / volume, ms));
+        shown.push(ShownEdit {
+            name,
+            words: if name == LOCAL_EDIT { "is `suppress` on one half only, with a soft seam" } else { "" },
+            points,
+            rms_percent: 100.0 * moved.rms / decomposer.diagonal(),
+        });
     }
+    let subject = Subject {
+        name: "creature",
+        format: "built-in",
+        fields: &[],
+        shape: &shape,
+        walk: &decomposer,
+        signal: COORDS,
+        values: coords,
+        bands: &bands,
+        levels_reason: &why,
+        command: "adwave demo",
+        seconds: &[],
+    };
+    let text = page_text(args, &file, &decomposer, &bands, &edits);
+    let page = with_progress(global, "drawing", |progress| demo(&subject, &shown, text, progress))?;
+    let pictures = [&page.sheet, &page.saliency, &page.features];
+    for (name, picture) in PICTURES.iter().zip(pictures) {
+        let png = picture.png()?;
+        atomic_write(&at(name), |out| Ok(out.write_all(&png)?)).map_err(write_error)?;
+    }
+    let index = at("index.html");
+    let html = page.page.html();
+    atomic_write(&index, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;
 
     let text = report(args, &file, &decomposer, &bands, &energy, &level_ms, walk_ms, &why, &edits);
     let json = json!({
         "output": args.output.display().to_string(),
+        "index": index.display().to_string(),
         "vertices": bands.n_vertices,
         "levels": n_levels,
         "levels_reason": why,
@@ -147,7 +182,7 @@ fn report(
 ) -> String {
     let diagonal = decomposer.diagonal();
     let mut text = format!(
-        "A creature of {} vertices and {} faces, its walk built in {walk_ms:.1} ms, split into {} bands\n({why}):\n\n",
+        "A creature of {} vertices and {} faces, its diffusion operator built in {walk_ms:.1} ms, split into {} bands\n({why}):\n\n",
         file.n_vertices(),
         file.faces().len(),
         bands.n_levels(),
@@ -180,15 +215,83 @@ fn report(
     );
     let dir = args.output.display();
     text += &format!(
-        "\nLook at {dir}/creature.ply beside {dir}/suppress.ply, enhance.ply, band1.ply, band2.ply and\n\
-         local-edit.ply (one half smoothed) in any mesh viewer; {dir}/bands.vtp holds W1 … W{} for ParaView.\n\n\
-         Next, on a shape of your own:\n  \
-         adwave report SHAPE -o report.html\n  \
-         adwave info SHAPE\n  \
-         adwave transform SHAPE -o bands.npz\n  \
-         adwave filter SHAPE -o crisp.ply --preset enhance\n  \
-         adwave filter SHAPE -o edit.ply --recipe {dir}/local-edit.toml\n",
+        "\n{dir}/creature.ply, suppress.ply … local-edit.ply are for any mesh viewer, {dir}/bands.vtp with W1 … W{} for\n\
+         ParaView. Next, on a shape of your own:\n",
         bands.n_levels(),
     );
+    for (command, _) in next_commands(args) {
+        text += &format!("  {command}\n");
+    }
+    text += &format!("\nAll of it in pictures: {}\n", args.output.join("index.html").display());
     text
+}
+
+/// What to type next, and what it does.
+fn next_commands(args: &DemoArgs) -> [(String, &'static str); 5] {
+    let recipe = args.output.join("local-edit.toml");
+    [
+        ("adwave report SHAPE -o report.html".to_owned(), "one page about it"),
+        ("adwave info SHAPE".to_owned(), "what it consists of, and which levels it gets"),
+        ("adwave transform SHAPE -o bands.npz".to_owned(), "its bands, for numpy"),
+        ("adwave filter SHAPE -o crisp.ply --preset enhance".to_owned(), "one of the four presets"),
+        (
+            format!("adwave filter SHAPE -o edit.ply --recipe {}", recipe.display()),
+            "the local edit of this page",
+        ),
+    ]
+}
+
+/// The tables of the page, and its links.
+fn page_text(
+    args: &DemoArgs,
+    file: &ShapeFile,
+    decomposer: &Decomposer,
+    bands: &Bands,
+    edits: &[(&str, f64, f64, f64, f64)],
+) -> DemoText {
+    let diagonal = decomposer.diagonal();
+    let energy = bands.energy(&decomposer.areas()).expect("one area per vertex");
+    let mut levels = Table::new(
+        "bands.csv",
+        "The bands: steps of averaging, width, and how much each holds.",
+        &["level j", "steps n_j", "σ_j, model units", "σ_j, % of the diagonal", "rms of W_j, model units"],
+    );
+    let widths: Vec<f64> = bands.sigma[1..].to_vec();
+    let columns = [
+        column(&widths),
+        column(&widths.iter().map(|s| 100.0 * s / diagonal).collect::<Vec<_>>()),
+        column(&energy.iter().map(|e| e.sqrt()).collect::<Vec<_>>()),
+    ];
+    for j in 1..=bands.n_levels() {
+        let [sigma, percent, rms] = columns.each_ref().map(|c| c[j - 1].clone());
+        levels.push([j.to_string(), steps_text(bands.steps[j]), sigma, percent, rms]);
+    }
+    let mut table = Table::new(
+        "edits.csv",
+        "What each edit changes.",
+        &["edit", "moved (rms), % of the diagonal", "moved at most, % of the diagonal", "volume, %", "ms"],
+    );
+    for &(name, rms, max, volume, ms) in edits {
+        table.push([
+            name.to_owned(),
+            format!("{:.3}", 100.0 * rms / diagonal),
+            format!("{:.3}", 100.0 * max / diagonal),
+            format!("{volume:+.2}").replace('-', "−"),
+            format!("{ms:.1}"),
+        ]);
+    }
+    let link = |path: &str, text: String| Link { path: path.to_owned(), text };
+    let mut files =
+        vec![link("creature.ply", format!("creature.ply: the mesh, {} vertices", file.n_vertices()))];
+    for &(name, ..) in edits {
+        files.push(link(&format!("{name}.ply"), format!("{name}.ply: after {name}")));
+    }
+    files.push(link("local-edit.toml", "local-edit.toml: the local edit as a recipe".to_owned()));
+    let all = format!("bands.vtp: the mesh with its bands W1 … W{}, for ParaView", bands.n_levels());
+    files.push(link("bands.vtp", all));
+    for (name, what) in PICTURES.iter().zip(["before and after", "the saliency map", "the features"]) {
+        files.push(link(name, format!("{name}: {what}")));
+    }
+    let next = next_commands(args).map(|(command, what)| (command, what.to_owned()));
+    DemoText { bands: levels, edits: table, files, next: next.into() }
 }

@@ -1,12 +1,10 @@
-//! `adwave reproduce`: the figures and tables of the paper, made again.
+//! `adwave reproduce`: the figures and tables of the paper, reproduced.
 
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::print;
 use crate::progress::bar;
-use adwave_report::reproduce::{
-    Context, Event, FIGURES, Figure, Made, Models, ReproduceError, Target, reproduce, select,
-};
+use adwave_report::reproduce::{Context, Event, FIGURES, Figure, Made, Models, Target, reproduce, select};
 use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
@@ -89,9 +87,9 @@ fn models(args: &ReproduceArgs, figures: &[&Figure]) -> Result<Models, CliError>
     if args.models.is_empty() {
         return Ok(Models::default());
     }
-    let mut models = Models::search(&args.models).map_err(CliError::input)?;
+    let mut models = Models::search(&args.models)?;
     let wanted: Vec<&str> = figures.iter().flat_map(|f| f.models.iter().copied()).collect();
-    models.read(&wanted).map_err(CliError::input)?;
+    models.read(&wanted)?;
     Ok(models)
 }
 
@@ -158,15 +156,5 @@ impl<'a> Line<'a> {
 
     fn finish(&self) {
         self.bar.finish_and_clear();
-    }
-}
-
-impl From<ReproduceError> for CliError {
-    fn from(error: ReproduceError) -> Self {
-        match error {
-            ReproduceError::Cancelled => Self::Cancelled,
-            ReproduceError::Write { .. } => Self::Environment(error.to_string()),
-            ReproduceError::Figures(..) => Self::input(error),
-        }
     }
 }

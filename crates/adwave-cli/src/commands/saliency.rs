@@ -20,9 +20,9 @@ use std::time::Instant;
 #[command(after_help = "\
 Output by extension:
   .ply .vtp   the shape with the fields saliency and color
-  .npy        the map, one number a vertex; with --per-level one row a vertex: the map, then each level
+  .npy        the map, one number per vertex; with --per-level one row per vertex: the map, then each level
 
-Where the signal is NaN, vertices are left out of the walk and the map is NaN.
+Where the signal is NaN, vertices are masked and the map is NaN.
 
 Examples:
   adwave saliency bunny.obj -o map.ply

@@ -34,7 +34,7 @@ pub(crate) struct TransformArgs {
     /// Where the bands go (.npz, .vtp or .ply)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// The signal: coords, a field of the file, or an .npy file with one row a vertex
+    /// The signal: coords, a field of the file, or an .npy file with one row per vertex
     #[arg(long, value_name = "NAME", default_value = "coords")]
     pub(crate) field: String,
     #[command(flatten)]

@@ -16,6 +16,7 @@ pub use chart::{Axis, AxisScale, Chart, Mark, Series};
 pub use sheet::Sheet;
 pub use sparsity::SparsityPattern;
 
+use adwave::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
 /// The most pixels of a chart's side.
@@ -71,6 +72,17 @@ pub enum PlotError {
     /// The charting library failed.
     #[error("the chart cannot be drawn: {0}")]
     Drawing(String),
+}
+
+impl ClassifiedError for PlotError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Empty { .. } | Self::BadValue { .. } | Self::BadEntry { .. } | Self::Size { .. } => {
+                ErrorKind::Input
+            }
+            Self::Drawing(_) => ErrorKind::Machine,
+        }
+    }
 }
 
 impl PlotError {

@@ -1,6 +1,7 @@
 //! Which tiles a primitive may touch.
 
 use super::TILE;
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// The pixels that a primitive may touch, both ends included: left, top, right, bottom. Empty where left > right.
@@ -19,6 +20,9 @@ impl PixelBox {
     }
 }
 
+/// Primitives that are looked at between two looks at whether to go on.
+const AT_A_TIME: usize = 1 << 14;
+
 /// The primitives of each tile, by rising index, so that the order in which they are drawn is always the same.
 pub(crate) struct Bins {
     first: Vec<usize>,
@@ -26,7 +30,12 @@ pub(crate) struct Bins {
 }
 
 impl Bins {
-    pub(crate) fn new(n: usize, n_tiles: [usize; 2], pixels: impl Fn(usize) -> PixelBox + Sync) -> Self {
+    pub(crate) fn new(
+        n: usize,
+        n_tiles: [usize; 2],
+        pixels: impl Fn(usize) -> PixelBox + Sync,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let touched: Vec<Option<[usize; 4]>> =
             (0..n).into_par_iter().with_min_len(4096).map(|k| pixels(k).tiles(n_tiles)).collect();
         let mut first = vec![0; n_tiles[0] * n_tiles[1] + 1];
@@ -37,8 +46,11 @@ impl Bins {
                 }
             }
         };
-        for tiles in touched.iter().flatten() {
-            each(tiles, &mut |t| first[t + 1] += 1);
+        for chunk in touched.chunks(AT_A_TIME) {
+            progress.check()?;
+            for tiles in chunk.iter().flatten() {
+                each(tiles, &mut |t| first[t + 1] += 1);
+            }
         }
         for t in 1..first.len() {
             first[t] += first[t - 1];
@@ -46,6 +58,9 @@ impl Bins {
         let mut next = first.clone();
         let mut primitives = vec![0; *first.last().unwrap_or(&0)];
         for (k, tiles) in touched.iter().enumerate() {
+            if k % AT_A_TIME == 0 {
+                progress.check()?;
+            }
             if let Some(tiles) = tiles {
                 each(tiles, &mut |t| {
                     primitives[next[t]] = k as u32;
@@ -53,7 +68,7 @@ impl Bins {
                 });
             }
         }
-        Self { first, primitives }
+        Ok(Self { first, primitives })
     }
 
     pub(crate) fn of(&self, tile: usize) -> &[u32] {

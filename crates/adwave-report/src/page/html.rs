@@ -122,7 +122,7 @@ fn gallery(figures: &[Figure]) -> String {
     let class = match figures.len() {
         0 | 1 => " one",
         2 => " two",
-        3 => " three",
+        3 | 6 => " three",
         4 => " four",
         5 => " five",
         _ => "",

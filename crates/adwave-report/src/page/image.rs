@@ -1,5 +1,6 @@
 //! Pictures inside a page.
 
+use adwave::{ClassifiedError, ErrorKind};
 use adwave_render::Picture;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -26,6 +27,12 @@ pub struct ImageError {
     pub height: u32,
     /// Why.
     pub reason: String,
+}
+
+impl ClassifiedError for ImageError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Machine
+    }
 }
 
 /// How a picture is encoded.

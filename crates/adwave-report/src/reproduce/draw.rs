@@ -129,7 +129,7 @@ impl<'a> Sheet<'a> {
         context.progress.step(0, 1)?;
         let panels: Vec<Panel<'_>> = self.frames.iter().map(panel).collect();
         let params = RenderParams::default().with_size(PANEL, PANEL).with_view(self.view);
-        Ok(grid(&panels, self.columns, self.camera, &params)?.png()?)
+        Ok(grid(&panels, self.columns, self.camera, &params, context.progress.quiet())?.png()?)
     }
 
     /// What the panels show, row by row.

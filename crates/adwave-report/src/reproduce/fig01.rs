@@ -1,12 +1,13 @@
 //! Fig. 1: the framework. A shape, its bands from fine to coarse, and what is done with them.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, norms, positions, rms, walk};
+use super::numbers::{bands, norms, positions, walk};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::{features, saliency};
 use adwave::bands::Schedule;
 use adwave::features::FeatureParams;
 use adwave::filter::{Edit, Gains, Layer, Preset};
+use adwave::measure::rms;
 use adwave::region::{Length, Region};
 use adwave::saliency::SaliencyParams;
 use adwave::shape::{bounding_box, diagonal};

@@ -27,7 +27,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let centre = model.points()[vertex];
     let classes = walk.geometry().vertex_map().as_slice();
     let areas = walk.areas();
-    // Sums are over the vertices of the analysis: of welded vertices the first counts.
+    // Sums are over the welded vertices: of welded vertices the first counts.
     let mut first = vec![true; model.points().len()];
     let mut seen = vec![false; walk.geometry().n_vertices()];
     for (x, &class) in classes.iter().enumerate() {

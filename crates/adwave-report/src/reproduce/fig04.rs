@@ -1,10 +1,10 @@
 //! Fig. 4: scaling and wavelet coefficients of a function on a line.
 
 use super::charts::{N_POINTS, line, linear, row};
-use super::numbers::rms;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::Decomposer;
 use adwave::bands::Schedule;
+use adwave::measure::rms;
 use adwave_render::plot::Chart;
 
 const LEVELS: [usize; 3] = [0, 3, 6];

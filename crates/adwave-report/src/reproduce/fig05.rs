@@ -9,7 +9,7 @@ use adwave_io::ShapeFile;
 use adwave_render::value_range;
 
 const N_VERTICES: usize = 14_000;
-/// As many levels as it takes until the walk forgets where it began: 2^23 steps.
+/// As many levels as it takes until the diffusion forgets where it began: 2^23 steps.
 const MAX_LEVELS: usize = 24;
 /// The levels that are shown, beside the coarsest.
 const SHOWN: [usize; 4] = [0, 6, 9, 12];
@@ -86,7 +86,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             "shape",
             "component",
             "vertices",
-            "mean by the stationary law",
+            "mean by the stationary distribution",
             "mean by area",
             "smallest S_f(J)",
             "largest S_f(J)",
@@ -114,7 +114,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         &[constant, stationary, by_area],
         format!(
             "At the coarsest level the field is constant on every component (spread below {} % of the signal's): {}. The \
-             constant is the mean by the walk's stationary law: {}; it is the mean by area, as eq. 10 has it: {}. \
+             constant is the mean by the walk's stationary distribution: {}; it is the mean by area, as eq. 10 has it: {}. \
              Components keep constants of their own.",
             100.0 * CONSTANT,
             yes(constant),
@@ -136,18 +136,18 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(table)
         .table(limits)
         .say(format!(
-            "Level {n_levels} stands for {} steps of the walk. The shape loses its details, then its limbs, and ends as one \
+            "Level {n_levels} stands for {} steps of diffusion. The shape loses its details, then its limbs, and ends as one \
              point; the curvature ends as one number.",
             shape.steps[n_levels]
         ))
         .say(
-            "The paper's eq. 10 says that the scaling functions go to the constant 1/A(M). They go to the walk's stationary \
+            "The paper's eq. 10 says that the scaling functions go to the constant 1/A(M). They go to the operator's stationary \
              law instead, which is nearly but not exactly proportional to area, and to each component's own: nothing \
              crosses from one component to another.",
         ))
 }
 
-/// Levels until σ is three diagonals: a walker is then anywhere with the chance that the stationary law gives.
+/// Levels until σ is three diagonals: a walker is then anywhere with the chance that the stationary distribution gives.
 fn levels(walk: &Decomposer, size: f64) -> usize {
     let step = walk.diffusion().step_length();
     (SHOWN[3] + 1..MAX_LEVELS)

@@ -69,7 +69,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[rises(&ours), rises(&theirs), at_finest[1] < finest[1]],
         format!(
-            "Bands take {} s for level 1 and {} s for {N_LEVELS} levels, with the walk. The finest length that eigenfunctions \
+            "Bands take {} s for level 1 and {} s for {N_LEVELS} levels, with the operator. The finest length that eigenfunctions \
              reached, {}, took them {} s; all bands up to there take {} s.",
             digits(ours[0][1]),
             digits(ours[N_LEVELS - 1][1]),

@@ -1,9 +1,10 @@
 //! Fig. 8: how a saliency map comes about.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, correlation, mean_curvature, walk};
+use super::numbers::{bands, mean_curvature, walk};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::{saliency, saliency_per_level};
+use adwave::measure::correlation;
 use adwave::saliency::SaliencyParams;
 use adwave::shape::diagonal;
 
@@ -84,7 +85,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         )?
         .table(table)
         .say(
-            "The two finest levels are left out, as they hold the noise. Each of the others shows where curvature differs \
+            "The two finest levels are skipped, as they hold the noise. Each of the others shows where curvature differs \
              at its own size: wrinkles first, then toes and ears, then limbs. The map weighs the levels by how far their \
              largest value stands above their mean, squared, and this decides much: see the shares in the table.",
         ))

@@ -1,9 +1,10 @@
 //! Fig. 9: saliency of two poses, by ours and by Lee, Varshney & Jacobs.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, correlation, mean_curvature, percent, rank_correlation, shared_top, walk};
+use super::numbers::{bands, mean_curvature, percent, walk};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::saliency;
+use adwave::measure::{correlation, rank_correlation, shared_top};
 use adwave::saliency::{SaliencyParams, Weighting};
 use adwave::shape::bounding_box;
 use adwave_baselines::lee::lee_saliency;

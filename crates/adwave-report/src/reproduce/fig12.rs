@@ -1,10 +1,11 @@
 //! Fig. 12: clouds of points.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, correlation, rank_correlation, walk};
+use super::numbers::{bands, walk};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use crate::analysis::{features, saliency};
 use adwave::features::{FeatureParams, Response};
+use adwave::measure::{correlation, rank_correlation};
 use adwave::saliency::SaliencyParams;
 use adwave::sample::{SAMPLE_NAMES, Sample};
 use adwave_io::ShapeFile;
@@ -110,7 +111,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         )?
         .table(table)
         .say(
-            "The walk steps between the 10 nearest points, in both directions, and W_f(j, x) is the Euclidean norm over the \
+            "The diffusion operator steps between the 10 nearest points, in both directions, and W_f(j, x) is the Euclidean norm over the \
              three coordinates. The paper has 4 levels; then only levels 2 and 3 can hold features, so the pictures have 7. \
              The response as printed finds next to nothing of coordinates; the pictures show the normalised one. A \
              border of a surface stands out as well: no filter of borders is applied here, as in the paper.",

@@ -1,10 +1,11 @@
 //! Fig. 14: four global filters.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, positions, rms, walk};
+use super::numbers::{bands, positions, walk};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset};
+use adwave::measure::rms;
 use adwave::region::Region;
 use adwave::shape::{diagonal, vertex_normals};
 use std::ops::Range;
@@ -33,7 +34,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .collect::<Result<_, _>>()?;
     let mut table = Table::new(
         "fig14.csv",
-        "Detail after each filter by detail before: energy of the bands of the normals, split by the walk of the original",
+        "Detail after each filter by detail before: energy of the bands of the normals, split by the operator of the original",
         &["shape", "filter", "fine detail", "middle detail", "moved, rms (% of diagonal)"],
     );
     let n_fine = N_LEVELS.div_ceil(3);

@@ -1,10 +1,11 @@
 //! Fig. 15: global filters by ours and by manifold harmonics.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{norms, percent, positions, rms, walk};
+use super::numbers::{norms, percent, positions, walk};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::Decomposer;
 use adwave::bands::{BandsParams, Schedule};
+use adwave::measure::rms;
 use adwave::shape::diagonal;
 use adwave_baselines::harmonics::{Harmonics, Remainder};
 use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
@@ -122,7 +123,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         )?
         .table(table)
         .say(format!(
-            "Both methods apply the same gains of frequency: ours as a polynomial of the walk, the other by {N_HARMONICS} \
+            "Both methods apply the same gains of frequency: ours as a polynomial of the diffusion operator, the other by {N_HARMONICS} \
              eigenfunctions of the Laplacian. They differ in what a Laplacian is (one counts edges by length, the other \
              angles) and, for the low-pass, in what lies above the last eigenfunction. Where only low frequencies are \
              wanted and the eigenfunctions are at hand already, the harmonics are as good a tool.",

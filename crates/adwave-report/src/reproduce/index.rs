@@ -6,7 +6,7 @@ use crate::page::{self, Block, Figure, Image, ImageKind, Link, Page, Section, To
 /// The page, links relative to the folder of all figures.
 pub(super) fn html(made: &[Made]) -> String {
     let page = Page {
-        title: "The paper, made again".to_owned(),
+        title: "The paper, reproduced".to_owned(),
         introduction: vec![
             "Figures and tables of Hou & Qin, Admissible Diffusion Wavelets and Their Applications in Space-Frequency \
              Processing (IEEE TVCG 2013). Each verdict is computed from the numbers beside it."

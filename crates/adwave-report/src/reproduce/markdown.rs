@@ -47,7 +47,7 @@ pub(super) fn heading(id: &str, title: &str) -> String {
 
 fn introduction(made: &[Made]) -> String {
     let mut text = String::from(
-        "# The paper, made again\n\n\
+        "# The paper, reproduced\n\n\
          Every figure and table of Hou & Qin, *Admissible Diffusion Wavelets and Their Applications in Space-Frequency \
          Processing* (IEEE TVCG 2013), by one command:\n\n\
          ```sh\nadwave reproduce all -o out                       # on built-in shapes\n\

@@ -1,4 +1,4 @@
-//! Every figure and table of the paper, made again with this method and the baselines it is compared with.
+//! Every figure and table of the paper, reproduced with this method and the baselines it is compared with.
 //!
 //! [`FIGURES`] lists them, [`reproduce()`] makes those that are asked for and writes each as it is done: its pictures and
 //! numbers in a folder of its own, and a page of all. One file here for each figure.
@@ -37,6 +37,7 @@ pub use figures::{FIGURES, Figure, select};
 pub use models::{MODELS, Model, ModelError, Models};
 pub use outcome::{Outcome, PictureFile, Verdict};
 
+use adwave::{ClassifiedError, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use thiserror::Error;
@@ -66,6 +67,16 @@ pub enum ReproduceError {
     /// The call was told to stop; the figures before are written.
     #[error("stopped on request")]
     Cancelled,
+}
+
+impl ClassifiedError for ReproduceError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Write { .. } => ErrorKind::Machine,
+            Self::Figures(..) => ErrorKind::Input,
+            Self::Cancelled => ErrorKind::Cancelled,
+        }
+    }
 }
 
 /// Where the files go.

@@ -2,6 +2,7 @@
 
 use adwave::sample::{Sample, SampleError};
 use adwave::shape::{Shape, triangulate};
+use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::{Format, ReadError, ReadLimits, ShapeFile, ShapeFileError, ShapeKind, read_path};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -72,6 +73,18 @@ pub enum ModelError {
     Sample(#[from] SampleError),
 }
 
+impl ClassifiedError for ModelError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Folder { .. }
+            | Self::None { .. }
+            | Self::Read { .. }
+            | Self::Shape { .. }
+            | Self::Sample(_) => ErrorKind::Input,
+        }
+    }
+}
+
 fn names() -> String {
     MODELS.map(|(name, _)| name).join(", ")
 }
@@ -106,7 +119,7 @@ impl Model {
     /// The same faces with other positions.
     ///
     /// # Panics
-    /// Unless there is one finite position a vertex.
+    /// Unless there is one finite position per vertex.
     #[must_use]
     pub fn moved(&self, name: &str, points: Vec<[f64; 3]>) -> Self {
         let mut file = self.file.clone();

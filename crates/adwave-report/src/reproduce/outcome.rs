@@ -68,7 +68,7 @@ pub struct PictureFile {
     pub bytes: Vec<u8>,
 }
 
-/// A figure or table made again.
+/// A figure or table reproduced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outcome {
     /// `fig1` … `table2`; filled in by [`reproduce`](super::reproduce()).

@@ -95,7 +95,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
              length.",
         )
         .say(
-            "The functions of ADW, one a vertex, overlap, as their defect shows. The paper's footnote says that they can be made \
+            "The functions of ADW, one per vertex, overlap, as their defect shows. The paper's footnote says that they can be made \
              biorthogonal by downsampling to the rank: with as many kept as a rank-revealing QR counts above 1e-6, each has a dual.",
         )
         .table(table))

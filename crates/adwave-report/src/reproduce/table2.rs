@@ -121,7 +121,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     Ok(outcome
         .say(
             "The paper's seconds are for the functions themselves, as sparse matrices. The bands of all levels need no \
-             functions; their column contains the making of the walk.",
+             functions; their column contains the making of the operator.",
         )
         .chart("table2", "The seconds of the table, shape by shape; each line of the grid is ten times the one below.", &chart)?
         .table(table))

@@ -4,6 +4,7 @@ use super::{Looks, Subject};
 use crate::page::{Figure, Image, Legend};
 use crate::table::short;
 use adwave::shape::{Shape, triangulate};
+use adwave::{Cancelled, Progress};
 use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
     Surface, Up, ValueRange, View, grid, value_range,
@@ -27,49 +28,50 @@ const CELLS: f64 = 800.0;
 const N_STOPS: u32 = 16;
 
 /// The shape as it is drawn, and the camera.
-pub(super) struct Studio<'a> {
+pub(crate) struct Studio<'a> {
     points: &'a [[f64; 3]],
     triangles: Vec<[u32; 3]>,
     /// The vertices that are drawn; all where there is no list.
     kept: Option<Vec<u32>>,
     view: View,
     up: Up,
+    progress: Progress<'a>,
     n_pictures: usize,
     seconds: f64,
 }
 
 /// What a picture shows.
-pub(super) struct Frame<'a> {
+pub(crate) struct Frame<'a> {
     /// Other positions for the vertices.
-    pub(super) points: Option<Cow<'a, [[f64; 3]]>>,
+    pub(crate) points: Option<Cow<'a, [[f64; 3]]>>,
     /// Its colours.
-    pub(super) field: Option<FieldLook>,
+    pub(crate) field: Option<FieldLook>,
     /// Balls on it.
-    pub(super) balls: Vec<Ball>,
+    pub(crate) balls: Vec<Ball>,
     /// What it shows, in a few words.
-    pub(super) alt: String,
+    pub(crate) alt: String,
     /// What to see.
-    pub(super) caption: String,
+    pub(crate) caption: String,
 }
 
 impl<'a> Frame<'a> {
     /// The shape as it is, in one colour.
-    pub(super) fn plain(alt: impl Into<String>, caption: impl Into<String>) -> Self {
+    pub(crate) fn plain(alt: impl Into<String>, caption: impl Into<String>) -> Self {
         Self { points: None, field: None, balls: Vec::new(), alt: alt.into(), caption: caption.into() }
     }
 
     /// At other positions.
-    pub(super) fn at(self, points: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
+    pub(crate) fn at(self, points: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
         Self { points: Some(points.into()), ..self }
     }
 
     /// With a field.
-    pub(super) fn field(self, look: FieldLook) -> Self {
+    pub(crate) fn field(self, look: FieldLook) -> Self {
         Self { field: Some(look), ..self }
     }
 
     /// With balls.
-    pub(super) fn balls(self, balls: Vec<Ball>) -> Self {
+    pub(crate) fn balls(self, balls: Vec<Ball>) -> Self {
         Self { balls, ..self }
     }
 }
@@ -78,7 +80,7 @@ impl<'a> Frame<'a> {
 type Shown<'a> = (Cow<'a, [[f64; 3]]>, Option<Cow<'a, [f64]>>);
 
 /// A field with its colours.
-pub(super) struct FieldLook {
+pub(crate) struct FieldLook {
     values: Vec<f64>,
     label: String,
     scale: Scale,
@@ -86,7 +88,7 @@ pub(super) struct FieldLook {
 
 /// Which values the ends of the colours stand for.
 #[derive(Clone, Copy)]
-pub(super) struct Scale {
+pub(crate) struct Scale {
     low: f64,
     high: f64,
     map: ColorMap,
@@ -94,12 +96,12 @@ pub(super) struct Scale {
 
 impl Scale {
     /// From 0 to the value below which that share of the values lies.
-    pub(super) fn from_zero(values: &[f64], share: f64) -> Self {
+    pub(crate) fn from_zero(values: &[f64], share: f64) -> Self {
         Self::new(0.0, value_range(values, 0.0, share).1)
     }
 
     /// From the 1st to the 99th percentile; symmetric about 0 for a field of both signs.
-    pub(super) fn of(values: &[f64]) -> Self {
+    pub(crate) fn of(values: &[f64]) -> Self {
         /// A field whose smaller side reaches this part of its larger side has both signs.
         const BOTH_SIGNS: f64 = 0.1;
         let (low, high) = value_range(values, 0.01, 0.99);
@@ -124,8 +126,8 @@ impl Scale {
 }
 
 impl FieldLook {
-    /// A field of one value a vertex; the label is its name and unit.
-    pub(super) fn new(values: Vec<f64>, label: impl Into<String>, scale: Scale) -> Self {
+    /// A field of one value per vertex; the label is its name and unit.
+    pub(crate) fn new(values: Vec<f64>, label: impl Into<String>, scale: Scale) -> Self {
         Self { values, label: label.into(), scale }
     }
 
@@ -146,7 +148,11 @@ impl FieldLook {
 }
 
 impl<'a> Studio<'a> {
-    pub(super) fn new(subject: &Subject<'a>, looks: Looks) -> Self {
+    pub(crate) fn new(
+        subject: &Subject<'a>,
+        looks: Looks,
+        progress: Progress<'a>,
+    ) -> Result<Self, Cancelled> {
         let points = subject.shape.points().unwrap_or_default();
         let triangles = match subject.shape {
             Shape::Mesh(mesh) => triangulate(points, mesh.faces()),
@@ -154,44 +160,45 @@ impl<'a> Studio<'a> {
         };
         let start = Instant::now();
         let (kept, triangles) = if points.len() > MAX_VERTICES {
-            let (kept, triangles) = thinned(points, &triangles, subject.walk.diagonal() / CELLS);
+            let (kept, triangles) = thinned(points, &triangles, subject.walk.diagonal() / CELLS, progress)?;
             (Some(kept), triangles)
         } else {
             (None, triangles)
         };
-        Self {
+        Ok(Self {
             points,
             triangles,
             kept,
+            progress: progress.quiet(),
             view: looks.view.unwrap_or(View::THREE_QUARTER),
             up: looks.up,
             n_pictures: 0,
             seconds: start.elapsed().as_secs_f64(),
-        }
+        })
     }
 
     /// Whether there is anything to draw.
-    pub(super) fn can_draw(&self) -> bool {
+    pub(crate) fn can_draw(&self) -> bool {
         !self.points.is_empty()
     }
 
     /// Which axis points up.
-    pub(super) fn up(&self) -> Up {
+    pub(crate) fn up(&self) -> Up {
         self.up
     }
 
     /// How many of the vertices are drawn, where not all are.
-    pub(super) fn n_drawn(&self) -> Option<usize> {
+    pub(crate) fn n_drawn(&self) -> Option<usize> {
         self.kept.as_ref().map(Vec::len)
     }
 
     /// Pictures made.
-    pub(super) fn n_pictures(&self) -> usize {
+    pub(crate) fn n_pictures(&self) -> usize {
         self.n_pictures
     }
 
     /// What they took.
-    pub(super) fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         self.seconds
     }
 
@@ -199,7 +206,7 @@ impl<'a> Studio<'a> {
     ///
     /// # Errors
     /// Why they cannot be drawn, in words.
-    pub(super) fn draw(&mut self, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
+    pub(crate) fn draw(&mut self, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
         let start = Instant::now();
         let pictures = self.pictures(self.view, frames)?;
         self.figures(start, &pictures, frames)
@@ -209,7 +216,7 @@ impl<'a> Studio<'a> {
     ///
     /// # Errors
     /// Why they cannot be drawn, in words.
-    pub(super) fn draw_both(
+    pub(crate) fn draw_both(
         &mut self,
         front: Vec<Frame<'_>>,
         behind: Vec<Frame<'_>>,
@@ -272,7 +279,8 @@ impl<'a> Studio<'a> {
             .with_up(self.up)
             .with_background(Background::Transparent)
             .with_color_bar(ColorBar::Hidden);
-        let sheet = grid(&panels, 1, SharedCamera::Same, &params).map_err(|e| e.to_string())?;
+        let sheet =
+            grid(&panels, 1, SharedCamera::Same, &params, self.progress).map_err(|e| e.to_string())?;
         let one = 4 * SIDE as usize * SIDE as usize;
         let picture = |rgba: &[u8]| Picture { width: SIDE, height: SIDE, rgba: rgba.to_vec() };
         Ok(sheet.rgba.chunks_exact(one).map(picture).collect())
@@ -327,19 +335,24 @@ fn used_rows(pictures: &[Picture]) -> Range<u32> {
 
 /// The first vertex of each cell of that width, by rising index, and the triangles whose corners are in three cells, each
 /// once. Only pictures are made of it: what it leaves out is smaller than a pixel.
-fn thinned(points: &[[f64; 3]], triangles: &[[u32; 3]], cell: f64) -> (Vec<u32>, Vec<[u32; 3]>) {
+fn thinned(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    cell: f64,
+    progress: Progress<'_>,
+) -> Result<(Vec<u32>, Vec<[u32; 3]>), Cancelled> {
     let mut index_of: HashMap<[i64; 3], u32> = HashMap::new();
     let mut kept = Vec::new();
-    let cell_of: Vec<u32> = points
-        .iter()
-        .enumerate()
-        .map(|(v, p)| {
-            *index_of.entry(p.map(|c| (c / cell).floor() as i64)).or_insert_with(|| {
-                kept.push(v as u32);
-                kept.len() as u32 - 1
-            })
-        })
-        .collect();
+    let mut cell_of = Vec::with_capacity(points.len());
+    for (v, p) in points.iter().enumerate() {
+        if v % (1 << 14) == 0 {
+            progress.check()?;
+        }
+        cell_of.push(*index_of.entry(p.map(|c| (c / cell).floor() as i64)).or_insert_with(|| {
+            kept.push(v as u32);
+            kept.len() as u32 - 1
+        }));
+    }
     let mut thin: Vec<[u32; 3]> = triangles
         .iter()
         .map(|t| t.map(|v| cell_of[v as usize]))
@@ -355,9 +368,10 @@ fn thinned(points: &[[f64; 3]], triangles: &[[u32; 3]], cell: f64) -> (Vec<u32>,
             }
         })
         .collect();
+    progress.check()?;
     thin.sort_unstable();
     thin.dedup();
-    (kept, thin)
+    Ok((kept, thin))
 }
 
 #[cfg(test)]
@@ -375,7 +389,7 @@ mod tests {
             .collect();
         let triangles: Vec<[u32; 3]> =
             (0..14).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
-        let (kept, thin) = thinned(&points, &triangles, 1.0);
+        let (kept, thin) = thinned(&points, &triangles, 1.0, Progress::none()).unwrap();
         assert_eq!(kept, [0, 1, 14, 15]);
         assert_eq!(thin.len(), 2);
     }

@@ -22,7 +22,7 @@ pub struct FeatureSummary {
     pub seconds: f64,
 }
 
-pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Option<FeatureSummary>) {
+pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Option<FeatureSummary>) {
     let mut section = Section::new("features", "Features");
     let params = FeatureParams::default();
     let start = Instant::now();

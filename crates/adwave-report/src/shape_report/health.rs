@@ -33,7 +33,7 @@ fn oddities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         (
             "Edges of three faces or more",
             health.n_non_manifold_edges,
-            "The surface branches there; the walk goes along every branch.",
+            "The surface branches there; diffusion goes along every branch.",
         ),
         (
             "Edges where orientation flips",
@@ -49,14 +49,14 @@ fn oddities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         (
             "Vertices at another's position",
             health.n_welded,
-            "Taken as one vertex for the walk; results are given to each of them.",
+            "Taken as one welded vertex; results are given to each of them.",
         ),
         ("Vertices without neighbours", health.n_isolated, "Nothing to average with: every band is 0 there."),
         ("Vertices of no face", health.n_unreferenced, "Points that the surface does not use."),
         (
             "Vertices without a value",
             vertices_left_out,
-            "The signal is NaN there: they are left out of the walk, and no result has a value there.",
+            "The signal is NaN there: they are masked, and no result has a value there.",
         ),
     ];
     counts
@@ -108,14 +108,14 @@ fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let unit = subject.width_unit();
     if subject.shape.points().is_some() {
         let meaning = match subject.shape {
-            Shape::Mesh(_) => "Mean over the edges; the walk's kernel is as wide as that.",
-            _ => "Mean distance to the nearest neighbours; the walk's kernel is as wide as that.",
+            Shape::Mesh(_) => "Mean over the edges; the operator's kernel is as wide as that.",
+            _ => "Mean distance to the nearest neighbours; the operator's kernel is as wide as that.",
         };
         let name = if let Shape::Mesh(_) = subject.shape { "Mean edge" } else { "Mean spacing" };
         list.push(fact(name, format!("{} {unit}", digits(edge)), meaning));
     }
     list.push(fact(
-        "Step of the walk",
+        "Step of the diffusion operator",
         format!("{} {unit}", digits(step)),
         "Root mean square length s of one step; after n steps σ = s·√n.",
     ));
@@ -148,7 +148,7 @@ fn counts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     }
     let edges = match subject.shape {
         Shape::Mesh(_) => "Distinct, after welding.",
-        Shape::Cloud(_) => "Pairs of neighbours that the walk steps between.",
+        Shape::Cloud(_) => "Pairs of neighbours that the diffusion steps between.",
         Shape::Graph(_) => "",
     };
     list.push(fact("Edges", grouped(health.n_edges), edges));

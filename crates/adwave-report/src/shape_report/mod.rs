@@ -1,14 +1,14 @@
 //! The report of one shape: its health, its bands, where it stands out, what the presets do to it, and how long each took.
 //!
-//! A section that a shape has no room for says why; a report is made of every shape that has a walk.
+//! A section that a shape has no room for says why; a report is made of every shape that has a diffusion operator.
 
 mod bands;
-mod drawing;
-mod features;
+pub(crate) mod drawing;
+pub(crate) mod features;
 mod health;
 mod place;
-mod presets;
-mod saliency;
+pub(crate) mod presets;
+pub(crate) mod saliency;
 mod scene;
 mod timings;
 
@@ -42,7 +42,7 @@ pub struct Subject<'a> {
     pub fields: &'a [String],
     /// The shape.
     pub shape: &'a Shape,
-    /// Its walk, without the vertices where the signal is NaN.
+    /// Its diffusion operator, with the vertices masked where the signal is NaN.
     pub walk: &'a Decomposer,
     /// The name of the signal: [`COORDS`], or that of a field.
     pub signal: &'a str,
@@ -161,7 +161,7 @@ pub fn shape_report(
     let mut seconds: Vec<(String, f64)> =
         subject.seconds.iter().map(|&(what, s)| (what.to_owned(), s)).collect();
     progress.step(0, N_SECTIONS)?;
-    let mut studio = Studio::new(subject, looks);
+    let mut studio = Studio::new(subject, looks, progress)?;
     let (health_section, health) = health::section(subject);
     let shape_section = scene::section(subject, &mut studio);
     progress.step(1, N_SECTIONS)?;
@@ -173,7 +173,7 @@ pub fn shape_report(
     let (features_section, features) = features::section(subject, &mut studio);
     seconds.extend(features.iter().map(|f| ("features".to_owned(), f.seconds)));
     progress.step(4, N_SECTIONS)?;
-    let (presets_section, presets) = presets::section(subject, &mut studio);
+    let (presets_section, presets) = presets::section(subject, &mut studio, health.volume);
     seconds.push(("presets".to_owned(), presets.iter().map(|p| p.seconds).sum()));
     progress.step(5, N_SECTIONS)?;
     if studio.n_pictures() > 0 {

@@ -49,7 +49,7 @@ impl Places {
     }
 }
 
-/// Vertices of the analysis that hang together over its edges.
+/// Welded vertices that hang together over its edges.
 pub(super) struct Patch {
     /// The one with the largest value.
     pub(super) peak: usize,
@@ -59,7 +59,7 @@ pub(super) struct Patch {
     pub(super) sum: f64,
 }
 
-/// The patches of vertices of the analysis whose value is above a threshold, that with the largest sum first.
+/// The patches of welded vertices whose value is above a threshold, that with the largest sum first.
 pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> Vec<Patch> {
     let neighbours = subject.walk.neighbours();
     let mut waiting: Vec<bool> = values.iter().map(|&v| v > threshold).collect();
@@ -89,7 +89,7 @@ pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> 
     found
 }
 
-/// The first vertex of the shape that is this vertex of the analysis.
+/// The first vertex of the shape that is this welded vertex.
 pub(super) fn vertex_of(subject: &Subject<'_>, class: usize) -> usize {
     let classes = subject.walk.geometry().vertex_map().as_slice();
     classes.iter().position(|&c| c as usize == class).unwrap_or(class)

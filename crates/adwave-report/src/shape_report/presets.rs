@@ -34,14 +34,19 @@ struct Edited {
     values: Vec<f64>,
 }
 
-pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<PresetSummary>) {
+/// `volume` is that of the shape as it is, where it encloses one.
+pub(super) fn section(
+    subject: &Subject<'_>,
+    studio: &mut Studio<'_>,
+    volume: Option<f64>,
+) -> (Section, Vec<PresetSummary>) {
     let mut section = Section::new("presets", "Presets");
     section.say(
         "Four ready-made filters, as `adwave filter --preset NAME` applies them: each band is multiplied by a gain, and all \
          are put together again. A gain of 1 keeps a band, 0 drops it, more than 1 strengthens it; the rest S_J stays.",
     );
     let edited: Vec<Edited> =
-        Preset::ALL.into_iter().map(|(name, preset)| edit(subject, name, preset)).collect();
+        Preset::ALL.into_iter().map(|(name, preset)| edit(subject, name, preset, volume)).collect();
     section.gallery(pictures(subject, studio, &edited));
     let summaries: Vec<PresetSummary> = edited.into_iter().map(|e| e.summary).collect();
     section.push(Block::Table(table(subject, &summaries)));
@@ -49,7 +54,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
 }
 
 /// What a preset does, in words that hold for any number of levels.
-fn words(preset: &str) -> &'static str {
+pub(crate) fn words(preset: &str) -> &'static str {
     match preset {
         "suppress" => "drops every band: smooth",
         "enhance" => "strengthens every band, the fine ones most: crisp",
@@ -59,7 +64,7 @@ fn words(preset: &str) -> &'static str {
 }
 
 /// `f + Σ_j (g_j − 1)·W_j`, which is eq. 18 by the telescoping sum.
-fn edit(subject: &Subject<'_>, name: &'static str, preset: Preset) -> Edited {
+fn edit(subject: &Subject<'_>, name: &'static str, preset: Preset, volume: Option<f64>) -> Edited {
     let (bands, n_channels) = (subject.bands, subject.bands.n_channels);
     let gains = preset.gains(bands.n_levels());
     let start = Instant::now();
@@ -85,17 +90,17 @@ fn edit(subject: &Subject<'_>, name: &'static str, preset: Preset) -> Edited {
         rms: mean.sqrt(),
         max: furthest.map_or(0.0, |(_, square)| square.sqrt()),
         vertex: furthest.map(|(vertex, _)| vertex),
-        volume_ratio: volume_ratio(subject, &values),
+        volume_ratio: volume_ratio(subject, &values, volume),
         seconds,
     };
     Edited { summary, values }
 }
 
-fn volume_ratio(subject: &Subject<'_>, values: &[f64]) -> Option<f64> {
+fn volume_ratio(subject: &Subject<'_>, values: &[f64], volume: Option<f64>) -> Option<f64> {
     if !(subject.is_geometry() && matches!(subject.shape, Shape::Mesh(_))) {
         return None;
     }
-    let before = subject.walk.health().volume.filter(|v| *v != 0.0)?;
+    let before = volume.filter(|v| *v != 0.0)?;
     let geometry = subject.walk.geometry();
     let points = geometry.vertex_map().positions(values.as_chunks().0);
     Some(enclosed_volume(&points, geometry.triangles()) / before)

@@ -30,7 +30,7 @@ pub struct SaliencySummary {
     pub seconds: f64,
 }
 
-pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Option<SaliencySummary>) {
+pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Option<SaliencySummary>) {
     let mut section = Section::new("saliency", "Saliency");
     let params = SaliencyParams::default();
     let start = Instant::now();

@@ -55,7 +55,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
 
 impl Section {
     /// Adds pictures, or why there are none.
-    pub(super) fn gallery(&mut self, drawn: Result<Vec<crate::page::Figure>, String>) {
+    pub(crate) fn gallery(&mut self, drawn: Result<Vec<crate::page::Figure>, String>) {
         match drawn {
             Ok(figures) if figures.is_empty() => {}
             Ok(figures) => self.push(Block::Gallery(figures)),

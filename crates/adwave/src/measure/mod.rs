@@ -4,7 +4,9 @@
 mod agreement;
 mod change;
 mod repeatability;
+mod statistics;
 
 pub use agreement::{Agreement, AgreementError, agreement, centre_distance};
 pub use change::{Change, ChangeError, Changed, change};
 pub use repeatability::{LevelRepeatability, RepeatabilityParams, repeatability};
+pub use statistics::{correlation, rank_correlation, rms, shared_top};

@@ -6,15 +6,15 @@ use clap::Args;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Without --against: which share of the features is found again, level by level, after noise along the normals, rotation,
-scaling and resampling. With --against: how well the saliency map, maps that are given, and the distance from the centre
-agree with a field of looks (fixation seconds): area under the ROC curve, normalised scanpath saliency, correlation, and
+Without --fixations: which share of the features is found again, level by level, after noise along the normals, rotation,
+scaling and resampling. With --fixations: how well the saliency map, maps that are given, and the distance from the centre
+agree with a field of fixations (seconds): area under the ROC curve, normalised scanpath saliency, correlation, and
 correlation without what both share with the distance from the centre.
 
 Examples:
   adwave evaluate bunny.obj --percent 10,30,50
-  adwave evaluate bunny.ply --against gaze --levels 8
-  adwave evaluate bunny.ply --against gaze --map other.npy")]
+  adwave evaluate bunny.ply --fixations gaze --levels 8
+  adwave evaluate bunny.ply --fixations gaze --map other.npy")]
 pub(crate) struct EvaluateArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
@@ -44,10 +44,10 @@ pub(crate) struct EvaluateArgs {
     /// How far off a feature may be and still be found again, in its σ
     #[arg(long, value_name = "S", default_value_t = RepeatabilityParams::default().sigmas, help_heading = "Repeatability")]
     pub(crate) within: f64,
-    /// The field of looks, named as for --field
-    #[arg(long, value_name = "NAME", help_heading = "Agreement")]
-    pub(crate) against: Option<String>,
-    /// A vertex was looked at when its look is above this
+    /// The field of fixations, in seconds, named as for --field
+    #[arg(long, alias = "against", value_name = "NAME", help_heading = "Agreement")]
+    pub(crate) fixations: Option<String>,
+    /// A vertex was looked at when its fixation is above this
     #[arg(
         long,
         value_name = "T",

@@ -1,4 +1,4 @@
-//! `adwave evaluate`: whether features are found again, and whether a map agrees with where people look.
+//! `adwave evaluate`: whether features are found again, and whether a map agrees with fixations of the eye.
 
 mod args;
 
@@ -24,20 +24,20 @@ use std::fmt::Write;
 pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> {
     args.detect.params(&args.border).check().map_err(CliError::input)?;
     args.map.params(&args.border).check().map_err(CliError::input)?;
-    let reach = if args.against.is_some() { DEFAULT_REACH } else { FEATURE_REACH };
-    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, reach, global)?;
-    match &args.against {
-        Some(looks) => against(args, global, &mut analysis, looks),
+    let share = if args.fixations.is_some() { DEFAULT_REACH } else { FEATURE_REACH };
+    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, share, global)?;
+    match &args.fixations {
+        Some(fixations) => against(args, global, &mut analysis, fixations),
         None => again(args, global, &mut analysis),
     }
 }
 
-/// Agreement of maps with looks.
+/// Agreement of maps with fixations.
 fn against(
     args: &EvaluateArgs,
     global: &Global<'_>,
     analysis: &mut Analysis,
-    looks: &str,
+    fixations: &str,
 ) -> Result<(), CliError> {
     let wavelets = analysis.wavelets(global, None)?;
     let one_channel = |name: &str| {
@@ -47,7 +47,7 @@ fn against(
         }
         Ok(signal.values)
     };
-    let looks = one_channel(looks)?;
+    let fixations = one_channel(fixations)?;
     let own = saliency(&analysis.walk, &wavelets, &args.map.params(&args.border), global.progress())
         .map_err(CliError::classified)?
         .map;
@@ -57,7 +57,7 @@ fn against(
         maps.push((name.clone(), one_channel(name)?));
     }
     let compare = |map: &[f64], control: Option<&[f64]>| {
-        agreement(map, &looks, args.threshold, control).map_err(CliError::input)
+        agreement(map, &fixations, args.threshold, control).map_err(CliError::input)
     };
     let mut rows: Vec<(String, Agreement)> = Vec::new();
     for (name, map) in &maps {

@@ -12,6 +12,7 @@ use adwave::features::{
 };
 use adwave_io::{Field, FieldValues, Format, ShapeFile, atomic_write};
 use adwave_render::ColorMap;
+use adwave_report::Table;
 pub(crate) use args::FeaturesArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -209,31 +210,30 @@ fn feature_json(f: &Feature) -> Value {
 }
 
 fn csv(found: &Found) -> String {
-    let mut text = "vertex,x,y,z,level,sigma,response,strength,sign,channel".to_owned();
+    let head = ["vertex", "x", "y", "z", "level", "sigma", "response", "strength", "sign", "channel"];
+    let mut table = Table::new("features.csv", "", &head);
     let n_numbers = found.descriptors.first().map_or(0, |d| d.len());
-    for k in 0..n_numbers {
-        let _ = write!(text, ",d{k}");
-    }
-    text.push('\n');
+    table.head.extend((0..n_numbers).map(|k| format!("d{k}")));
     for (k, f) in found.features.iter().enumerate() {
         let [x, y, z] = f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(|c| c.to_string()));
-        let channel = f.channel.map_or(String::new(), |c| c.to_string());
-        let _ = write!(
-            text,
-            "{},{x},{y},{z},{},{},{},{},{},{channel}",
-            f.vertex,
-            f.level,
-            f.sigma,
-            f.response,
-            f.strength,
-            f.sign()
-        );
-        for number in found.descriptors.get(k).into_iter().flatten() {
-            let _ = write!(text, ",{number}");
-        }
-        text.push('\n');
+        let [sigma, response, strength] = [f.sigma, f.response, f.strength].map(|v| v.to_string());
+        let (sign, channel) = (f.sign().to_string(), f.channel.map_or(String::new(), |c| c.to_string()));
+        let mut row = vec![
+            f.vertex.to_string(),
+            x,
+            y,
+            z,
+            f.level.to_string(),
+            sigma,
+            response,
+            strength,
+            sign,
+            channel,
+        ];
+        row.extend(found.descriptors.get(k).into_iter().flatten().map(ToString::to_string));
+        table.rows.push(row);
     }
-    text
+    table.csv()
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), CliError> {

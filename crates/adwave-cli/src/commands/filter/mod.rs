@@ -14,6 +14,7 @@ use crate::signal::{self, COORDS};
 use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::filter::{Displacement, Edit, FilterError, Gains, Layer, Preset, displacement};
+use adwave::measure::rms;
 use adwave::region::Region;
 use adwave::shape::{Shape, enclosed_volume, triangulate, vertex_normals};
 use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
@@ -175,9 +176,8 @@ fn describe_move(text: &mut String, moved: Displacement, diagonal: f64, volumes:
 
 /// Root mean square and largest change of a signal.
 fn change(before: &[f64], after: &[f64]) -> (f64, f64) {
-    let squares = before.iter().zip(after).map(|(a, b)| (a - b) * (a - b));
-    let (sum, max) = squares.fold((0.0, 0.0_f64), |(sum, max), s| (sum + s, max.max(s)));
-    ((sum / before.len() as f64).sqrt(), max.sqrt())
+    let largest = before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    (rms(before, after, 1), largest)
 }
 
 /// Computes the file's normals anew where that is asked for, or says that they are the old ones.

@@ -8,6 +8,7 @@ use crate::output::{check_writable, print, write_error};
 use crate::progress::with_spinner;
 use crate::shape_input::{Input, Source, load_source};
 use crate::signal::{COORDS, Signal, load_with_texture};
+use adwave::Progress;
 use adwave::shape::{Shape, triangulate};
 use adwave::signal::SurfaceSignal;
 use adwave_io::{FieldValues, ReadLimits, atomic_write};
@@ -34,9 +35,10 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
     let shapes = with_spinner(global, "reading", || load_all(args))?;
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let picture = with_spinner(global, "drawing", || draw(args, &params, &shapes, &balls))?;
+    let picture =
+        with_spinner(global, "drawing", || draw(args, &params, &shapes, &balls, global.progress()))?;
     let drawn = start.elapsed().as_secs_f64();
-    let png = picture.png().map_err(CliError::input)?;
+    let png = picture.png()?;
     atomic_write(&args.output, |out| Ok(out.write_all(&png)?)).map_err(write_error)?;
     let text = format!(
         "{} × {} pixels, {} vertices; read {read:.2} s, drawn {drawn:.2} s\n{}",
@@ -80,7 +82,7 @@ fn check(args: &RenderArgs) -> Result<RenderParams, CliError> {
         .with_background(background)
         .with_color_bar(if args.no_bar { ColorBar::Hidden } else { ColorBar::Shown })
         .with_crease_angle(args.crease);
-    params.check().map_err(CliError::input)?;
+    params.check()?;
     Ok(params)
 }
 
@@ -190,6 +192,7 @@ fn draw(
     params: &RenderParams,
     shapes: &[Loaded],
     balls: &[Ball],
+    progress: Progress<'_>,
 ) -> Result<Picture, CliError> {
     let color_map = color_map(args)?;
     let range = match args.range {
@@ -217,10 +220,10 @@ fn draw(
         })
         .collect();
     if args.grid.is_none() {
-        return render(&panels[0].surface, balls, params).map_err(CliError::input);
+        return Ok(render(&panels[0].surface, balls, params, progress)?);
     }
     let camera = if args.own_scale { SharedCamera::Own } else { SharedCamera::Same };
-    grid(&panels, args.columns(panels.len()), camera, params).map_err(CliError::input)
+    Ok(grid(&panels, args.columns(panels.len()), camera, params, progress)?)
 }
 
 /// What tells a panel from the others.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 The page holds its pictures and tables and opens from a disk without a network: what the shape is made of, its bands,
 smoothed shapes, the saliency map, the features, the four presets, and what each took. Every table can be saved as CSV.
-A graph gets tables and charts. Where the signal is NaN, vertices are left out.
+A graph gets tables and charts. Where the signal is NaN, vertices are masked.
 
 Examples:
   adwave report bunny.obj -o bunny.html

@@ -1,4 +1,4 @@
-//! Times eigenpairs of an OBJ file: `cargo run --release -p adwave-baselines --example harmonics_timing -- bunny.obj 100 300`.
+//! Times eigenpairs of an OBJ file: `cargo run --release -p adwave-bench-helpers --bin harmonics_timing -- bunny.obj 100 300`.
 
 use adwave::Progress;
 use adwave::shape::{Mesh, Polygons, Shape};

@@ -1,6 +1,6 @@
 //! Figure 2 and Table 1 of the paper in numbers: a line of points, three kinds of wavelets.
 //!
-//! `cargo run --release -p adwave-baselines --example line_case [-- POINTS]`; writes the functions as CSV where a second
+//! `cargo run --release -p adwave-bench-helpers --bin line_case [-- POINTS]`; writes the functions as CSV where a second
 //! argument names a file.
 
 use adwave::shape::{Graph, Shape};

@@ -1,0 +1,39 @@
+//! The saliency map of Lee, Varshney and Jacobs.
+
+use super::parts::{norms, row};
+use super::{CompareError, Comparison, Outcome, Subject};
+use crate::lee::lee_saliency;
+use adwave::Progress;
+use adwave::bands::Bands;
+use adwave::measure::{rank_correlation, shared_top};
+use adwave::saliency::{SaliencyParams, saliency};
+use std::time::Instant;
+
+pub(super) fn compare(
+    subject: &Subject<'_>,
+    bands: &Bands,
+    seconds: f64,
+    progress: Progress<'_>,
+) -> Result<Comparison, CompareError> {
+    let start = Instant::now();
+    let ours = saliency(subject.walk, &norms(subject, bands), &SaliencyParams::default(), progress)?.map;
+    let mapped = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let theirs = lee_saliency(subject.shape, progress)?;
+    let their_seconds = start.elapsed().as_secs_f64();
+    let narrowest = theirs.sigma[0];
+    let rows = vec![
+        row("map, s", seconds + mapped, their_seconds),
+        row("narrowest width, model units", bands.sigma.get(3).copied(), narrowest),
+        row("widest width, model units", bands.sigma[bands.n_levels()], 2.0 * theirs.sigma[4]),
+        row("rank correlation of the two", None, rank_correlation(&ours, &theirs.saliency)),
+        row("shared part of the top 5 %", None, shared_top(&ours, &theirs.saliency, 0.05)),
+    ];
+    let outcome = |values| vec![Outcome { name: "saliency".to_owned(), n_channels: 1, values }];
+    Ok(Comparison {
+        task: "map what stands out".to_owned(),
+        rows,
+        adwave: outcome(ours),
+        other: outcome(theirs.saliency),
+    })
+}

@@ -1,0 +1,102 @@
+//! Diffusion wavelets, orthogonal and biorthogonal, and back.
+
+use super::parts::{channel, interleave, largest_difference, put_together, row};
+use super::{CompareError, Comparison, Method, Outcome, Subject};
+use crate::multiscale::{
+    BiorthogonalDiffusionWavelets, Coefficients, DiffusionWavelets, MultiscaleError, MultiscaleParams,
+    locality,
+};
+use adwave::Progress;
+use adwave::bands::Bands;
+use std::time::Instant;
+
+/// What both kinds of diffusion wavelets have.
+enum Basis {
+    Orthogonal(DiffusionWavelets),
+    Biorthogonal(BiorthogonalDiffusionWavelets),
+}
+
+impl Basis {
+    fn analyse(&self, f: &[f64]) -> Result<Coefficients, MultiscaleError> {
+        match self {
+            Self::Orthogonal(basis) => basis.analyse(f),
+            Self::Biorthogonal(basis) => basis.analyse(f),
+        }
+    }
+
+    fn synthesise(&self, c: &Coefficients) -> Result<Vec<f64>, MultiscaleError> {
+        match self {
+            Self::Orthogonal(basis) => basis.synthesise(c),
+            Self::Biorthogonal(basis) => basis.synthesise(c),
+        }
+    }
+}
+
+pub(super) fn compare(
+    subject: &Subject<'_>,
+    bands: &Bands,
+    seconds: f64,
+    method: Method,
+    progress: Progress<'_>,
+) -> Result<Comparison, CompareError> {
+    let (walk, vertex_map, d) =
+        (subject.walk.diffusion(), subject.walk.geometry().vertex_map(), subject.n_channels);
+    let params = MultiscaleParams::default().with_levels(bands.n_levels());
+    let start = Instant::now();
+    let (basis, ranks, defect, functions) = if method == Method::DiffusionWavelets {
+        let basis = DiffusionWavelets::new(walk, &params, progress)?;
+        let last = basis.n_levels();
+        let functions = basis.scaling_functions(last);
+        (Basis::Orthogonal(basis.clone()), basis.ranks(), basis.orthogonality_defect(last), functions)
+    } else {
+        let basis = BiorthogonalDiffusionWavelets::new(walk, &params, progress)?;
+        let last = basis.n_levels();
+        let (defect, functions) = if last > 0 {
+            (basis.biorthogonality_defect(last), basis.scaling_functions(last))
+        } else {
+            (0.0, Vec::new())
+        };
+        (Basis::Biorthogonal(basis.clone()), basis.ranks(), defect, functions)
+    };
+    let prepared = start.elapsed().as_secs_f64();
+    let mean = vertex_map.mean(subject.signal, d);
+    let start = Instant::now();
+    let coefficients: Vec<Coefficients> =
+        (0..d).map(|c| basis.analyse(&channel(&mean, d, c))).collect::<Result<_, _>>()?;
+    let analysis = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let back: Vec<Vec<f64>> = coefficients.iter().map(|c| basis.synthesise(c)).collect::<Result<_, _>>()?;
+    let synthesis = start.elapsed().as_secs_f64();
+    // What the scaling functions of the last level alone give: the coarse shape.
+    let coarse = coefficients.iter().map(|c| {
+        let mut c = c.clone();
+        c.wavelets.iter_mut().flatten().for_each(|w| *w = 0.0);
+        basis.synthesise(&c)
+    });
+    let coarse = interleave(&coarse.collect::<Result<Vec<_>, _>>()?);
+    let (ours, our_synthesis) = put_together(bands);
+    let support =
+        |f: &[Vec<f64>]| f.iter().map(|f| locality(f).support as f64).sum::<f64>() / f.len().max(1) as f64;
+    let mut rows = vec![
+        row("prepare, s", None, prepared),
+        row("bands, s", seconds, analysis),
+        row("put together, s", our_synthesis, synthesis),
+        row(
+            "largest error of the reconstruction",
+            largest_difference(subject.signal, &ours),
+            largest_difference(&mean, &interleave(&back)),
+        ),
+        row("defect of (bi)orthogonality", None, defect),
+        row("mean support of a scaling function of the last level, vertices", None, support(&functions)),
+    ];
+    for (j, rank) in ranks.iter().enumerate() {
+        rows.push(row(&format!("scaling coefficients at level {j}"), walk.n_vertices() as f64, *rank as f64));
+    }
+    let outcome = |values| vec![Outcome { name: "coarse".to_owned(), n_channels: d, values }];
+    Ok(Comparison {
+        task: "split into bands and put together".to_owned(),
+        rows,
+        adwave: outcome(bands.coarsest().to_vec()),
+        other: outcome(vertex_map.scatter(&coarse, d)),
+    })
+}

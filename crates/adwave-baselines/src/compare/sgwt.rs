@@ -1,0 +1,93 @@
+//! Spectral graph wavelets of the same diffusion operator, as many kernels as levels, and back.
+
+use super::parts::{channel, interleave, largest_difference, put_together, row, wavelets};
+use super::{CompareError, Comparison, Outcome, Subject};
+use crate::linalg::SymmetricMatrix;
+use crate::multiscale::MultiscaleError;
+use crate::sgwt::{Frame, KernelFamily, Kernels};
+use adwave::Progress;
+use adwave::bands::Bands;
+use std::time::Instant;
+
+pub(super) fn compare(
+    subject: &Subject<'_>,
+    bands: &Bands,
+    seconds: f64,
+    progress: Progress<'_>,
+) -> Result<Comparison, CompareError> {
+    const ACCURACY: f64 = 1e-6;
+    const SOLVED: f64 = 1e-10;
+    let start = Instant::now();
+    let walk = subject.walk.diffusion();
+    let vertex_map = subject.walk.geometry().vertex_map();
+    let (laplacian, root) = normalised_laplacian(subject)?;
+    // I − Q has its spectrum in [0, 2].
+    let kernels = Kernels::new(KernelFamily::Meyer, (bands.n_levels() + 1).max(3), 2.0)?;
+    let frame = Frame::new(&laplacian, kernels, ACCURACY)?;
+    let prepared = start.elapsed().as_secs_f64();
+    let d = subject.n_channels;
+    let mean = vertex_map.mean(subject.signal, d);
+    let (mut analysis, mut synthesis, mut iterations) = (0.0, 0.0, 0);
+    let n_kernels = frame.polynomials.len();
+    let (mut back, mut parts) = (Vec::new(), vec![Vec::new(); n_kernels]);
+    for c in 0..d {
+        let f: Vec<f64> = channel(&mean, d, c).iter().zip(&root).map(|(f, r)| f * r).collect();
+        let start = Instant::now();
+        let coefficients = frame.analyse(&f, progress)?;
+        analysis += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let (inverse, info) = frame.inverse(&coefficients, SOLVED, progress)?;
+        synthesis += start.elapsed().as_secs_f64();
+        iterations = iterations.max(info.iterations);
+        let unscale = |v: &[f64]| v.iter().zip(&root).map(|(v, r)| v / r).collect::<Vec<_>>();
+        back.push(unscale(&inverse));
+        for (part, coefficient) in parts.iter_mut().zip(&coefficients) {
+            part.push(unscale(coefficient));
+        }
+    }
+    let theirs = interleave(&back);
+    let (ours, our_synthesis) = put_together(bands);
+    let degree = frame.polynomials.iter().map(|p| p.coefficients.len() - 1).max().unwrap_or(0);
+    let rows = vec![
+        row("prepare, s", None, prepared),
+        row("bands, s", seconds, analysis),
+        row("put together, s", our_synthesis, synthesis),
+        row(
+            "largest error of the reconstruction",
+            largest_difference(subject.signal, &ours),
+            largest_difference(&mean, &theirs),
+        ),
+        row("bands, the low pass among them", (bands.n_levels() + 1) as f64, n_kernels as f64),
+        row("products with the operator", bands.info.products as f64, degree as f64),
+        row("iterations to put together", 0.0, iterations as f64),
+        row("lower frame bound", None, frame.bounds.0),
+        row("upper frame bound", None, frame.bounds.1),
+    ];
+    debug_assert_eq!(root.len(), walk.n_vertices());
+    // Fine to coarse, as adwave has them.
+    let other = parts.iter().skip(1).rev().enumerate().map(|(k, part)| Outcome {
+        name: format!("W{}", k + 1),
+        n_channels: d,
+        values: vertex_map.scatter(&interleave(part), d),
+    });
+    let task = "split into bands and put together".to_owned();
+    Ok(Comparison { task, rows, adwave: wavelets(bands), other: other.collect() })
+}
+
+/// `Π^½ (I − Q) Π^(−½)`, and `√π`.
+fn normalised_laplacian(subject: &Subject<'_>) -> Result<(SymmetricMatrix, Vec<f64>), CompareError> {
+    let walk = subject.walk.diffusion();
+    if !walk.is_reversible() {
+        return Err(MultiscaleError::NotReversible.into());
+    }
+    let n = walk.n_vertices();
+    let root: Vec<f64> = walk.stationary().iter().map(|p| (p.max(1e-30) * n as f64).sqrt()).collect();
+    let mut entries = Vec::new();
+    for x in 0..n {
+        let (columns, weights) = walk.row(x);
+        entries.push((x as u32, x as u32, 2.0 * weights.iter().sum::<f64>()));
+        let above = columns.iter().zip(weights).filter(|e| *e.0 as usize > x);
+        entries.extend(above.map(|(&y, &w)| (x as u32, y, -2.0 * root[x] * w / root[y as usize])));
+    }
+    Ok((SymmetricMatrix::from_halves(n, &entries)?, root))
+}
