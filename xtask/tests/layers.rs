@@ -53,3 +53,124 @@ fn the_method_knows_no_files_and_no_terminal() {
     }
     assert!(n_files > 10, "only {n_files} files looked at");
 }
+
+/// The modules of `adwave` from the bottom up; those of one line may not use each other. A module that moves moves here.
+const LAYERS: [&[&str]; 15] = [
+    &["error"],
+    &["progress"],
+    &["parallel"],
+    &["rows"],
+    &["shape"],
+    &["operator"],
+    &["sparse"],
+    &["bands"],
+    &["mask", "sample", "signal", "basis"],
+    &["region"],
+    &["filter"],
+    &["decomposer"],
+    &["band_norms"],
+    &["saliency", "features"],
+    &["measure"],
+];
+
+/// Imports from above that are there for a reason: who, what, why.
+const ALLOWED: [(&str, &str, &str); 3] = [
+    ("rows", "sparse", "vectors in large pages are made where all unsafe code is"),
+    ("operator", "sparse", "vectors in large pages are made where all unsafe code is"),
+    ("region", "decomposer", "regions take the prepared object, not yet a metric"),
+];
+
+/// Where a type that is named at the root of the crate comes from.
+fn home(name: &str) -> &str {
+    match name {
+        "ClassifiedError" | "ErrorKind" => "error",
+        "Cancelled" | "Progress" | "ProgressCounter" => "progress",
+        "Decomposer" => "decomposer",
+        module => module,
+    }
+}
+
+/// Whom the code of a file names by `crate::…`: modules of the crate, in braces or not. Comments and tests do not count.
+fn imports(text: &str) -> Vec<String> {
+    let code: Vec<&str> = text
+        .lines()
+        .take_while(|line| line.trim() != "#[cfg(test)]" || line.starts_with(' '))
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .collect();
+    let code = code.join("\n");
+    let mut found = Vec::new();
+    for (at, _) in code.match_indices("crate::") {
+        let before = code[..at].chars().next_back();
+        if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == '$') {
+            continue;
+        }
+        let after = &code[at + "crate::".len()..];
+        let name = |text: &str| -> String {
+            text.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+        };
+        let Some(list) = after.strip_prefix('{') else {
+            found.push(name(after));
+            continue;
+        };
+        let (mut depth, mut start) = (1, 0);
+        for (k, c) in list.char_indices() {
+            depth += i32::from(c == '{') - i32::from(c == '}');
+            if (c == ',' && depth == 1) || depth == 0 {
+                found.push(name(&list[start..k]));
+                start = k + 1;
+            }
+            if depth == 0 {
+                break;
+            }
+        }
+    }
+    found.retain(|name| !name.is_empty());
+    found
+}
+
+#[test]
+fn imports_are_found_in_any_form() {
+    let text = "use crate::shape::{Mesh, Shape};\nuse crate::{Progress, sparse::{a, b}, bands};\n// crate::filter\n\
+                fn f() { crate::rows::g() }\n#[cfg(test)]\nuse crate::features::h;";
+    assert_eq!(imports(text), ["shape", "Progress", "sparse", "bands", "rows"]);
+}
+
+#[test]
+fn modules_of_the_method_use_only_those_below_them() {
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/adwave/src");
+    let layer = |module: &str| LAYERS.iter().position(|layer| layer.contains(&module));
+    let (mut wrong, mut n_imports, mut n_used) = (Vec::new(), 0, [0; ALLOWED.len()]);
+    let mut stack = vec![std::path::PathBuf::from(source)];
+    while let Some(path) = stack.pop() {
+        if path.is_dir() {
+            stack.extend(std::fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
+            continue;
+        }
+        let inside = path.strip_prefix(source).unwrap().to_string_lossy().into_owned();
+        let module = inside.split('/').next().unwrap().trim_end_matches(".rs").to_owned();
+        if module == "lib" || !inside.ends_with(".rs") || inside.ends_with("tests.rs") {
+            continue;
+        }
+        let above =
+            layer(&module).unwrap_or_else(|| panic!("say in LAYERS where the module {module} stands"));
+        for name in imports(&std::fs::read_to_string(&path).unwrap()) {
+            let on = home(&name);
+            let below = layer(on).unwrap_or_else(|| panic!("{inside}: LAYERS has no {on}"));
+            n_imports += 1;
+            if on == module || below < above {
+                continue;
+            }
+            match ALLOWED.iter().position(|(from, to, _)| *from == module && *to == on) {
+                Some(k) => n_used[k] += 1,
+                None => wrong.push(format!("{inside} uses {on}")),
+            }
+        }
+    }
+    assert!(n_imports > 100, "only {n_imports} imports found");
+    wrong.sort();
+    wrong.dedup();
+    assert!(wrong.is_empty(), "upward imports:\n{}", wrong.join("\n"));
+    for ((from, to, reason), n) in ALLOWED.iter().zip(n_used) {
+        assert!(n > 0, "{from} no longer uses {to} ({reason}): take it off the list");
+    }
+}

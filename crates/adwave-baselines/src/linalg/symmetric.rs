@@ -1,6 +1,7 @@
 //! Symmetric sparse matrices in compressed rows.
 
 use super::LinalgError;
+use adwave::rows::CompressedRows;
 use rayon::prelude::*;
 
 /// Rows that a thread takes at a time.
@@ -9,9 +10,7 @@ const ROWS_AT_A_TIME: usize = 2048;
 /// A symmetric matrix with both halves stored, each row by rising column, the diagonal always present.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricMatrix {
-    offsets: Vec<usize>,
-    columns: Vec<u32>,
-    values: Vec<f64>,
+    rows: CompressedRows<f64>,
 }
 
 impl SymmetricMatrix {
@@ -45,44 +44,30 @@ impl SymmetricMatrix {
         all.extend((0..n as u32).map(|x| (x, x, 0.0)));
         // Stable, so that both halves sum in the same order and stay equal to the last bit.
         all.par_sort_by_key(|e| (e.0, e.1));
-        let mut matrix = Self { offsets: vec![0; n + 1], columns: Vec::new(), values: Vec::new() };
-        let mut last = None;
-        for (row, column, value) in all {
-            if last == Some((row, column)) {
-                *matrix.values.last_mut().expect("the entry before this one") += value;
-            } else {
-                matrix.columns.push(column);
-                matrix.values.push(value);
-                matrix.offsets[row as usize + 1] += 1;
-                last = Some((row, column));
-            }
-        }
-        for x in 0..n {
-            matrix.offsets[x + 1] += matrix.offsets[x];
-        }
-        Ok(matrix)
+        let Ok(rows) = CompressedRows::from_sorted(n, all) else {
+            unreachable!("the entries have been checked and sorted")
+        };
+        Ok(Self { rows })
     }
 
     /// Number of rows.
     pub fn n(&self) -> usize {
-        self.offsets.len() - 1
+        self.rows.n_rows()
     }
 
     /// Number of stored entries, both halves and the diagonal.
     pub fn nnz(&self) -> usize {
-        self.values.len()
+        self.rows.nnz()
     }
 
     /// Row `x`: columns by rising index, and values.
     pub fn row(&self, x: usize) -> (&[u32], &[f64]) {
-        let range = self.offsets[x]..self.offsets[x + 1];
-        (&self.columns[range.clone()], &self.values[range])
+        self.rows.row(x)
     }
 
     /// The entry at (`x`, `y`), 0 where none is stored.
     pub fn get(&self, x: usize, y: usize) -> f64 {
-        let (columns, values) = self.row(x);
-        columns.binary_search(&(y as u32)).map_or(0.0, |k| values[k])
+        self.rows.get(x, y)
     }
 
     /// The diagonal.
@@ -147,10 +132,11 @@ impl SymmetricMatrix {
     pub fn scaled(&self, scale: &[f64]) -> Self {
         assert_eq!(scale.len(), self.n(), "one factor a row");
         let mut scaled = self.clone();
+        let values = scaled.rows.values_mut();
         for x in 0..self.n() {
-            for k in self.offsets[x]..self.offsets[x + 1] {
+            for k in self.rows.pattern().range(x) {
                 // Grouped so that both halves round alike.
-                scaled.values[k] *= scale[x] * scale[self.columns[k] as usize];
+                values[k] *= scale[x] * scale[self.rows.columns()[k] as usize];
             }
         }
         scaled
@@ -165,9 +151,9 @@ impl SymmetricMatrix {
         assert_eq!(diagonal.len(), self.n(), "one value a row");
         let mut sum = self.clone();
         for (x, &d) in diagonal.iter().enumerate() {
-            let (start, (columns, _)) = (self.offsets[x], self.row(x));
-            let k = columns.binary_search(&(x as u32)).expect("the diagonal is stored");
-            sum.values[start + k] += d;
+            let start = self.rows.offsets()[x];
+            let k = self.row(x).0.binary_search(&(x as u32)).expect("the diagonal is stored");
+            sum.rows.values_mut()[start + k] += d;
         }
         sum
     }
@@ -202,18 +188,17 @@ impl SymmetricMatrix {
         for (new, &old) in kept.iter().enumerate() {
             place[old as usize] = new as u32;
         }
-        let mut part = Self { offsets: vec![0], columns: Vec::new(), values: Vec::new() };
-        for &old in kept {
+        let entries = kept.iter().zip(0..).flat_map(|(&old, new)| {
             let (columns, values) = self.row(old as usize);
-            for (&column, &value) in columns.iter().zip(values) {
-                if place[column as usize] != u32::MAX {
-                    part.columns.push(place[column as usize]);
-                    part.values.push(value);
-                }
-            }
-            part.offsets.push(part.columns.len());
-        }
-        part
+            let renamed = columns.iter().map(|&column| place[column as usize]).zip(values);
+            renamed
+                .filter(|&(column, _)| column != u32::MAX)
+                .map(move |(column, &value)| (new, column, value))
+        });
+        let Ok(rows) = CompressedRows::from_sorted(kept.len(), entries) else {
+            unreachable!("rows and columns rise as they did")
+        };
+        Self { rows }
     }
 
     /// All entries as a dense matrix, column-major.

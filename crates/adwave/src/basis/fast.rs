@@ -3,7 +3,7 @@
 use super::forecast::forecast;
 use super::local_columns::{LANES, LocalColumns};
 use super::pack::{PackedRows, pack};
-use super::sweep::{Next, Walk};
+use super::sweep::{BlockSweep, Next};
 use super::transpose::Transpose;
 use super::{Basis, BasisError, BasisInfo, BasisParams};
 use crate::Progress;
@@ -103,7 +103,7 @@ pub fn basis(
     let n_blocks = n.div_ceil(LANES);
     progress.step(0, n_blocks as u64)?;
     let transpose = Transpose::new(diffusion);
-    let walk = Walk::new(diffusion, &transpose, params, progress);
+    let walk = BlockSweep::new(diffusion, &transpose, params, progress);
     let workers = Workers::new(n);
     let forecast = forecast::<f32>(&walk, &workers, 1)?;
 
@@ -145,7 +145,12 @@ pub fn basis(
     Ok(Basis { steps: params.steps(), scaling, info })
 }
 
-fn walk_block(walk: &Walk<'_>, workers: &Workers, first: usize, slot: &mut Slot) -> Result<(), BasisError> {
+fn walk_block(
+    walk: &BlockSweep<'_>,
+    workers: &Workers,
+    first: usize,
+    slot: &mut Slot,
+) -> Result<(), BasisError> {
     let end = (first + LANES).min(walk.diffusion.n_vertices());
     let tolerance = walk.params.drop_tolerance as f32;
     let mut worker = workers.take();

@@ -2,7 +2,7 @@
 
 use super::fast::Workers;
 use super::local_columns::LANES;
-use super::sweep::{Next, Walk};
+use super::sweep::{BlockSweep, Next};
 use super::{BasisError, transpose::Transpose};
 use crate::rows::{Value, bytes};
 use rayon::prelude::*;
@@ -24,7 +24,7 @@ pub(super) struct Forecast {
 /// # Errors
 /// [`BasisError::TooLarge`] when it exceeds the limit; cancelled.
 pub(super) fn forecast<V: Value>(
-    walk: &Walk<'_>,
+    walk: &BlockSweep<'_>,
     workers: &Workers,
     copies: u64,
 ) -> Result<Forecast, BasisError> {
