@@ -1,10 +1,10 @@
 //! Edit after edit of one signal: the bands are kept, and an edit costs what it changes.
 
-use crate::Decomposer;
-use crate::bands::Wavelets;
+use crate::bands::{BandsError, Wavelets};
 use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
 use crate::mask::Mask;
 use crate::region::RegionWeights;
+use crate::{BandsRequest, Decomposer};
 
 /// Which welded vertices an edit changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,8 +44,22 @@ pub struct Editor {
     change: Vec<f64>,
 }
 
+impl BandsRequest<'_> {
+    /// An object that keeps the bands, for edit after edit of this signal.
+    ///
+    /// # Errors
+    /// As for [`wavelets`](Self::wavelets).
+    pub fn editor(&self) -> Result<Editor, BandsError> {
+        let (filled, vertex_map) = (self.filled()?, self.vertex_map());
+        let wavelets = self.whole_wavelets(&filled)?;
+        let is_welded = vertex_map.n_welded() < vertex_map.n_vertices();
+        let mean = if is_welded { vertex_map.mean(&filled, self.n_channels()) } else { Vec::new() };
+        Ok(Editor::new(self.decomposer().clone(), self.signal().to_vec(), wavelets, mean))
+    }
+}
+
 impl Editor {
-    pub(crate) fn new(decomposer: Decomposer, signal: Vec<f64>, wavelets: Wavelets, mean: Vec<f64>) -> Self {
+    fn new(decomposer: Decomposer, signal: Vec<f64>, wavelets: Wavelets, mean: Vec<f64>) -> Self {
         let (first_member, members) = decomposer.geometry().vertex_map().members().into_parts();
         let (edited, change, layers) = (signal.clone(), Vec::new(), Vec::new());
         Self { decomposer, signal, wavelets, mean, layers, first_member, members, edited, change }

@@ -3,7 +3,6 @@
 use super::Decomposer;
 use crate::Progress;
 use crate::bands::{Bands, BandsError, BandsInfo, BandsParams, Schedule, Transform, Wavelets, check_signal};
-use crate::editor::Editor;
 use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
 use crate::mask::Mask;
 use crate::parallel;
@@ -20,7 +19,7 @@ use std::borrow::Cow;
 /// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n |
 /// | [`weighted`](Self::weighted) | Σ_j a_j·W_f(j) by one polynomial | the shape's | 2·n·d |
 /// | [`filter`](Self::filter), [`filter_layers`](Self::filter_layers) | the edited signal (eq. 18), once | the shape's | 2·n·d for one layer |
-/// | [`editor`](Self::editor) | an [`Editor`] that keeps the bands | both | (J + 3)·n·d |
+/// | [`editor`](Self::editor) | an [`Editor`](crate::Editor) that keeps the bands | both | (J + 3)·n·d |
 #[derive(Clone, Copy, Debug)]
 pub struct BandsRequest<'a> {
     decomposer: &'a Decomposer,
@@ -64,12 +63,24 @@ impl<'a> BandsRequest<'a> {
         self.decomposer.transform.with_params(&self.params)
     }
 
-    fn vertex_map(&self) -> &'a crate::shape::VertexMap {
+    pub(crate) fn decomposer(&self) -> &'a Decomposer {
+        self.decomposer
+    }
+
+    pub(crate) fn signal(&self) -> &'a [f64] {
+        self.signal
+    }
+
+    pub(crate) fn n_channels(&self) -> usize {
+        self.n_channels
+    }
+
+    pub(crate) fn vertex_map(&self) -> &'a crate::shape::VertexMap {
         self.decomposer.geometry().vertex_map()
     }
 
     /// The signal with a value everywhere.
-    fn filled(&self) -> Result<Cow<'a, [f64]>, BandsError> {
+    pub(crate) fn filled(&self) -> Result<Cow<'a, [f64]>, BandsError> {
         match &self.decomposer.mask {
             Some(mask) => Ok(Cow::Owned(mask.fill(self.signal, self.n_channels, self.vertex_map())?)),
             None => Ok(Cow::Borrowed(self.signal)),
@@ -131,7 +142,7 @@ impl<'a> BandsRequest<'a> {
     }
 
     /// Wavelets that are 0 at masked vertices.
-    fn whole_wavelets(&self, filled: &[f64]) -> Result<Wavelets, BandsError> {
+    pub(crate) fn whole_wavelets(&self, filled: &[f64]) -> Result<Wavelets, BandsError> {
         let transform = self.transform()?;
         transform.wavelets(self.vertex_map(), filled, self.n_channels, self.schedule, self.progress)
     }
@@ -224,20 +235,5 @@ impl<'a> BandsRequest<'a> {
             mask.restore(self.signal, d, &mut edited);
         }
         edited
-    }
-
-    /// An object that keeps the bands, for edit after edit of this signal.
-    ///
-    /// # Errors
-    /// As for [`wavelets`](Self::wavelets).
-    pub fn editor(&self) -> Result<Editor, BandsError> {
-        let filled = self.filled()?;
-        let wavelets = self.whole_wavelets(&filled)?;
-        let mean = if self.vertex_map().n_welded() < self.vertex_map().n_vertices() {
-            self.vertex_map().mean(&filled, self.n_channels)
-        } else {
-            Vec::new()
-        };
-        Ok(Editor::new(self.decomposer.clone(), self.signal.to_vec(), wavelets, mean))
     }
 }
