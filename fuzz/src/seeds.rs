@@ -210,7 +210,8 @@ fn las(format: u8, is_compressed: bool) -> Outcome<Vec<u8>> {
     };
     let mut points = Vec::new();
     for i in 0..N {
-        let mut record: Vec<u8> = (0..size).map(|k| (k as u8).wrapping_mul(i as u8)).collect();
+        let mut record: Vec<u8> =
+            (0..size).map(|k| if k < 20 { (k as u8).wrapping_mul(i as u8) } else { 0 }).collect();
         record[..4].copy_from_slice(&(100 * i).to_le_bytes());
         points.extend(record);
     }
@@ -247,6 +248,7 @@ fn las(format: u8, is_compressed: bool) -> Outcome<Vec<u8>> {
         let mut compressor = laz::LasZipCompressor::new(&mut target, description)?;
         compressor.compress_many(&points)?;
         compressor.done()?;
+        drop(compressor);
         bytes = target.into_inner();
     } else {
         bytes.extend(points);

@@ -35,7 +35,7 @@ fn main() {
         let whole = Instant::now();
         write_path_with(&shape, &path, Some(format), Progress::none()).expect("room for the file");
         let written = whole.elapsed();
-        let write = |progress: Progress<'_'>| {
+        let write = |progress: Progress<'_>| {
             let other = path.with_extension("other");
             write_path_with(&shape, &other, Some(format), progress).is_err()
         };

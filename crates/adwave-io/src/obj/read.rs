@@ -80,11 +80,11 @@ pub(crate) fn read_obj(
 }
 
 /// Chunks parsed between two reports.
-const CHUNKS_AT_ONCE: usize = 32;
+const CHUNKS_AT_ONCE: usize = 128;
 
 /// Cuts the file at ends of lines that are not continued.
 fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
-    const BYTES: usize = 1 << 20;
+    const BYTES: usize = 1 << 18;
     let mut chunks = Vec::new();
     let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     while start < bytes.len() {

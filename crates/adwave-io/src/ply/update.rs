@@ -1,4 +1,4 @@
-//! Writing a PLY again: header, elements and properties stay as they are, coordinates are replaced, and vertex
+//! Updating a PLY: header, elements and properties stay as they are, coordinates are replaced, and vertex
 //! fields that were added or replaced become the last properties of the vertices.
 
 use std::io::Write;
