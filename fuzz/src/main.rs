@@ -164,7 +164,7 @@ fn check(target: &Target, input: &[u8]) -> Result<String, String> {
 fn kind(outcome: &str) -> String {
     let mut is_quoted = false;
     let keep = |c: &char| {
-        is_quoted ^= matches!(c, '"' | '`');
+        is_quoted ^= matches!(c, '"' | '`' | '\'');
         !is_quoted && !c.is_ascii_digit()
     };
     outcome.chars().filter(keep).collect()

@@ -198,7 +198,8 @@ impl TextRows {
                         Some(_) => break,
                     }
                 }
-                let stop = |b: u8| is_space(b) || b == b'\\';
+                // A remark may begin right after a value.
+                let stop = |b: u8| is_space(b) || matches!(b, b'\\' | b'#');
                 let end = bytes[begin..].iter().position(|&b| stop(b)).map_or(bytes.len(), |n| begin + n);
                 Some((begin, end))
             }

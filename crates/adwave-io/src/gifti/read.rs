@@ -14,7 +14,7 @@ use crate::field::{ByteOrder, Number, with_values};
 use crate::limits::decompress;
 use crate::progress::{BYTES_PER_STEP, at_row, collect, extend};
 use crate::read::read_file;
-use crate::text::{parse_f64, show};
+use crate::text::{one_line, parse_f64, show};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 use adwave::shape::Polygons;
 
@@ -161,7 +161,10 @@ fn arrays(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<V
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|e| {
         let line = u64::from(e.pos().row);
-        ReadError::Line { line, message: format!("the XML is malformed ({e}); get the whole file") }
+        ReadError::Line {
+            line,
+            message: format!("the XML is malformed ({}); get the whole file", one_line(&e)),
+        }
     })?;
     let root = document.root_element();
     if root.tag_name().name() != "GIFTI" {
