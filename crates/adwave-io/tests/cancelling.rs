@@ -60,8 +60,9 @@ fn reading_stops_at_whichever_report_it_is_told_to() {
         let mut bytes = Vec::new();
         write_bytes(&shape_for(format), format, &mut bytes).unwrap();
         let hint = format.extensions().first().map(|ending| format!("a.{ending}"));
-        let read =
-            |progress| read_bytes_with(bytes.clone(), hint.as_deref(), &ReadLimits::default(), progress);
+        let read = |progress: Progress<'_>| {
+            read_bytes_with(bytes.clone(), hint.as_deref(), &ReadLimits::default(), progress)
+        };
         let n_reports = AtomicU64::new(0);
         let count = |_, _| {
             n_reports.fetch_add(1, Ordering::Relaxed);
