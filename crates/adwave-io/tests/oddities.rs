@@ -223,7 +223,7 @@ fn what_a_format_cannot_hold_is_reported() {
 fn unchanged(bytes: &[u8], name: &str) -> Vec<u8> {
     let shape = read_bytes(bytes.to_vec(), Some(name), &ReadLimits::default()).unwrap();
     let mut out = Vec::new();
-    adwave_io::write_bytes(&shape, shape.format().unwrap(), &mut out).unwrap();
+    write_bytes(&shape, shape.format().unwrap(), &mut out).unwrap();
     out
 }
 
