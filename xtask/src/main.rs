@@ -11,6 +11,8 @@ const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
   test      format, lints, unit, property, documentation and command-line tests: all that must pass
+  fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N] [--file FILE]
+            broken input for every reader and parser; what breaks is saved below target/fuzz
   oracle    compare the bands with SciPy's, on built-in shapes and on ../shared/data where it is there
   oracle-baselines
             compare eigenvalues with SciPy's on libigl's matrices, and spectral graph wavelets with PyGSP's
@@ -28,6 +30,7 @@ fn main() -> ExitCode {
         ["test"] => test(),
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
+        ["fuzz", ref rest @ ..] => fuzz(rest),
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
@@ -48,7 +51,15 @@ fn test() -> Outcome {
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
-    cargo(&["test", "--workspace", "--locked", "--quiet"], &[])
+    cargo(&["test", "--workspace", "--locked", "--quiet"], &[])?;
+    fuzz(&[])
+}
+
+/// Broken input for a minute, or as the arguments say. With the optimisation of the tests, so that sums that overflow are
+/// seen.
+fn fuzz(arguments: &[&str]) -> Outcome {
+    let run = ["run", "--locked", "--quiet", "-p", "adwave-fuzz", "--"];
+    cargo(&[&run[..], arguments].concat(), &[])
 }
 
 fn oracle() -> Outcome {

@@ -21,7 +21,7 @@ fn main() {
         files.push(generated());
     }
     for path in files {
-        let copy = times(n_runs, || std::fs::read(&path).map(|bytes| bytes.len()).unwrap_or(0));
+        let copy = times(n_runs, || std::fs::read(&path).map_or(0, |bytes| bytes.len()));
         let read = times(n_runs, || read(&path));
         println!(
             "{}: {}; median {:.4} s, least {:.4} s; plain copy {:.4} s",

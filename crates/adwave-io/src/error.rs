@@ -191,7 +191,8 @@ pub enum WriteError {
 impl From<io::Error> for WriteError {
     /// An error of the system, or the request to stop that came through a [`std::io::Write`].
     fn from(error: io::Error) -> Self {
-        let is_cancelled = error.get_ref().is_some_and(|inner| inner.is::<Cancelled>());
+        let is_cancelled =
+            error.get_ref().is_some_and(<dyn std::error::Error + Send + Sync>::is::<Cancelled>);
         if is_cancelled { Self::Cancelled(Cancelled) } else { Self::Io(error) }
     }
 }

@@ -78,7 +78,7 @@ pub use csv::write::{csv_number, push_csv_row};
 pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;
-pub use gifti::read::{read_gifti_fields, read_gifti_fields_with};
+pub use gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
 pub use limits::ReadLimits;
 pub use mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};
 pub use npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};

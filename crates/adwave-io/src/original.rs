@@ -25,6 +25,8 @@ pub(crate) enum Original {
 pub(crate) enum Separator {
     /// Blanks, any number of them.
     Blanks,
+    /// Blanks, and a `#` ends the row even right after a value.
+    BlanksUntilRemark,
     /// This byte, once; there may be blanks around the values.
     Byte(u8),
 }
@@ -182,7 +184,7 @@ impl TextRows {
                     .map_or(bytes.len(), |n| begin + n);
                 if column > 0 || end > begin { Some((begin, end)) } else { None }
             }
-            Separator::Blanks => {
+            Separator::Blanks | Separator::BlanksUntilRemark => {
                 loop {
                     match bytes.get(begin) {
                         Some(b'\\') => {
@@ -198,7 +200,9 @@ impl TextRows {
                         Some(_) => break,
                     }
                 }
-                let stop = |b: u8| is_space(b) || b == b'\\';
+                // Elsewhere the sign may be part of a number: `1.#INF`.
+                let is_remark = |b: u8| b == b'#' && self.separator == Separator::BlanksUntilRemark;
+                let stop = |b: u8| is_space(b) || b == b'\\' || is_remark(b);
                 let end = bytes[begin..].iter().position(|&b| stop(b)).map_or(bytes.len(), |n| begin + n);
                 Some((begin, end))
             }

@@ -125,9 +125,10 @@ pub fn read_bytes_with(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let mut bytes = decompress(bytes, limits, progress)?;
-    let format = sniff(&bytes, name_hint)?;
-    if is_text(format, &bytes) {
-        old_line_ends(&mut bytes, progress)?;
+    let mut format = sniff(&bytes, name_hint)?;
+    if is_text(format, &bytes) && old_line_ends(&mut bytes, progress)? {
+        // What was one long remark may be rows now.
+        format = sniff(&bytes, name_hint)?;
     }
     let mut shape = match format.family() {
         Format::Obj => crate::obj::read::read_obj(bytes, limits, progress),
@@ -158,21 +159,23 @@ fn is_text(format: Format, bytes: &[u8]) -> bool {
     text || (format == Format::Ply && bytes.starts_with(b"ply\rformat ascii"))
 }
 
-/// Lines that end with a carriage return alone (before 2001 on the Macintosh) get line feeds instead.
-fn old_line_ends(bytes: &mut [u8], progress: Progress<'_>) -> Result<(), Cancelled> {
+/// Lines that end with a carriage return alone (before 2001 on the Macintosh) get line feeds instead; whether there were any.
+fn old_line_ends(bytes: &mut [u8], progress: Progress<'_>) -> Result<bool, Cancelled> {
     for chunk in bytes.chunks(BYTES_PER_STEP) {
         progress.check()?;
         if memchr::memchr(b'\n', chunk).is_some() {
-            return Ok(());
+            return Ok(false);
         }
     }
+    let mut is_changed = false;
     for chunk in bytes.chunks_mut(BYTES_PER_STEP) {
         progress.check()?;
         for b in chunk {
             if *b == b'\r' {
                 *b = b'\n';
+                is_changed = true;
             }
         }
     }
-    Ok(())
+    Ok(is_changed)
 }

@@ -97,7 +97,7 @@ fn coords() -> String {
 pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
     let table: Table = toml::from_str(text).map_err(|e| {
         let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count() as u64);
-        ReadError::Line { line, message: e.message().replace('\n', " ") }
+        ReadError::Line { line, message: crate::text::one_line(&e.message()) }
     })?;
     let levels = match (table.levels, table.steps, table.lengths) {
         (None, None, None) => Levels::Default,

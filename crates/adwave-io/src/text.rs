@@ -20,6 +20,11 @@ pub(crate) fn line_end(bytes: &[u8], start: usize) -> usize {
     memchr::memchr(b'\n', &bytes[start..]).map_or(bytes.len(), |n| start + n)
 }
 
+/// The text of another library's error without line breaks and other control characters.
+pub(crate) fn one_line(error: &dyn std::fmt::Display) -> String {
+    error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
 /// A word for a message: quoted, control bytes escaped, at most 40 characters.
 pub(crate) fn show(word: &[u8]) -> String {
     let text = String::from_utf8_lossy(&word[..word.len().min(160)]);

@@ -119,17 +119,17 @@ pub fn write_bytes_with(
     match format {
         Format::Obj => crate::obj::write::write_obj(shape, &mut report, out, progress)?,
         Format::Ply | Format::PlyAscii => {
-            crate::ply::write::write_ply(shape, format, &mut report, out, progress)?
+            crate::ply::write::write_ply(shape, format, &mut report, out, progress)?;
         }
         Format::Off => crate::off::write::write_off(shape, &mut report, out, progress)?,
         Format::Stl | Format::StlAscii => {
-            crate::stl::write::write_stl(shape, format, &mut report, out, progress)?
+            crate::stl::write::write_stl(shape, format, &mut report, out, progress)?;
         }
         Format::Xyz | Format::Pts | Format::Csv => {
             crate::columns::write::write_columns(shape, format, &mut report, out, progress)?;
         }
         Format::Pcd | Format::PcdAscii => {
-            crate::pcd::write::write_pcd(shape, format, &mut report, out, progress)?
+            crate::pcd::write::write_pcd(shape, format, &mut report, out, progress)?;
         }
         Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
         Format::Vtp => crate::vtp::write::write_vtp(shape, &mut report, out, progress)?,

@@ -218,3 +218,38 @@ fn what_a_format_cannot_hold_is_reported() {
         write_bytes(&cloud, Format::Las, &mut bytes).unwrap_err().to_string().contains("cannot be written")
     );
 }
+
+/// Reads, writes without a change, and gives what was written.
+fn unchanged(bytes: &[u8], name: &str) -> Vec<u8> {
+    let shape = read_bytes(bytes.to_vec(), Some(name), &ReadLimits::default()).unwrap();
+    let mut out = Vec::new();
+    write_bytes(&shape, shape.format().unwrap(), &mut out).unwrap();
+    out
+}
+
+#[test]
+fn a_vertical_tab_between_values_of_a_ply_is_kept() {
+    let text =
+        b"ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+                 end_header\n0 0 5\x0b1 2 3\n";
+    assert_eq!(unchanged(text, "a.ply"), text);
+}
+
+#[test]
+fn a_remark_right_after_a_value_of_an_off_is_kept() {
+    let text = b"OFF\n1 0 0\n1 0 0#3 4\n";
+    assert_eq!(unchanged(text, "a.off"), text);
+}
+
+#[test]
+fn a_remark_that_ends_in_a_carriage_return_hides_no_rows() {
+    let text = b"# 0.5\r 1 \r";
+    let error = read_bytes(text.to_vec(), Some("a.obj"), &ReadLimits::default()).unwrap_err();
+    assert!(error.to_string().contains("named as obj"), "{error}");
+}
+
+#[test]
+fn an_xml_error_is_one_line() {
+    let error = adwave_io::parse_gifti_fields(b"<?x\ry?><GIFTI\r", &ReadLimits::default()).unwrap_err();
+    assert!(!error.to_string().contains('\r'), "{error:?}");
+}

@@ -85,7 +85,7 @@ pub(crate) fn read_columns(
 /// Splits a row into its values.
 fn cells(line: &[u8], separator: Separator) -> impl Iterator<Item = &[u8]> {
     line.split(move |&b| match separator {
-        Separator::Blanks => is_blank(b),
+        Separator::Blanks | Separator::BlanksUntilRemark => is_blank(b),
         Separator::Byte(s) => b == s,
     })
     .map(<[u8]>::trim_ascii)

@@ -109,6 +109,6 @@ fn row_error(error: &csv::Error) -> String {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             format!("a row has {len} cells, the first row has {expected_len}; make them alike")
         }
-        _ => format!("the table cannot be read ({error})"),
+        _ => format!("the table cannot be read ({})", crate::text::one_line(error)),
     }
 }

@@ -14,7 +14,7 @@ use crate::field::{ByteOrder, Number, with_values};
 use crate::limits::decompress;
 use crate::progress::{BYTES_PER_STEP, at_row, collect, extend};
 use crate::read::read_file;
-use crate::text::{parse_f64, show};
+use crate::text::{one_line, parse_f64, show};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 use adwave::shape::Polygons;
 
@@ -89,22 +89,33 @@ pub fn read_gifti_fields_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
-    let read = || {
-        let bytes = decompress(read_file(path, limits, progress)?, limits, progress)?;
-        let mut fields: Vec<Field> = Vec::new();
-        for array in arrays(&bytes, limits, progress)? {
-            if !matches!(array.intent.as_str(), "pointset" | "triangle") && !array.values.is_empty() {
-                let name = array.name.unwrap_or(array.intent);
-                let name = unused(&name, |name| fields.iter().any(|f| f.name == name));
-                fields.push(Field::new(name, array.columns, array.values));
-            }
+    read_file(path, limits, progress)
+        .and_then(|bytes| decompress(bytes, limits, progress))
+        .and_then(|bytes| parse_fields(&bytes, limits, progress))
+        .map_err(|e| e.in_file(path))
+}
+
+/// As [`read_gifti_fields`], from bytes that are not compressed as a whole.
+///
+/// # Errors
+/// As [`read_gifti_fields`], without the file's name.
+pub fn parse_gifti_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
+    parse_fields(bytes, limits, Progress::none())
+}
+
+fn parse_fields(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Vec<Field>, ReadError> {
+    let mut fields: Vec<Field> = Vec::new();
+    for array in arrays(bytes, limits, progress)? {
+        if !matches!(array.intent.as_str(), "pointset" | "triangle") && !array.values.is_empty() {
+            let name = array.name.unwrap_or(array.intent);
+            let name = unused(&name, |name| fields.iter().any(|f| f.name == name));
+            fields.push(Field::new(name, array.columns, array.values));
         }
-        if fields.is_empty() {
-            return Err(ReadError::Whole("this GIFTI has no values at vertices, only a surface".into()));
-        }
-        Ok(fields)
-    };
-    read().map_err(|e| e.in_file(path))
+    }
+    if fields.is_empty() {
+        return Err(ReadError::Whole("this GIFTI has no values at vertices, only a surface".into()));
+    }
+    Ok(fields)
 }
 
 /// A name that is not taken: with a number after it where it is.
@@ -150,7 +161,10 @@ fn arrays(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<V
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|e| {
         let line = u64::from(e.pos().row);
-        ReadError::Line { line, message: format!("the XML is malformed ({e}); get the whole file") }
+        ReadError::Line {
+            line,
+            message: format!("the XML is malformed ({}); get the whole file", one_line(&e)),
+        }
     })?;
     let root = document.root_element();
     if root.tag_name().name() != "GIFTI" {

@@ -74,7 +74,7 @@ fn unpack_checked(
     description: &[u8],
     progress: Progress<'_>,
 ) -> Result<Vec<u8>, Stop> {
-    let one_line = |e: &dyn std::fmt::Display| Stop::Broken(e.to_string().replace('\n', " "));
+    let one_line = |e: &dyn std::fmt::Display| Stop::Broken(crate::text::one_line(e));
     let description = laz::LazVlr::from_buffer(description).map_err(|e| one_line(&e))?;
     let mut source = Cursor::new(bytes);
     source.seek(SeekFrom::Start(header.points_start as u64)).map_err(|e| one_line(&e))?;

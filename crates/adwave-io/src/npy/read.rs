@@ -24,7 +24,9 @@ pub struct NpyArray {
 impl NpyArray {
     /// The array as a field: each row is a vertex, and what is left of the dimensions its channels.
     pub fn into_field(self, name: &str) -> Field {
-        let n_channels = self.shape.iter().skip(1).product::<usize>().max(1);
+        // Of an array without rows the other lengths may be anything.
+        let product = self.shape.iter().skip(1).try_fold(1_usize, |product, &n| product.checked_mul(n));
+        let n_channels = product.unwrap_or(1).max(1);
         Field::new(name, n_channels, self.values)
     }
 }
@@ -83,7 +85,7 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NpyArray, ReadError> {
     let (Some(product), Some(needed)) = (product, needed.filter(|&needed| needed <= body.len())) else {
         return Err(ReadError::Truncated {
             end: bytes.len() as u64,
-            needed: (start + n) as u64 + needed.unwrap_or(usize::MAX / 2) as u64,
+            needed: ((start + n) as u64).saturating_add(needed.unwrap_or(usize::MAX) as u64),
             element: "array".into(),
             row: (body.len() / value_type.n_bytes()) as u64,
         });
@@ -171,6 +173,9 @@ mod tests {
         let huge =
             npy("{'descr': '<f8', 'fortran_order': False, 'shape': (4000000000, 4000000000), }\n", &[0; 8]);
         assert!(matches!(read_npy_bytes(&huge), Err(ReadError::Truncated { .. })));
+        let overflowing =
+            npy("{'descr': '|u1', 'fortran_order': False, 'shape': (18446744073709551615,), }\n", &[0; 8]);
+        assert!(matches!(read_npy_bytes(&overflowing), Err(ReadError::Truncated { .. })));
         let empty = npy("{'descr': '<f8', 'fortran_order': True, 'shape': (0, 3), }\n", &[]);
         assert_eq!(read_npy_bytes(&empty).unwrap().values.len(), 0);
     }

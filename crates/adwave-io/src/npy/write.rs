@@ -29,7 +29,7 @@ pub enum ArrayValues<'a> {
     I64(&'a [i64]),
     F32(&'a [f32]),
     F64(&'a [f64]),
-    /// One array in several pieces, one after the other.
+    /// One array in several parts, one after the other.
     F64Parts(&'a [&'a [f64]]),
     /// Offsets and counts, written as 64-bit integers.
     Usize(&'a [usize]),
@@ -66,31 +66,31 @@ impl ArrayValues<'_> {
         }
     }
 
-    /// Writes the numbers piece by piece, so that no copy of the array is made.
+    /// Writes the numbers chunk by chunk, so that no copy of the array is made.
     fn write(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        fn pieces<T: Copy, const N: usize>(
+        fn by_chunks<T: Copy, const N: usize>(
             values: &[T],
             bytes: impl Fn(T) -> [u8; N],
             out: &mut dyn Write,
         ) -> std::io::Result<()> {
             let mut buffer = Vec::with_capacity(8192 * N);
-            for piece in values.chunks(8192) {
+            for chunk in values.chunks(8192) {
                 buffer.clear();
-                buffer.extend(piece.iter().flat_map(|&x| bytes(x)));
+                buffer.extend(chunk.iter().flat_map(|&x| bytes(x)));
                 out.write_all(&buffer)?;
             }
             Ok(())
         }
         match self {
             Self::U8(v) => out.write_all(v),
-            Self::U32(v) => pieces(v, u32::to_le_bytes, out),
-            Self::I32(v) => pieces(v, i32::to_le_bytes, out),
-            Self::U64(v) => pieces(v, u64::to_le_bytes, out),
-            Self::I64(v) => pieces(v, i64::to_le_bytes, out),
-            Self::F32(v) => pieces(v, f32::to_le_bytes, out),
-            Self::F64(v) => pieces(v, f64::to_le_bytes, out),
-            Self::F64Parts(parts) => parts.iter().try_for_each(|part| pieces(part, f64::to_le_bytes, out)),
-            Self::Usize(v) => pieces(v, |x| (x as i64).to_le_bytes(), out),
+            Self::U32(v) => by_chunks(v, u32::to_le_bytes, out),
+            Self::I32(v) => by_chunks(v, i32::to_le_bytes, out),
+            Self::U64(v) => by_chunks(v, u64::to_le_bytes, out),
+            Self::I64(v) => by_chunks(v, i64::to_le_bytes, out),
+            Self::F32(v) => by_chunks(v, f32::to_le_bytes, out),
+            Self::F64(v) => by_chunks(v, f64::to_le_bytes, out),
+            Self::F64Parts(parts) => parts.iter().try_for_each(|part| by_chunks(part, f64::to_le_bytes, out)),
+            Self::Usize(v) => by_chunks(v, |x| (x as i64).to_le_bytes(), out),
             Self::Text(t) => out.write_all(if t.is_empty() { b"\0" } else { t.as_bytes() }),
         }
     }

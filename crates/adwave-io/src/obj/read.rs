@@ -80,11 +80,11 @@ pub(crate) fn read_obj(
 }
 
 /// Chunks parsed between two reports.
-const CHUNKS_AT_ONCE: usize = 32;
+const CHUNKS_AT_ONCE: usize = 128;
 
 /// Cuts the file at ends of lines that are not continued.
 fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
-    const BYTES: usize = 1 << 20;
+    const BYTES: usize = 1 << 18;
     let mut chunks = Vec::new();
     let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     while start < bytes.len() {
@@ -203,12 +203,39 @@ fn resolve_relative(chunks: &mut [Chunk]) {
     }
 }
 
+/// Points, places of their rows, and faces.
+type Lists = (Vec<[f64; 3]>, Vec<u64>, Polygons);
+
+/// Where one chunk's part of each list goes.
+struct Place<'a> {
+    /// Corners before the chunk.
+    first: u32,
+    points: &'a mut [[f64; 3]],
+    rows: &'a mut [u64],
+    corners: &'a mut [u32],
+    ends: &'a mut [u32],
+    chunk: &'a mut Chunk,
+}
+
+impl Place<'_> {
+    fn fill(self) {
+        self.points.copy_from_slice(&std::mem::take(&mut self.chunk.points));
+        self.rows.copy_from_slice(&std::mem::take(&mut self.chunk.rows));
+        self.corners.copy_from_slice(&self.chunk.corners);
+        let mut end = self.first;
+        for (slot, size) in self.ends.iter_mut().zip(&self.chunk.face_sizes) {
+            end += size;
+            *slot = end;
+        }
+    }
+}
+
 /// Points, places of their rows, and faces of all chunks, each chunk's copied to its place by whichever thread is free.
 fn lists(
     chunks: &mut [Chunk],
     [n_vertices, n_faces, n_corners]: [usize; 3],
     progress: Progress<'_>,
-) -> Result<(Vec<[f64; 3]>, Vec<u64>, Polygons), ReadError> {
+) -> Result<Lists, ReadError> {
     let mut points = vec![[0.0; 3]; n_vertices];
     let mut rows = vec![0; n_vertices];
     let mut corners = vec![0; n_corners];
@@ -220,39 +247,21 @@ fn lists(
         let mut first = 0;
         for chunk in chunks.iter_mut() {
             let (n, n_faces, n_corners) = (chunk.n_points, chunk.face_sizes.len(), chunk.corners.len());
-            places.push((
+            places.push(Place {
                 first,
-                take_front(&mut points, n),
-                take_front(&mut rows, n),
-                take_front(&mut corners, n_corners),
-                take_front(&mut ends, n_faces),
+                points: take_front(&mut points, n),
+                rows: take_front(&mut rows, n),
+                corners: take_front(&mut corners, n_corners),
+                ends: take_front(&mut ends, n_faces),
                 chunk,
-            ));
+            });
             first += n_corners as u32;
         }
-        let copy = |(first, points, rows, corners, ends, chunk): (
-            u32,
-            &mut [[f64; 3]],
-            &mut [u64],
-            &mut [u32],
-            &mut [u32],
-            &mut Chunk,
-        )| {
-            progress.check()?;
-            points.copy_from_slice(&std::mem::take(&mut chunk.points));
-            rows.copy_from_slice(&std::mem::take(&mut chunk.rows));
-            corners.copy_from_slice(&chunk.corners);
-            let mut end = first;
-            for (slot, size) in ends.iter_mut().zip(&chunk.face_sizes) {
-                end += size;
-                *slot = end;
-            }
-            Ok(())
-        };
+        let copy = |place: Place<'_>| progress.check().map(|()| place.fill());
         if places.len() == 1 {
             places.into_iter().try_for_each(copy)?;
         } else {
-            places.into_par_iter().try_for_each(copy).map_err(|e: Cancelled| e)?;
+            places.into_par_iter().try_for_each(copy)?;
         }
     }
     let faces = Polygons::from_parts(offsets, corners).expect("sums of the sizes of the faces");
@@ -260,6 +269,7 @@ fn lists(
 }
 
 /// The first `n` of a slice, which then begins after them.
+#[expect(clippy::mut_mut, reason = "the slice itself moves on")]
 fn take_front<'a, T>(slice: &mut &'a mut [T], n: usize) -> &'a mut [T] {
     let (front, rest) = std::mem::take(slice).split_at_mut(n);
     *slice = rest;

@@ -64,7 +64,7 @@ pub(crate) fn read_off(
         bytes,
         rows,
         columns: [0, 1, 2],
-        separator: Separator::Blanks,
+        separator: Separator::BlanksUntilRemark,
         names: None,
     })));
     Ok(shape)

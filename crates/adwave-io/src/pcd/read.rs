@@ -9,7 +9,7 @@ use crate::progress::{at_row, collect};
 use crate::text::{line_end, parse_f32, parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
-/// What is kept of a PCD to write it again.
+/// What is kept of a PCD to update it.
 #[derive(Debug)]
 pub(crate) struct PcdOriginal {
     /// Seven numbers: position and rotation of the sensor.

@@ -172,7 +172,7 @@ fn whole(bytes: &[u8], t: ValueType, order: ByteOrder) -> Option<u32> {
 
 /// What rows of faces hold.
 pub(crate) struct Faces {
-    pub(crate) faces: Polygons,
+    pub(crate) polygons: Polygons,
     pub(crate) columns: Vec<Option<FieldValues>>,
     /// How many rows were read; the next one is for the slow way, which says what is wrong with it.
     pub(crate) n_rows: u64,
@@ -216,8 +216,8 @@ pub(crate) fn read_faces(
         body.position += rows.bytes.len();
         row += n;
     }
-    let faces = list.into_polygons(body.progress)?;
-    Ok(Some(Faces { faces, columns, n_rows: row as u64 }))
+    let polygons = list.into_polygons(body.progress)?;
+    Ok(Some(Faces { polygons, columns, n_rows: row as u64 }))
 }
 
 /// The corners of faces: triangles as long as there is nothing else, so that each is written once and in its place.

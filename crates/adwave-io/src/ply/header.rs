@@ -46,7 +46,7 @@ pub(crate) struct Header {
     pub(crate) body: usize,
 }
 
-/// What is kept of a PLY to write it again.
+/// What is kept of a PLY to update it.
 #[derive(Debug)]
 pub(crate) struct PlyOriginal {
     pub(crate) bytes: Vec<u8>,

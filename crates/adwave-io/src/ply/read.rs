@@ -164,7 +164,7 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
     if let Some(corners) = corners
         && let Some(read) = fixed::read_faces(body, element, corners, shape.n_vertices)?
     {
-        (shape.faces, columns, first) = (read.faces, read.columns, read.n_rows);
+        (shape.faces, columns, first) = (read.polygons, read.columns, read.n_rows);
     }
     let mut face = Vec::new();
     for row in first..element.n_rows {

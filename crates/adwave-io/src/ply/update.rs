@@ -1,4 +1,4 @@
-//! Writing a PLY again: header, elements and properties stay as they are, coordinates are replaced, and vertex
+//! Updating a PLY: header, elements and properties stay as they are, coordinates are replaced, and vertex
 //! fields that were added or replaced become the last properties of the vertices.
 
 use std::io::Write;
@@ -9,7 +9,7 @@ use crate::ply::body::Body;
 use crate::ply::header::{Encoding, Kind, PlyOriginal};
 use crate::ply::write::{Style, note_rounding, property_lines, push_fields};
 use crate::progress::at_row;
-use crate::text::{parse_f32, parse_f64};
+use crate::text::{is_space, parse_f32, parse_f64};
 use crate::{Field, FieldValues, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Writes the original with other coordinates and fields.
@@ -116,7 +116,7 @@ fn push_coordinate(old: &[u8], t: ValueType, x: f64, style: Style, row: &mut Vec
         return;
     }
     let Style::Bytes(order) = style else {
-        let blanks = old.iter().take_while(|b| b.is_ascii_whitespace()).count();
+        let blanks = old.iter().take_while(|&&b| is_space(b)).count();
         let word = &old[blanks..];
         let before = if t == ValueType::F32 { parse_f32(word).map(f64::from) } else { parse_f64(word) };
         let same =

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::TextureError;
 use crate::error::kind_of_io;
+use crate::text::one_line;
 use adwave::ErrorKind;
 use image::{ImageError, ImageReader, RgbImage};
 
@@ -23,12 +24,12 @@ impl Picture {
             |kind, cause: String| TextureError::Picture { path: path.display().to_string(), cause, kind };
         let mut reader = ImageReader::open(path)
             .and_then(ImageReader::with_guessed_format)
-            .map_err(|e| wrong(kind_of_io(&e), e.to_string()))?;
+            .map_err(|e| wrong(kind_of_io(&e), one_line(&e)))?;
         let mut limits = image::Limits::default();
         (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
         limits.max_alloc = Some(MAX_BYTES);
         reader.limits(limits);
-        let pixels = reader.decode().map_err(|e| wrong(kind_of(&e), e.to_string()))?.into_rgb8();
+        let pixels = reader.decode().map_err(|e| wrong(kind_of(&e), one_line(&e)))?.into_rgb8();
         if pixels.width() == 0 || pixels.height() == 0 {
             return Err(wrong(ErrorKind::Input, "it has no pixels".into()));
         }

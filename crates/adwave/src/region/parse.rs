@@ -14,22 +14,25 @@ use thiserror::Error;
 #[derive(Debug, Error, PartialEq)]
 pub enum RegionSyntaxError {
     /// Something that is not a length.
-    #[error("'{0}' is not a length; write model units (0.25) or a percentage of the diagonal (5%)")]
+    #[error("'{}' is not a length; write model units (0.25) or a percentage of the diagonal (5%)", one_line(.0))]
     NotALength(String),
     /// Something that is not a number.
-    #[error("'{0}' is not a number")]
+    #[error("'{}' is not a number", one_line(.0))]
     NotANumber(String),
     /// Something that is not a point.
-    #[error("'{0}' is not a point; write three numbers with blanks between, as in '0.1 0 2.5'")]
+    #[error("'{}' is not a point; write three numbers with blanks between, as in '0.1 0 2.5'", one_line(.0))]
     NotAPoint(String),
     /// Something that is not a vertex index.
-    #[error("'{0}' is not a vertex index; vertices are counted from 0")]
+    #[error("'{}' is not a vertex index; vertices are counted from 0", one_line(.0))]
     NotAVertex(String),
     /// A kind of region that does not exist.
-    #[error("there is no region '{0}'; there are all, ball, stroke, box, half-space, field and vertices")]
+    #[error(
+        "there is no region '{}'; there are all, ball, stroke, box, half-space, field and vertices",
+        one_line(.0)
+    )]
     NoSuchRegion(String),
     /// A key that the region does not have.
-    #[error("a {region} region has no '{key}'; it has {known}")]
+    #[error("a {region} region has no '{}'; it has {known}", one_line(.key))]
     NoSuchKey {
         /// The kind of region.
         region: &'static str,
@@ -47,16 +50,22 @@ pub enum RegionSyntaxError {
         key: &'static str,
     },
     /// A part without `key=value`.
-    #[error("'{0}' is not of the form key=value")]
+    #[error("'{}' is not of the form key=value", one_line(.0))]
     NotAKeyValue(String),
     /// The text ends too early or goes on too long.
     #[error(
-        "the region does not read on at '{0}'; parts are joined by '&' and '|', negated by '!', grouped by '(' and ')'"
+        "the region does not read on at '{}'; parts are joined by '&' and '|', negated by '!', grouped by '(' and ')'",
+        one_line(.0)
     )]
     Unexpected(String),
     /// More brackets than can be meant.
     #[error("the region is nested more than {0} deep")]
     TooDeep(usize),
+}
+
+/// A part of the text for a message, control characters escaped, so that the message stays one line.
+fn one_line(text: &str) -> String {
+    text.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
 }
 
 /// Brackets and negations within each other: past this a text is an attack, not a region.

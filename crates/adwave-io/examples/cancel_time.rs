@@ -1,0 +1,92 @@
+//! Prints how long reading and writing take to stop, from the flag to the error, told to at moments spread over the whole
+//! call: `cargo run --release -p adwave-io --example cancel_time -- [--vertices N] [--tries N] [FORMAT…]`.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use adwave::Progress;
+use adwave::shape::Polygons;
+use adwave_io::{Format, ReadLimits, ShapeFile, read_path_with, write_path_with};
+
+fn main() {
+    let (mut n, mut n_tries, mut formats) = (10_000_000_u32, 20, Vec::new());
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut number = || arguments.next().and_then(|n| n.parse().ok()).expect("a number");
+        match argument.as_str() {
+            "--vertices" => n = number(),
+            "--tries" => n_tries = number(),
+            name => formats.push(Format::from_name(name).expect("the name of a format")),
+        }
+    }
+    if formats.is_empty() {
+        formats = vec![Format::Ply, Format::Obj, Format::Stl];
+    }
+    let side = f64::from(n).sqrt() as u32;
+    let points = (0..n).map(|v| [f64::from(v % side), f64::from(v / side), f64::from(v).sin()]).collect();
+    let triangles: Vec<[u32; 3]> =
+        (0..n - side - 1).flat_map(|v| [[v, v + 1, v + side], [v + 1, v + side + 1, v + side]]).collect();
+    let shape = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
+    drop(triangles);
+    let folder = tempfile::tempdir().expect("a folder for temporary files");
+    for format in formats {
+        let path = folder.path().join(format!("a.{}", format.extensions().first().unwrap_or(&"ply")));
+        let whole = Instant::now();
+        write_path_with(&shape, &path, Some(format), Progress::none()).expect("room for the file");
+        let written = whole.elapsed();
+        let write = |progress: Progress<'_>| {
+            let other = path.with_extension("other");
+            write_path_with(&shape, &other, Some(format), progress).is_err()
+        };
+        println!(
+            "{format}: writing takes {:.2} s, {}",
+            written.as_secs_f64(),
+            stops(n_tries, written, write)
+        );
+        let whole = Instant::now();
+        let is_read = read(&path, Progress::none());
+        let took = whole.elapsed();
+        assert!(!is_read, "the file that was written is read");
+        println!(
+            "{format}: reading takes {:.2} s, {}",
+            took.as_secs_f64(),
+            stops(n_tries, took, |progress| read(&path, progress))
+        );
+        std::fs::remove_file(&path).expect("the file that was written");
+    }
+}
+
+/// Whether reading ends in an error.
+fn read(path: &Path, progress: Progress<'_>) -> bool {
+    read_path_with(path, &ReadLimits::default(), progress).is_err()
+}
+
+/// The longest and the median wait of several calls that are told to stop.
+fn stops(n_tries: u32, whole: Duration, call: impl Fn(Progress<'_>) -> bool) -> String {
+    let mut waits = Vec::new();
+    for k in 0..n_tries {
+        let stop = AtomicBool::new(false);
+        let (wait, stopped) = std::thread::scope(|scope| {
+            let flag = scope.spawn(|| {
+                std::thread::sleep(whole.mul_f64((f64::from(k) + 0.5) / f64::from(n_tries)));
+                stop.store(true, Ordering::Relaxed);
+                Instant::now()
+            });
+            let stopped = call(Progress::none().with_cancel(&stop));
+            let end = Instant::now();
+            (end.saturating_duration_since(flag.join().expect("a thread that sleeps")), stopped)
+        });
+        if stopped {
+            waits.push(wait);
+        }
+    }
+    waits.sort_unstable();
+    match (waits.last(), waits.get(waits.len() / 2)) {
+        (Some(longest), Some(median)) => {
+            let ms = |d: &Duration| d.as_secs_f64() * 1e3;
+            format!("stops within {:.1} ms, median {:.1} ms, of {}", ms(longest), ms(median), waits.len())
+        }
+        _ => "was never stopped".to_owned(),
+    }
+}

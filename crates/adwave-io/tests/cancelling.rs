@@ -1,0 +1,112 @@
+//! Reading and writing stop when they are told to, in every format, and say how far they are.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use adwave::shape::Polygons;
+use adwave::{ClassifiedError, ErrorKind, Progress, ProgressCounter};
+use adwave_io::{
+    Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, WriteError, read_bytes_with,
+    read_path_with, write_bytes, write_bytes_with, write_path_with,
+};
+
+/// A strip of triangles with a field.
+fn mesh() -> ShapeFile {
+    const N: u32 = 20_000;
+    let points = (0..N).map(|v| [f64::from(v / 2), f64::from(v % 2), 0.0]).collect();
+    let triangles: Vec<[u32; 3]> = (0..N - 2).map(|f| [f, f + 1, f + 2]).collect();
+    let mut mesh = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
+    mesh.add_vertex_field(Field::new("color", 3, FieldValues::U8(vec![9; 3 * N as usize]))).unwrap();
+    mesh
+}
+
+fn graph() -> ShapeFile {
+    let pairs = (0..20_000).map(|v| [v + 1, v]).collect();
+    ShapeFile::from_graph(20_001, Edges { pairs, ..Edges::default() })
+}
+
+fn shape_for(format: Format) -> ShapeFile {
+    if format == Format::Mtx { graph() } else { mesh() }
+}
+
+fn writable() -> impl Iterator<Item = Format> {
+    Format::all().filter(|f| f.can_write())
+}
+
+#[test]
+fn writing_stops_at_whichever_report_it_is_told_to() {
+    for format in writable() {
+        let shape = shape_for(format);
+        let n_reports = AtomicU64::new(0);
+        let count = |_, _| {
+            n_reports.fetch_add(1, Ordering::Relaxed);
+        };
+        let progress = Progress::none().with_report(&count);
+        write_bytes_with(&shape, format, &mut Vec::new(), progress).unwrap();
+        let n_reports = n_reports.into_inner();
+        assert!(n_reports > 2, "{format}: {n_reports} reports");
+        for nth in 0..n_reports {
+            let (stop, seen) = (AtomicBool::new(false), AtomicU64::new(0));
+            let report = |_, _| stop.store(seen.fetch_add(1, Ordering::Relaxed) == nth, Ordering::Relaxed);
+            let progress = Progress::none().with_report(&report).with_cancel(&stop);
+            let error = write_bytes_with(&shape, format, &mut Vec::new(), progress).unwrap_err();
+            assert!(matches!(error, WriteError::Cancelled(_)), "{format}, report {nth}: {error}");
+        }
+    }
+}
+
+#[test]
+fn reading_stops_at_whichever_report_it_is_told_to() {
+    for format in writable().filter(|f| f.can_read()) {
+        let mut bytes = Vec::new();
+        write_bytes(&shape_for(format), format, &mut bytes).unwrap();
+        let hint = format.extensions().first().map(|ending| format!("a.{ending}"));
+        let read = |progress: Progress<'_>| {
+            read_bytes_with(bytes.clone(), hint.as_deref(), &ReadLimits::default(), progress)
+        };
+        let n_reports = AtomicU64::new(0);
+        let count = |_, _| {
+            n_reports.fetch_add(1, Ordering::Relaxed);
+        };
+        read(Progress::none().with_report(&count)).unwrap();
+        let n_reports = n_reports.into_inner();
+        assert!(n_reports > 0, "{format}");
+        for nth in 0..n_reports {
+            let (stop, seen) = (AtomicBool::new(false), AtomicU64::new(0));
+            let report = |_, _| stop.store(seen.fetch_add(1, Ordering::Relaxed) == nth, Ordering::Relaxed);
+            let error = read(Progress::none().with_report(&report).with_cancel(&stop)).unwrap_err();
+            assert!(matches!(error, ReadError::Cancelled(_)), "{format}, report {nth}: {error}");
+        }
+    }
+}
+
+#[test]
+fn a_file_that_is_not_written_leaves_the_old_one_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ply");
+    std::fs::write(&path, b"old").unwrap();
+    let stop = AtomicBool::new(true);
+    let progress = Progress::none().with_cancel(&stop);
+    let error = write_path_with(&mesh(), &path, None, progress).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Cancelled);
+    assert!(error.to_string().contains("a.ply"), "{error}");
+    assert_eq!(std::fs::read(&path).unwrap(), b"old");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+
+    write_path_with(&mesh(), &path, None, Progress::none()).unwrap();
+    let error = read_path_with(&path, &ReadLimits::default(), progress).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Cancelled);
+}
+
+#[test]
+fn a_counter_can_be_polled() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    let counter = ProgressCounter::default();
+    let progress = Progress::none().with_counter(&counter);
+    write_path_with(&mesh(), &path, None, progress).unwrap();
+    let (done, total) = counter.get();
+    assert!(done <= total && total == 19_998, "{done} of {total} faces");
+    read_path_with(&path, &ReadLimits::default(), progress).unwrap();
+    let (done, total) = counter.get();
+    assert!(done > 0 && done <= total, "{done} of {total}");
+}

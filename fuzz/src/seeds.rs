@@ -1,0 +1,284 @@
+//! The seeds, made here: small files of every format from our own writers, and by hand what these do not write.
+//! `cargo run -p adwave-fuzz -- --write-seeds` writes them below `fuzz/seeds/`.
+
+use adwave::shape::Polygons;
+use adwave_io::{
+    ArrayValues, Direction, Edges, Field, FieldValues, Format, Precision, ShapeFile, write_bytes, write_npy,
+};
+use base64::Engine;
+use std::error::Error;
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// Texts: folder, name, content.
+const TEXTS: &[(&str, &str, &str)] = &[
+    (
+        "obj",
+        "corners",
+        "o a\nmtllib a.mtl\nv 0 0 0\nv 1 0 0 1\nv 0 1 0\nvt 0 0\nvt 1 0\nvn 0 0 1\ng b\nusemtl c\nf 1/1/1 2/2/1 3//1\nf -1 -2 \\\n -3\nl 1 2 3\np 1\ns off\n",
+    ),
+    (
+        "obj",
+        "colors",
+        "\u{feff}# c \\\nv 0 0 0 0.5 0.5 1\r\nv 1 0 0 1 0 0\r\nv 0 1e0 -.5 0 0 0\r\nf 1 2 3\r\n",
+    ),
+    (
+        "ply",
+        "strips",
+        "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty list uchar int more\nelement tristrips 1\nproperty list int int vertex_indices\nelement edge 1\nproperty int vertex1\nproperty int vertex2\nproperty uchar red\nelement other 1\nproperty double a\nend_header\n0 0 0 0\n1 0 0 1 5\n0 1 0 0\n1 1 0 2 1 2\n6 0 1 2 -1 1 2\n0 1 255\n3.5\n",
+    ),
+    (
+        "off",
+        "coff",
+        "COFF\n# c\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n3 0 1 2 128 128 128\n",
+    ),
+    ("off", "stoff", "STNOFF 3 1 0\n0 0 0 0 0 1 0 0\n1 0 0 0 0 1 1 0\n0 1 0 0 0 1 0 1\n3 0 1 2 7\n"),
+    (
+        "stl",
+        "solids",
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\nsolid b\nfacet\nouter loop\nvertex 0 0 1\nvertex 1 0 1\nvertex 0 1 1\nendloop\nendfacet\nendsolid b\n",
+    ),
+    ("xyz", "named", "# x y z nx ny nz quality\n0 0 0 0 0 1 0.5\n1 0 0 0 1 0 nan\n0 1 0 1 0 0 1.#IND\n"),
+    ("xyz", "plain", "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n"),
+    ("xyz", "old", "0 0 0\r1 0 0\r0 1 0\r"),
+    ("pts", "count", "3\n0 0 0 -5 1 2 3\n1 0 0 7 4 5 6\n0 1 0 8 7 8 9\n"),
+    ("pts", "normals", "2\n0 0 0\n1 0 0\n0 0 1\n0 1 0\n"),
+    ("csv", "points", "y;x;z;red;green;blue;label\n0;1;2;1;2;3;a\n"),
+    ("csv", "numbers", "x,y,z,\"a, b\"\n0,1,2,\n1,2,3,NA\n"),
+    (
+        "pcd",
+        "text",
+        "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb hist\nSIZE 4 4 8 4 2\nTYPE F F F U I\nCOUNT 1 1 1 1 2\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n0 0 0 255 1 2\n1 0 nan 65280 3 4\n",
+    ),
+    (
+        "mtx",
+        "general",
+        "%%MatrixMarket matrix coordinate real general\n% c\n3 3 3\n1 2 0.5\n2 1 0.5\n3 3 1\n",
+    ),
+    ("mtx", "pattern", "%%MatrixMarket matrix coordinate pattern symmetric\n3 3 2\n2 1\n3 2\n"),
+    (
+        "materials",
+        "two",
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 3/1 2/2 1/3\n|newmtl a\nmap_Kd -s 1 1 1 a.png\nnewmtl b\nKd 1 0 0\nmap_Kd a.png\n",
+    ),
+    (
+        "recipe",
+        "levels",
+        "levels = 4\nfield = 'coords'\n[[layer]]\npreset = 'suppress'\nregion = 'ball:vertex=3,radius=5%'\n",
+    ),
+    (
+        "recipe",
+        "steps",
+        "steps = [1, 2.5, 9]\n[[layer]]\ngains = [3.0, 2.0, 1.0]\nregion.half-space = { point = [0.0, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }\n[[layer]]\npreset = 'enhance'\n",
+    ),
+    (
+        "recipe",
+        "lengths",
+        "lengths = [0.01, 0.02]\n[[layer]]\ngains = [0, 1]\nregion = '!(box:min=0 0 0,max=1 1 1 & field:name=gaze,low=0.5)'\n",
+    ),
+    ("region", "ball", "ball:vertex=12,radius=5%,falloff=0.25"),
+    (
+        "region",
+        "many",
+        "!(box:min=0 0 0,max=1 1 1 | half-space:point=0 0 0,normal=1 0 0) & field:name=gaze,low=0.5,high=2",
+    ),
+    ("region", "stroke", "stroke:path=1;2;0.5 0 1,radius=0.1 | vertices:indices=1;2;3,radius=0 | all"),
+];
+
+/// Writes all seeds.
+pub(crate) fn write(folder: &Path) -> Outcome<()> {
+    let save = |target: &str, name: &str, bytes: &[u8]| -> Outcome<()> {
+        std::fs::create_dir_all(folder.join(target))?;
+        Ok(std::fs::write(folder.join(target).join(name), bytes)?)
+    };
+    for (target, name, text) in TEXTS {
+        save(target, name, text.as_bytes())?;
+    }
+    for (target, format, kind) in [
+        ("obj", Format::Obj, "mesh"),
+        ("ply", Format::Ply, "mesh"),
+        ("ply", Format::PlyAscii, "text"),
+        ("off", Format::Off, "mesh"),
+        ("stl", Format::Stl, "mesh"),
+        ("xyz", Format::Xyz, "cloud"),
+        ("csv", Format::Csv, "cloud"),
+        ("pcd", Format::Pcd, "cloud"),
+    ] {
+        let mut bytes = Vec::new();
+        write_bytes(&mesh()?, format, &mut bytes)?;
+        save(target, kind, &bytes)?;
+    }
+    let edges = Edges { pairs: vec![[1, 0], [2, 1]], weights: vec![1.0, 0.5], direction: Direction::Both };
+    let mut graph = Vec::new();
+    write_bytes(&ShapeFile::from_graph(3, edges), Format::Mtx, &mut graph)?;
+    save("mtx", "weights", &graph)?;
+    save("ply", "big", &big_endian_ply())?;
+    save("pcd", "compressed", &compressed_pcd())?;
+    for format in [0, 3, 6, 7] {
+        save("las", &format!("format{format}"), &las(format, false)?)?;
+        save("laz", &format!("format{format}"), &las(format, true)?)?;
+    }
+    save("gifti", "text", gifti("ASCII", |numbers, _| numbers.join(" ")).as_bytes())?;
+    let encode = |bytes: &[u8]| base64::engine::general_purpose::STANDARD.encode(bytes);
+    save("gifti", "base64", gifti("Base64Binary", |_, bytes| encode(bytes)).as_bytes())?;
+    let packed = |bytes: &[u8]| {
+        let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+        zlib.write_all(bytes).and_then(|()| zlib.finish()).unwrap_or_default()
+    };
+    save("gifti", "zlib", gifti("GZipBase64Binary", |_, bytes| encode(&packed(bytes))).as_bytes())?;
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    gzip.write_all(TEXTS[0].2.as_bytes())?;
+    save("gzip", "obj", &gzip.finish()?)?;
+    save("picture", "png", &picture())?;
+    let mut jpeg = Vec::new();
+    image::RgbImage::new(8, 8).write_to(&mut Cursor::new(&mut jpeg), image::ImageFormat::Jpeg)?;
+    save("picture", "jpeg", &jpeg)?;
+    std::fs::create_dir_all(folder.join("npy"))?;
+    write_npy(&folder.join("npy/doubles"), &[2, 3], ArrayValues::F64(&[0.0, 1.0, 2.0, f64::NAN, 4.0, 5.0]))?;
+    write_npy(&folder.join("npy/whole"), &[4], ArrayValues::U32(&[0, 1, 2, 3]))?;
+    let header = "{'descr': '>i2', 'fortran_order': True, 'shape': (2, 2), }\n";
+    let fortran =
+        [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &[0; 8]];
+    save("npy", "fortran", &fortran.concat())
+}
+
+/// A square of a quadrilateral and a triangle, with fields of several types.
+fn mesh() -> Outcome<ShapeFile> {
+    let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.25], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5], [0.5, 2.0, 0.0]];
+    let faces: Polygons = [&[0_u32, 1, 2, 3][..], &[3, 2, 4]].into_iter().collect();
+    let mut mesh = ShapeFile::from_mesh(points, faces);
+    mesh.set_precision(Precision::F32);
+    mesh.add_vertex_field(Field::new("quality", 1, FieldValues::F64(vec![0.0, 0.1, -0.2, 0.3, f64::NAN])))?;
+    mesh.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..15).collect())))?;
+    mesh.add_vertex_field(Field::new("normal", 3, FieldValues::F32([0.0, 0.0, 1.0].repeat(5))))?;
+    mesh.add_face_field(Field::new("part", 1, FieldValues::U16(vec![7, 9])))?;
+    Ok(mesh)
+}
+
+/// A picture of four pixels.
+pub(crate) fn picture() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let pixels = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb([255 * x as u8, 255 * y as u8, 128]));
+    pixels
+        .write_to(&mut Cursor::new(&mut bytes), image::ImageFormat::Png)
+        .expect("four pixels can be written into memory");
+    bytes
+}
+
+fn big_endian_ply() -> Vec<u8> {
+    let header = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\n\
+                  property short z\nproperty int64 id\nelement face 2\nproperty uchar flag\n\
+                  property list ushort uint vertex_index\nproperty float area\nelement edge 1\n\
+                  property int vertex1\nproperty int vertex2\nend_header\n";
+    let mut bytes = header.as_bytes().to_vec();
+    for v in 0..3_u8 {
+        bytes.extend(f64::from(v).to_be_bytes());
+        bytes.extend(f32::from(v).to_be_bytes());
+        bytes.extend(i16::from(v).to_be_bytes());
+        bytes.extend(i64::from(v).to_be_bytes());
+    }
+    for corners in [&[0_u32, 1, 2][..], &[2, 1, 0, 1]] {
+        bytes.push(1);
+        bytes.extend((corners.len() as u16).to_be_bytes());
+        bytes.extend(corners.iter().flat_map(|c| c.to_be_bytes()));
+        bytes.extend(0.5_f32.to_be_bytes());
+    }
+    bytes.extend([0, 0, 0, 0, 0, 0, 0, 2]);
+    bytes
+}
+
+/// Two points, compressed by literals and one reference.
+fn compressed_pcd() -> Vec<u8> {
+    let header = "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n\
+                  POINTS 2\nDATA binary_compressed\n";
+    // Eight bytes, then twice the same eight: 16 bytes from 8 back.
+    let packed = [&[7_u8][..], &1.5_f32.to_le_bytes(), &(-2.0_f32).to_le_bytes(), &[7 << 5, 7, 7]].concat();
+    let sizes = [(packed.len() as u32).to_le_bytes(), 24_u32.to_le_bytes()].concat();
+    [header.as_bytes(), &sizes, &packed].concat()
+}
+
+/// Twelve points of a format, ten in a chunk.
+fn las(format: u8, is_compressed: bool) -> Outcome<Vec<u8>> {
+    const N: u32 = 12;
+    let size: u16 = match format {
+        0 => 20,
+        3 => 34,
+        6 => 30,
+        _ => 36,
+    };
+    let mut points = Vec::new();
+    for i in 0..N {
+        let mut record: Vec<u8> =
+            (0..size).map(|k| if k < 20 { (k as u8).wrapping_mul(i as u8) } else { 0 }).collect();
+        record[..4].copy_from_slice(&(100 * i).to_le_bytes());
+        points.extend(record);
+    }
+    let items = laz::LazItemRecordBuilder::default_for_point_format_id(format, 0)?;
+    let description = laz::LazVlrBuilder::new(items).with_fixed_chunk_size(10).build();
+    let mut record = Vec::new();
+    if is_compressed {
+        let mut content = Vec::new();
+        laz::LazVlr::write_to(&description, &mut content)?;
+        record.extend([0, 0]);
+        record.extend(b"laszip encoded\0\0");
+        record.extend(22204_u16.to_le_bytes());
+        record.extend((content.len() as u16).to_le_bytes());
+        record.resize(54, 0);
+        record.extend(content);
+    }
+    let header_size: u16 = if format < 6 { 227 } else { 375 };
+    let mut bytes = vec![0; header_size.into()];
+    bytes[..4].copy_from_slice(b"LASF");
+    bytes[24..26].copy_from_slice(&[1, if format < 6 { 2 } else { 4 }]);
+    bytes[94..96].copy_from_slice(&header_size.to_le_bytes());
+    bytes[96..100].copy_from_slice(&(u32::from(header_size) + record.len() as u32).to_le_bytes());
+    bytes[100..104].copy_from_slice(&u32::from(is_compressed).to_le_bytes());
+    bytes[104] = format | if is_compressed { 0x80 } else { 0 };
+    bytes[105..107].copy_from_slice(&size.to_le_bytes());
+    bytes[107..111].copy_from_slice(&N.to_le_bytes());
+    for axis in 0..3 {
+        bytes[131 + 8 * axis..139 + 8 * axis].copy_from_slice(&0.5_f64.to_le_bytes());
+    }
+    bytes.extend(record);
+    if is_compressed {
+        let mut target = Cursor::new(bytes);
+        target.set_position(target.get_ref().len() as u64);
+        let mut compressor = laz::LasZipCompressor::new(&mut target, description)?;
+        compressor.compress_many(&points)?;
+        compressor.done()?;
+        drop(compressor);
+        bytes = target.into_inner();
+    } else {
+        bytes.extend(points);
+    }
+    Ok(bytes)
+}
+
+/// A triangle and a value per vertex, each array as its numbers in text and its bytes.
+fn gifti(encoding: &str, content: impl Fn(&[String], &[u8]) -> String) -> String {
+    let floats = |values: &[f32]| {
+        let text: Vec<String> = values.iter().map(f32::to_string).collect();
+        content(&text, &values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>())
+    };
+    let corners: Vec<String> = (0..3).map(|c: i32| c.to_string()).collect();
+    let triangle = content(&corners, &(0..3).flat_map(|c: i32| c.to_le_bytes()).collect::<Vec<_>>());
+    let array = |intent: &str, kind: &str, dimensions: &str, data: &str| {
+        format!(
+            "<DataArray Intent=\"NIFTI_INTENT_{intent}\" DataType=\"NIFTI_TYPE_{kind}\" {dimensions} \
+             ArrayIndexingOrder=\"RowMajorOrder\" Encoding=\"{encoding}\" Endian=\"LittleEndian\">\
+             <MetaData><MD><Name>Name</Name><Value>a/{intent}</Value></MD></MetaData>\
+             <Data>{data}</Data></DataArray>\n"
+        )
+    };
+    let points = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.5]);
+    [
+        "<?xml version=\"1.0\"?>\n<GIFTI Version=\"1.0\" NumberOfDataArrays=\"3\">\n".to_owned(),
+        array("POINTSET", "FLOAT32", "Dimensionality=\"2\" Dim0=\"3\" Dim1=\"3\"", &points),
+        array("TRIANGLE", "INT32", "Dimensionality=\"2\" Dim0=\"1\" Dim1=\"3\"", &triangle),
+        array("SHAPE", "FLOAT32", "Dimensionality=\"1\" Dim0=\"3\"", &floats(&[0.1, -2.0, 3.5])),
+        "</GIFTI>\n".to_owned(),
+    ]
+    .concat()
+}

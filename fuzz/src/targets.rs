@@ -1,0 +1,380 @@
+//! What is fuzzed, and what must hold of any input.
+
+use adwave::ClassifiedError;
+use adwave::region::parse_region;
+use adwave_io::{
+    Format, ReadLimits, ShapeFile, parse_csv_fields, parse_gifti_fields, parse_recipe, read_bytes,
+    read_npy_bytes, recipe_to_text, texture_colors, write_bytes,
+};
+use std::error::Error;
+use std::path::Path;
+
+/// One reader or parser.
+pub(crate) struct Target {
+    pub(crate) name: &'static str,
+    /// The folder of its seeds.
+    pub(crate) seeds: &'static str,
+    /// Words of its language.
+    pub(crate) words: &'static [&'static str],
+    /// `ok …` or the error's text; `Err` where the input breaks what must hold.
+    pub(crate) check: fn(&[u8]) -> Result<String, String>,
+}
+
+const PLY: &[&str] = &[
+    "element",
+    "property",
+    "list",
+    "float",
+    "double",
+    "uchar",
+    "int",
+    "uint",
+    "short",
+    "char",
+    "int64",
+    "vertex",
+    "face",
+    "edge",
+    "tristrips",
+    "vertex_indices",
+    "vertex1",
+    "vertex2",
+    "x",
+    "y",
+    "z",
+    "nx",
+    "red",
+    "binary_little_endian",
+    "binary_big_endian",
+    "ascii",
+    "end_header\n",
+    "comment",
+    "\r\n",
+];
+const OBJ: &[&str] =
+    &["v ", "vt ", "vn ", "f ", "l ", "p ", "g ", "usemtl ", "mtllib ", "/", "//", "\\\n", "#", "\r\n", "-1"];
+const PCD: &[&str] = &[
+    "FIELDS",
+    "SIZE",
+    "TYPE",
+    "COUNT",
+    "WIDTH",
+    "HEIGHT",
+    "POINTS",
+    "DATA",
+    "VIEWPOINT",
+    "ascii",
+    "binary",
+    "binary_compressed",
+    "rgb",
+    "rgba",
+    "normal_x",
+    "F",
+    "U",
+    "I",
+    "_",
+];
+const XML: &[&str] = &[
+    "<DataArray ",
+    "</DataArray>",
+    "<Data>",
+    "</Data>",
+    "Intent=\"",
+    "NIFTI_INTENT_POINTSET",
+    "NIFTI_INTENT_TRIANGLE",
+    "Dim0=\"",
+    "Dim1=\"",
+    "ASCII",
+    "Base64Binary",
+    "GZipBase64Binary",
+    "ColumnMajorOrder",
+    "BigEndian",
+    "NIFTI_TYPE_INT32",
+    "NIFTI_TYPE_FLOAT64",
+    "&lt;",
+    "<!--",
+    "<![CDATA[",
+    "=",
+];
+const REGION: &[&str] = &[
+    "all",
+    "ball",
+    "stroke",
+    "box",
+    "half-space",
+    "field",
+    "vertices",
+    ":",
+    ",",
+    ";",
+    "=",
+    "|",
+    "&",
+    "!",
+    "(",
+    ")",
+    "%",
+    "vertex=",
+    "point=",
+    "radius=",
+    "falloff=",
+    "path=",
+    "min=",
+    "max=",
+    "normal=",
+    "name=",
+    "low=",
+    "high=",
+    "indices=",
+];
+const RECIPE: &[&str] = &[
+    "[[layer]]\n",
+    "levels = ",
+    "steps = ",
+    "lengths = ",
+    "field = ",
+    "preset = ",
+    "gains = ",
+    "region = ",
+    "region.ball = ",
+    "{ ",
+    " }",
+    "[",
+    "]",
+    "'",
+    "\"",
+    "\n",
+    "suppress",
+    "enhance",
+    "vertex",
+    "radius",
+];
+
+/// All targets.
+pub(crate) fn all() -> Vec<Target> {
+    let shape = |name, words, check| Target { name, seeds: name, words, check };
+    vec![
+        shape("obj", OBJ, |b| shape_file(b, "a.obj")),
+        shape("ply", PLY, |b| shape_file(b, "a.ply")),
+        shape("off", &["OFF", "C", "N", "ST", "4", "#", "\r\n"], |b| shape_file(b, "a.off")),
+        shape(
+            "stl",
+            &["solid", "facet", "normal", "vertex", "outer", "loop", "endloop", "endfacet", "endsolid"],
+            |b| shape_file(b, "a.stl"),
+        ),
+        shape("xyz", &["#", "//", ",", ";", "\t", "nan", "x y z\n", "\r"], |b| shape_file(b, "a.xyz")),
+        shape("pts", &["#", ",", "\r\n"], |b| shape_file(b, "a.pts")),
+        shape("csv", &[",", ";", "\"", "x,y,z\n", "red", "nx"], |b| shape_file(b, "a.csv")),
+        shape("pcd", PCD, |b| shape_file(b, "a.pcd")),
+        shape("las", &[], |b| shape_file(b, "a.las")),
+        shape("laz", &[], |b| shape_file(b, "a.laz")),
+        shape("mtx", &["general", "symmetric", "pattern", "real", "coordinate", "%"], |b| {
+            shape_file(b, "a.mtx")
+        }),
+        shape("gifti", XML, |b| shape_file(b, "a.gii")),
+        shape("gzip", &[], |b| shape_file(b, "a.obj.gz")),
+        Target {
+            name: "gifti-fields",
+            seeds: "gifti",
+            words: XML,
+            check: |b| fields(parse_gifti_fields(b, &LIMITS)),
+        },
+        Target {
+            name: "csv-fields",
+            seeds: "csv",
+            words: &[",", ";", "\t", "\"", "NA"],
+            check: |b| fields(parse_csv_fields(b, &LIMITS)),
+        },
+        shape(
+            "npy",
+            &["'descr'", "'fortran_order'", "'shape'", "True", "False", "<f8", ">i2", "|u1", "(", ")", ","],
+            npy,
+        ),
+        shape(
+            "materials",
+            &["newmtl ", "map_Kd ", "-s 1 1 1 ", "a.png", "usemtl ", "vt ", "f ", "|"],
+            materials,
+        ),
+        shape("picture", &[], picture),
+        shape("recipe", RECIPE, recipe),
+        shape("region", REGION, region),
+    ]
+}
+
+const LIMITS: ReadLimits = ReadLimits { max_bytes: 1 << 26, max_points: 1 << 22 };
+
+/// The text of an error that must be one line.
+fn one_line(error: &(impl Error + ?Sized)) -> Result<String, String> {
+    let text = error.to_string();
+    if text.is_empty() || text.contains(['\n', '\r']) {
+        return Err(format!("an error of several lines: {text:?}"));
+    }
+    Ok(text)
+}
+
+fn error(error: &impl ClassifiedError) -> Result<String, String> {
+    let _ = error.kind();
+    one_line(error)
+}
+
+/// Reads a shape; what was read is in range, can be written in every format, and comes back the same in its own.
+fn shape_file(bytes: &[u8], name: &str) -> Result<String, String> {
+    let file = match read_bytes(bytes.to_vec(), Some(name), &LIMITS) {
+        Ok(file) => file,
+        Err(e) => return error(&e),
+    };
+    in_range(&file)?;
+    let own = file.format().ok_or("a shape that was read has no format")?;
+    for format in Format::all() {
+        let mut written = Vec::new();
+        match write_bytes(&file, format, &mut written) {
+            Ok(_) if format == own => unchanged(&file, &written, name)?,
+            Ok(_) => {}
+            Err(e) => drop(error(&e)?),
+        }
+    }
+    match file.to_shape() {
+        Ok(shape) => {
+            let points = shape.points().unwrap_or_default().as_flattened();
+            if points.iter().any(|x| !x.is_finite()) {
+                return Err("a shape with a coordinate that is not finite".into());
+            }
+        }
+        Err(e) => drop(error(&e)?),
+    }
+    let names: Vec<&str> = file.field_names();
+    Ok(format!(
+        "ok {own} {} {} {names:?} {:?}",
+        file.faces().is_empty(),
+        file.edges().pairs.is_empty(),
+        file.extras()
+    ))
+}
+
+fn in_range(file: &ShapeFile) -> Result<(), String> {
+    let n = file.n_vertices();
+    if !file.points().is_empty() && file.points().len() != n {
+        return Err(format!("{} points for {n} vertices", file.points().len()));
+    }
+    let ends = file.faces().corners().iter().chain(file.edges().pairs.as_flattened());
+    if let Some(v) = ends.copied().find(|&v| v as usize >= n) {
+        return Err(format!("vertex {v} of {n}"));
+    }
+    let weights = &file.edges().weights;
+    if !weights.is_empty() && weights.len() != file.edges().pairs.len() {
+        return Err(format!("{} weights for {} edges", weights.len(), file.edges().pairs.len()));
+    }
+    let of_faces = file.face_fields().iter().map(|f| (f, file.faces().len()));
+    for (field, rows) in file.vertex_fields().iter().map(|f| (f, n)).chain(of_faces) {
+        if field.n_channels == 0 || field.values.len() != rows * field.n_channels {
+            return Err(format!("field of {} × {} for {rows} rows", field.values.len(), field.n_channels));
+        }
+    }
+    Ok(())
+}
+
+/// Written in its own format and read again, a shape is the same.
+fn unchanged(file: &ShapeFile, written: &[u8], name: &str) -> Result<(), String> {
+    let again = read_bytes(written.to_vec(), Some(name), &ReadLimits::default())
+        .map_err(|e| format!("what was written is not read: {e}"))?;
+    let same = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
+    let (old, new) = (file.points().as_flattened(), again.points().as_flattened());
+    if old.len() != new.len() || !old.iter().zip(new).all(|(&a, &b)| same(a, b)) {
+        return Err("other points after writing and reading".into());
+    }
+    // Triangles are all that an STL has.
+    if !matches!(file.format(), Some(Format::Stl | Format::StlAscii)) && file.faces() != again.faces() {
+        return Err("other faces after writing and reading".into());
+    }
+    Ok(())
+}
+
+fn fields(read: Result<Vec<adwave_io::Field>, adwave_io::ReadError>) -> Result<String, String> {
+    match read {
+        Ok(fields)
+            if fields.iter().all(|f| f.n_channels > 0 && f.to_f64().len() == f.len() * f.n_channels) =>
+        {
+            Ok(format!("ok {}", fields.len().min(4)))
+        }
+        Ok(_) => Err("a field without whole rows".into()),
+        Err(e) => error(&e),
+    }
+}
+
+fn npy(bytes: &[u8]) -> Result<String, String> {
+    match read_npy_bytes(bytes) {
+        Ok(array) => {
+            let kind = format!("ok {} {:?}", array.shape.len(), array.values.value_type());
+            let _ = array.into_field("a").to_f64();
+            Ok(kind)
+        }
+        Err(e) => error(&e),
+    }
+}
+
+/// An OBJ and its materials, separated by `|`.
+fn materials(bytes: &[u8]) -> Result<String, String> {
+    let at = bytes.iter().position(|&b| b == b'|').unwrap_or(bytes.len());
+    in_folder(|folder| {
+        let (obj, library) = (folder.join("a.obj"), folder.join("a.mtl"));
+        let rest = bytes.get(at + 1..).unwrap_or_default();
+        std::fs::write(&obj, &bytes[..at])?;
+        std::fs::write(library, rest)?;
+        std::fs::write(folder.join("a.png"), crate::seeds::picture())?;
+        Ok(colors(&bytes[..at], &obj, None))
+    })
+}
+
+fn picture(bytes: &[u8]) -> Result<String, String> {
+    const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+    in_folder(|folder| {
+        let image = folder.join("a.png");
+        std::fs::write(&image, bytes)?;
+        Ok(colors(OBJ, &folder.join("a.obj"), Some(&image)))
+    })
+}
+
+fn colors(obj: &[u8], path: &Path, image: Option<&Path>) -> Result<String, String> {
+    let file = match read_bytes(obj.to_vec(), Some("a.obj"), &LIMITS) {
+        Ok(file) => file,
+        Err(e) => return error(&e),
+    };
+    match texture_colors(&file, path, image, &LIMITS) {
+        Ok(field) if field.to_f64().iter().all(|c| c.is_nan() || (0.0..=1.0).contains(c)) => Ok("ok".into()),
+        Ok(_) => Err("a colour beyond [0, 1]".into()),
+        // The folder's name is another each time.
+        Err(e) => error(&e).map(|text| text.split('(').next_back().unwrap_or_default().to_owned()),
+    }
+}
+
+/// Runs in a folder of its own.
+fn in_folder(run: impl FnOnce(&Path) -> std::io::Result<Result<String, String>>) -> Result<String, String> {
+    let folder = tempfile::tempdir().map_err(|e| format!("no folder for temporary files: {e}"))?;
+    run(folder.path()).map_err(|e| format!("temporary files: {e}"))?
+}
+
+fn recipe(bytes: &[u8]) -> Result<String, String> {
+    let text = String::from_utf8_lossy(bytes);
+    match parse_recipe(&text) {
+        Ok(recipe) => {
+            let written = recipe_to_text(&recipe);
+            let again = parse_recipe(&written).map_err(|e| format!("what was written is not read: {e}"))?;
+            // NaN is not itself; texts are.
+            if recipe_to_text(&again) != written {
+                return Err("another recipe after writing and reading".into());
+            }
+            Ok(format!(
+                "ok {}",
+                written.split_whitespace().filter(|w| w.len() > 3).collect::<Vec<_>>().join(" ")
+            ))
+        }
+        Err(e) => error(&e),
+    }
+}
+
+fn region(bytes: &[u8]) -> Result<String, String> {
+    match parse_region(&String::from_utf8_lossy(bytes)) {
+        Ok(region) => Ok(format!("ok {region:?}")),
+        Err(e) => one_line(&e),
+    }
+}
