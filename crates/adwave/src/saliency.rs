@@ -17,7 +17,7 @@ pub enum Weighting {
     /// `α_j = (max_x|W_f(j,x)| − mean_x|W_f(j,x)|)²`, one number a level: what the paper's text describes.
     #[default]
     PerLevel,
-    /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as eq. 17 is printed. It gives the strongest response of a level the
+    /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as (eq. 17) is printed. It gives the strongest response of a level the
     /// weight 0.
     AsPrinted,
     /// `α_j = 1/mean_x|W_f(j,x)|`: every level counts alike, as for features.
@@ -154,7 +154,7 @@ pub struct Saliency {
 ///
 /// Means and maxima run over the welded vertices, so that a vertex that the file repeats counts once.
 ///
-/// Source: eq. 17, whose α lost a bar in print: read literally it would give the strongest response the weight 0.
+/// Source: (eq. 17), whose α lost a bar in print: read literally it would give the strongest response the weight 0.
 ///
 /// # Errors
 /// [`SaliencyError`] when no level is left, a parameter has no meaning, the bands are another shape's, or when cancelled.
@@ -181,7 +181,7 @@ pub fn saliency(
     let mut map = vec![0.0; decomposer.geometry().n_vertices()];
     parallel::try_for_rows(&mut map, 1, VERTICES_AT_A_TIME, progress, |first, map| {
         for (x, sum) in (first..).zip(map) {
-            *sum = parts.iter().map(|part| part.at(x)).sum();
+            *sum = parts.iter().map(|part| part.at(x)).sum(); // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17)
         }
     })?;
     let map = decomposer.geometry().vertex_map().scatter(&map, 1);

@@ -1,4 +1,4 @@
-//! Bands of a signal: schedules of levels, scaling and wavelet coefficients, reconstruction (eq. 11 and 15).
+//! Bands of a signal: schedules of levels, scaling and wavelet coefficients, reconstruction (eq. 11) (eq. 15).
 //!
 //! [`Transform`] is the diffusion operator prepared for many signals. It gives [`Bands`] in the order of the shape,
 //! [`Wavelets`] in the analysis order, or a weighted sum of bands, each at the cost of its products only.

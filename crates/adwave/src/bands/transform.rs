@@ -86,7 +86,7 @@ impl Transform {
         &self.params
     }
 
-    /// `W_f(j) = (Φ₁^{n_{j−1}} − Φ₁^{n_j}) f`, j = 1 … J, into `wavelets[j − 1]`; all n_vertices × n_channels, row-major.
+    /// `W_f(j) = (Φ₁^{n_{j−1}} − Φ₁^{n_j}) f` (eq. 11), j = 1 … J, into `wavelets[j − 1]`; all n_vertices × n_channels, row-major.
     ///
     /// Each within [`BandsParams::accuracy`] of its own norm. Constants give exact zeros.
     ///
@@ -169,7 +169,8 @@ impl Transform {
         Ok(self.info(&outcome, n_channels))
     }
 
-    /// The series of the band between two numbers of steps.
+    /// The series of the band between two numbers of steps; that of fractional powers interpolates, and its remainder is bounded
+    /// as in `trefethen2013`, chapter 11.
     fn band(&self, pair: &[f64], rung: Rung, growth: Growth) -> Series {
         real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth)
     }
@@ -232,6 +233,7 @@ impl Transform {
         let total = steps[steps.len() - 1];
         let mut now = vec![0.0; signal.len()];
         let mut next = vec![0.0; signal.len()];
+        // W_f(j) = Σ_{n_{j−1} ≤ i < n_j} Φ₁ⁱu (eq. 11), with u = (I − Φ₁)f
         difference(&self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now);
         for (level, range) in steps.windows(2).enumerate() {
             for i in range[0]..range[1] {

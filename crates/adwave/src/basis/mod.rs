@@ -1,8 +1,8 @@
 //! The scaling functions and wavelets themselves: the matrices Φ_j and Ψ_j, and single rows of them.
 //!
-//! `Φ_j = Φ₁^{n_j}`, `Ψ_j = Φ_{j−1} − Φ_j` (eq. 6–9), with `n_j = 2^(j−1)` on the dyadic levels of the paper. Row x of
+//! `Φ_j = Φ₁^{n_j}` (eq. 6), `Ψ_j = Φ_{j−1} − Φ_j` (eq. 8), with `n_j = 2^(j−1)` on the dyadic levels of the paper. Row x of
 //! Φ_j is the scaling function φ_{j,x}, row x of Ψ_j the wavelet ψ_{j,x}. Entries below a tolerance are dropped and the
-//! rest of each row of Φ_j divided by its sum, so that rows of Φ_j still sum to 1 and rows of Ψ_j to 0.
+//! rest of each row of Φ_j divided by its sum, so that rows of Φ_j still sum to 1 (eq. 7) and rows of Ψ_j to 0 (eq. 9).
 //!
 //! * [`basis`]: all levels at once, in single precision, by walking from 32 neighbouring vertices together
 //!   (`local_columns.rs`: the walk, `pack.rs`: dropping and packing, `sweep.rs`: how the active set grows).
@@ -224,7 +224,8 @@ impl<V: Value> Basis<V> {
         self.scaling.first().map_or(0, CompressedRows::n_rows)
     }
 
-    /// `Ψ_j = Φ_{j−1} − Φ_j` for `j` in `1..=n_levels()`, with Φ_0 = I: rows sum to 0. O(entries of both).
+    /// `Ψ_j = Φ_{j−1} − Φ_j` (eq. 8) for `j` in `1..=n_levels()`, with `Φ_0 = I` (eq. 3): rows sum to 0 (eq. 9). O(entries of
+    /// both).
     ///
     /// # Panics
     /// When there is no level `j`.
@@ -242,6 +243,7 @@ impl<V: Value> Basis<V> {
         assert!((1..=self.n_levels()).contains(&j), "levels are 1 to {}, not {j}", self.n_levels());
         let coarse = &self.scaling[j - 1];
         let none = Progress::none();
+        // Ψ_j = Φ_{j−1} − Φ_j (eq. 8), Φ_0 = I (eq. 3)
         unstopped(match j {
             1 => CompressedRows::identity(coarse.n_rows()).minus(coarse, none),
             _ => self.scaling[j - 2].minus(coarse, none),

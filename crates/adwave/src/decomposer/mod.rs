@@ -58,7 +58,7 @@ pub struct Decomposer {
 }
 
 impl Decomposer {
-    /// Prepares a shape with the default operator: the paper's (eq. 1 and 4). O(n log n).
+    /// Prepares a shape with the default operator: the paper's (eq. 1). O(n log n).
     pub fn new(shape: &Shape) -> Self {
         unstopped(Self::with_params(shape, &OperatorParams::default(), Progress::none()))
     }

@@ -97,7 +97,7 @@ pub fn centre_distance(points: &[[f64; 3]]) -> Vec<f64> {
     points.iter().map(|p| distance(p, &centre)).collect()
 }
 
-/// Mann and Whitney's statistic by ranks, equal values sharing theirs.
+/// Mann and Whitney's statistic (`mann1947`) by ranks, equal values sharing theirs.
 fn auc(map: &[f64], positive: &[bool]) -> f64 {
     let mut order: Vec<usize> = (0..map.len()).collect();
     order.sort_unstable_by(|&a, &b| map[a].total_cmp(&map[b]));

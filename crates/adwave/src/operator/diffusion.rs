@@ -1,4 +1,4 @@
-//! The diffusion operator Φ₁: one step of the lazy walk.
+//! The diffusion operator Φ₁: one step of a lazy random walk.
 
 use super::LocalOperator;
 use crate::rows::{CompressedRows, Pattern, RowsError, rows_at_a_time, try_for_entries};
@@ -69,7 +69,7 @@ impl ClassifiedError for DiffusionError {
     }
 }
 
-/// One step of the lazy walk, `Φ₁ = [T]_r = ½I + ½Q` (eq. 4–5), n_vertices × n_vertices, as its off-diagonal entries; the
+/// One step of a lazy random walk, `Φ₁ = [T]_r = ½I + ½Q` (eq. 4), n_vertices × n_vertices, as its off-diagonal entries; the
 /// diagonal is what is missing from 1.
 ///
 /// Rows sum to 1 by construction and all entries are ≥ 0. A reversible Φ₁ is similar to a symmetric matrix and, being
@@ -83,7 +83,7 @@ pub struct Diffusion {
 }
 
 impl Diffusion {
-    /// Φ₁ of a local operator (eq. 4–5): `Φ₁(x,y) = T(x,y) / 2Σ_z T(x,z)`, `Φ₁(x,x) = ½`; an identity row where T has an
+    /// Φ₁ of a local operator (eq. 4): `Φ₁(x,y) = T(x,y) / 2Σ_z T(x,z)`, `Φ₁(x,x) = ½`; an identity row where T has an
     /// empty one. O(entries).
     ///
     /// # Errors
@@ -99,14 +99,16 @@ impl Diffusion {
                 weights = after;
                 *sum = row.iter().sum();
                 if *sum > 0.0 {
-                    // (eq. 4) [T]_r divides each row by its sum, of which T(x,x) is one half.
+                    // Φ₁ = [T]_r (eq. 4): φ_{1,x} = T(x,·)/‖T(x,·)‖₁ (eq. 5), with ‖T(x,·)‖₁ = 2Σ_{y≠x} T(x,y) as T(x,x) is
+                    // one half of it.
                     for w in row {
                         *w /= 2.0 * *sum;
                     }
                 }
             }
         })?;
-        // π(x) ∝ A(x)·Σ_z A(z)k(x,z), in logarithms: where distances differ much the kernel itself underflows.
+        // lim Φ₁ⁿ(z,x) = π(x) ∝ A(x)·Σ_z A(z)k(x,z) in place of the constant 1/A(M) (eq. 10), in logarithms: where
+        // distances differ much the kernel itself underflows.
         let log_pi: Vec<f64> =
             parallel::try_collect(n, progress, |x| areas[x].ln() + log_factor[x] + row_sum[x].ln())?;
         let top = parallel::max(n, f64::NEG_INFINITY, |x| log_pi[x]);
@@ -319,7 +321,8 @@ impl Diffusion {
         1.0 - self.row(x).1.iter().sum::<f64>()
     }
 
-    /// The stationary distribution π over all vertices, ≥ 0, Σπ = 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. With several components
+    /// The stationary distribution π over all vertices, ≥ 0, Σπ = 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. Rows of Φ₁ⁿ converge to
+    /// it; the paper's constant 1/A(M) (eq. 10) is that only where all rows of T weigh alike. With several components
     /// it weighs them by that formula. For a directed cloud it is a weight by the same formula and not stationary.
     pub fn stationary(&self) -> &[f64] {
         &self.stationary

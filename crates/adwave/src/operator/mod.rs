@@ -1,5 +1,5 @@
-//! From a prepared shape to diffusion on it: the local operator T (eq. 1 of the paper) and the diffusion operator
-//! `Φ₁ = [T]_r` (eq. 4–5), one step of a lazy walk.
+//! From a prepared shape to diffusion on it: the local operator T (eq. 1) and the diffusion operator
+//! `Φ₁ = [T]_r` (eq. 4), one step of a lazy random walk.
 
 mod diffusion;
 mod local;
