@@ -38,11 +38,11 @@ pub enum Weighting {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SaliencyParams {
-    /// How many of the finest levels are left out: they hold the noise.
+    /// How many of the finest levels are skipped: they hold the noise.
     pub skip: usize,
     /// The α_j.
     pub weighting: Weighting,
-    /// Fade out what the border of a mesh or cloud, or of vertices that are left out of the walk, gives by itself: with S
+    /// Fade out what the border of a mesh or cloud, or of masked vertices, gives by itself: with S
     /// given, ≥ 0, |W_f(j)| is multiplied by 0 within S·σ_j of the border along the surface and by 1 beyond 2S·σ_j, with a
     /// smooth step between. The factor is each level's own, so what is too near for a coarse level is still judged by fine
     /// ones, and the map stays a number everywhere. Coordinates need S = 1: along a straight border S_f(j) is drawn inwards
@@ -57,7 +57,7 @@ impl Default for SaliencyParams {
 }
 
 impl SaliencyParams {
-    /// Sets how many of the finest levels are left out.
+    /// Sets how many of the finest levels are skipped.
     #[must_use]
     pub fn with_skip(self, skip: usize) -> Self {
         Self { skip, ..self }
@@ -92,10 +92,10 @@ impl SaliencyParams {
 pub enum SaliencyError {
     /// No level is left.
     #[error(
-        "saliency leaves out the {skip} finest levels and there are {n_levels}; take more levels or skip fewer"
+        "saliency skips the {skip} finest levels and there are {n_levels}; take more levels or skip fewer"
     )]
     NoLevelLeft {
-        /// Levels left out.
+        /// Levels skipped.
         skip: usize,
         /// Levels there are.
         n_levels: usize,
@@ -140,7 +140,7 @@ pub struct SaliencyLevel {
     pub alpha: f64,
 }
 
-/// A saliency map in the order of the shape, ≥ 0; NaN at vertices that are left out of the walk.
+/// A saliency map in the order of the shape, ≥ 0; NaN at masked vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saliency {
     /// Λ at each vertex.

@@ -22,7 +22,7 @@ pub(crate) use error::check_signal;
 pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
 pub use powers::smooth;
 pub use schedule::{
-    DEFAULT_REACH, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
+    DEFAULT_EXTENT, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
 };
 pub use transform::Transform;
 pub use wavelets::Wavelets;

@@ -1,4 +1,4 @@
-//! Powers of a lazy walk as Chebyshev sums.
+//! Powers of a lazy random walk as Chebyshev sums.
 
 /// The coefficients of `((1+y)/2)ⁿ = Σ_k c_k T_k(y)` up to the degree beyond which they sum to less than `tail`, divided
 /// by their sum.

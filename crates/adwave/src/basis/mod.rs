@@ -112,9 +112,9 @@ pub enum BasisError {
         /// Its steps.
         steps: u64,
     },
-    /// The functions take whole steps.
+    /// The functions have no fractional powers.
     #[error(
-        "level {level} has {steps} steps; the functions themselves take whole steps only: round the schedule, or ask for the bands of a signal"
+        "level {level} has {steps} steps; the functions themselves take whole steps only, no fractional powers: round the schedule, or ask for the bands of a signal"
     )]
     NotWhole {
         /// The level, from 1.
@@ -149,7 +149,7 @@ pub enum BasisError {
         tolerance: f64,
     },
     /// There is no such vertex.
-    #[error("there is no vertex {vertex}; the walk has {n_vertices}")]
+    #[error("there is no vertex {vertex}; the diffusion operator has {n_vertices}")]
     NoVertex {
         /// The vertex, from 0.
         vertex: usize,
@@ -166,12 +166,12 @@ pub enum BasisError {
     },
     /// Welded vertices share a row, so no permutation leads to the shape's order.
     #[error(
-        "{n_vertices} vertices of the shape are {n_welded} of the walk; row and column of vertex x are those of its class `vertex_map.welded(x)`"
+        "{n_vertices} vertices of the shape are {n_welded} welded ones; row and column of vertex x are those of `vertex_map.welded(x)`"
     )]
     Welded {
         /// Number of vertices of the shape.
         n_vertices: usize,
-        /// Number of vertices of the walk.
+        /// Number of welded vertices.
         n_welded: usize,
     },
     /// The call was told to stop.
@@ -264,7 +264,7 @@ impl<V: Value> Basis<V> {
 
     /// The same matrices with rows and columns in the order of the shape's vertices.
     ///
-    /// Rows are functions and columns are where they are evaluated; both are vertices of the walk. Where several
+    /// Rows are functions and columns are where they are evaluated; both are welded vertices. Where several
     /// vertices of the shape were welded into one, the matrix over the welded vertices is the mathematical object: a
     /// larger one with repeated columns would have rows that do not sum to 1, and so would not be a diffusion. Such a
     /// basis stays as it is, and `vertex_map.as_slice()` is the map that belongs to it.

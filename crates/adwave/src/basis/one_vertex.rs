@@ -1,6 +1,6 @@
 //! φ and ψ of one vertex, without a matrix.
 //!
-//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`. For a reversible walk it comes from the symmetric `S = D^½ Φ₁ D^{−½}`, D = diag π, as
+//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`. For a reversible operator it comes from the symmetric `S = D^½ Φ₁ D^{−½}`, D = diag π, as
 //! `φ(y) = (Sⁿe_x)(y)·√(π(y)/π(x))`, and both powers of a wavelet from one Chebyshev recurrence in `2S − I`, whose terms
 //! of degree k reach k rings. Otherwise the walk is taken step by step.
 
@@ -55,7 +55,7 @@ pub struct ScalingAndWavelet {
     pub scaling: SparseRow,
     /// ψ_{j,x} = φ_{j−1,x} − φ_{j,x}: sums to 0.
     pub wavelet: SparseRow,
-    /// Products with the walk that it took.
+    /// Products with Φ₁ that it took.
     pub n_products: u64,
 }
 
@@ -64,7 +64,7 @@ pub struct ScalingAndWavelet {
 /// `φ_j = e_xᵀΦ₁^steps`, `ψ_j = e_xᵀΦ₁^steps_before − φ_j`. Values of φ below `drop_tolerance` are dropped and the rest
 /// divided by its sum, as in the matrices; with 0 every positive value is kept. Values err by 1e-10 at most on a reversible
 /// walk (times √(π(y)/π(x))), by rounding otherwise. Costs about `5√steps` products over the vertices within as many
-/// rings where the walk is reversible, `steps` products otherwise; memory O(vertices reached), and 4 bytes a vertex.
+/// rings where the operator is reversible, `steps` products otherwise; memory O(vertices reached), and 4 bytes per vertex.
 ///
 /// # Errors
 /// [`BasisError`]: no such vertex, steps that do not increase, a bad tolerance, one that drops all; cancelled.
@@ -175,7 +175,7 @@ impl Rings {
 /// of two groups, and a loop that always goes round twice costs less than one of five to seven rounds.
 const GROUP: usize = 4;
 
-/// `None` where the walk is not reversible, or π too small to divide by.
+/// `None` where the operator is not reversible, or π too small to divide by.
 fn by_chebyshev(
     diffusion: &Diffusion,
     vertex: usize,

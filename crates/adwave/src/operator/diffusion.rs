@@ -16,7 +16,9 @@ const VERTICES_AT_A_TIME: usize = 1 << 13;
 #[derive(Debug, Error, PartialEq)]
 pub enum DiffusionError {
     /// An entry is negative, NaN or infinite.
-    #[error("entry ({row}, {column}) of the walk is {value}; probabilities are finite and at least 0")]
+    #[error(
+        "entry ({row}, {column}) of the diffusion operator is {value}; probabilities are finite and at least 0"
+    )]
     BadEntry {
         /// Row of the entry.
         row: usize,
@@ -26,7 +28,7 @@ pub enum DiffusionError {
         value: f64,
     },
     /// A row is not a probability distribution.
-    #[error("row {row} of the walk sums to {sum}, not to 1; divide it by its sum")]
+    #[error("row {row} of the diffusion operator sums to {sum}, not to 1; divide it by its sum")]
     RowSum {
         /// The row.
         row: usize,
@@ -34,7 +36,7 @@ pub enum DiffusionError {
         sum: f64,
     },
     /// The compressed rows do not fit together.
-    #[error("the compressed rows of the walk do not fit together: {0}")]
+    #[error("the compressed rows of the diffusion operator do not fit together: {0}")]
     Layout(#[from] RowsError),
     /// The entries' rows, columns and values are not of one length.
     #[error("{n_rows} rows, {n_columns} columns and {n_values} values are not one of each for every entry")]
@@ -125,7 +127,7 @@ impl Diffusion {
 
     /// A diffusion operator given by its own matrix: compressed rows with or without their diagonal, every row summing to 1.
     ///
-    /// The stationary distribution π is taken as uniform and a step as of length 1; the walk counts as not reversible, so
+    /// The stationary distribution π is taken as uniform and a step as of length 1; the operator counts as not reversible, so
     /// that no method relies on a real spectrum. Entries of a row may come in any order and several times. O(entries).
     ///
     /// # Errors
@@ -134,8 +136,8 @@ impl Diffusion {
     ///
     /// ```
     /// use adwave::operator::{Diffusion, DiffusionError};
-    /// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
-    /// assert_eq!(walk.diagonal(1), 0.75);
+    /// let phi = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
+    /// assert_eq!(phi.diagonal(1), 0.75);
     /// let wrong = Diffusion::from_rows(&[0, 1, 2], &[1, 0], &[1.0, 0.5]);
     /// assert_eq!(wrong.unwrap_err(), DiffusionError::RowSum { row: 1, sum: 0.5 });
     /// # Ok::<(), DiffusionError>(())
@@ -180,8 +182,8 @@ impl Diffusion {
     ///
     /// ```
     /// use adwave::operator::Diffusion;
-    /// let walk = Diffusion::from_columns(2, &[1, 0, 0, 1], &[1, 0, 1, 0], &[0.75, 0.5, 0.5, 0.25])?;
-    /// assert_eq!(walk.row(1), ([0].as_slice(), [0.25].as_slice()));
+    /// let phi = Diffusion::from_columns(2, &[1, 0, 0, 1], &[1, 0, 1, 0], &[0.75, 0.5, 0.5, 0.25])?;
+    /// assert_eq!(phi.row(1), ([0].as_slice(), [0.25].as_slice()));
     /// # Ok::<(), adwave::operator::DiffusionError>(())
     /// ```
     pub fn from_columns(
@@ -218,7 +220,7 @@ impl Diffusion {
     /// divided by what it kept, so that as much probability moves as before. `squared_length(x, y)` is the squared length
     /// of a step in model units. O(entries).
     ///
-    /// A reversible walk stays so, with `π′(x) ∝ π(x)·(part of the row's steps that is kept)`: `π(x)Φ₁(x,y)` is as before.
+    /// A reversible operator stays so, with `π′(x) ∝ π(x)·(part of the row's steps that is kept)`: `π(x)Φ₁(x,y)` is as before.
     ///
     /// # Errors
     /// [`DiffusionError::MaskLength`] when there is not one flag per vertex; cancelled.
@@ -270,8 +272,8 @@ impl Diffusion {
     ///
     /// ```
     /// use adwave::{Progress, operator::Diffusion};
-    /// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
-    /// let (indptr, indices, data) = walk.to_rows(Progress::none())?.into_scipy()?;
+    /// let phi = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
+    /// let (indptr, indices, data) = phi.to_rows(Progress::none())?.into_scipy()?;
     /// assert_eq!((indptr, indices, data), (vec![0, 2, 4], vec![0, 1, 0, 1], vec![0.5, 0.5, 0.25, 0.75]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
