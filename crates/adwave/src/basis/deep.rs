@@ -20,7 +20,7 @@ const MIN_STEPS: u64 = 256;
 
 /// Where π varies by more, errors of a recurrence in Φ₁ᵀ, which is symmetric only in the weights 1/π, could grow by more
 /// than the root of this.
-const MAX_RATIO: f64 = 1e6;
+const WIDEST_LAW: f64 = 1e6;
 
 /// Products between two new active sets; each takes in a ring for each product.
 const STRETCH: u64 = 8;
@@ -37,10 +37,9 @@ pub(super) fn n_shallow(diffusion: &Diffusion, steps: &[u64]) -> usize {
     }
 }
 
-fn is_even(stationary: &[f64]) -> bool {
-    let (least, most) =
-        stationary.iter().fold((f64::INFINITY, 0.0_f64), |(lo, hi), &p| (lo.min(p), hi.max(p)));
-    most <= MAX_RATIO * least
+fn is_even(law: &[f64]) -> bool {
+    let (least, most) = law.iter().fold((f64::INFINITY, 0.0_f64), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+    most <= WIDEST_LAW * least
 }
 
 /// The columns after each of `steps`, from those after `done`, into `columns.sums`.

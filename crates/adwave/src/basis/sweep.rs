@@ -1,4 +1,4 @@
-//! The walk of one block through all levels: when the active set is built anew, and how far it extends.
+//! The walk of one block through all levels: when the active set is built anew, and how far it reaches.
 
 use super::local_columns::{LANES, Lanes, LocalColumns};
 use super::pack::{Columns, Kept, kept};
@@ -7,10 +7,10 @@ use super::{BasisError, BasisParams, deep};
 use crate::operator::Diffusion;
 use crate::{Cancelled, Progress};
 
-/// Vertices where every lane is below this part of the tolerance are dropped from the active set.
+/// Vertices where every lane is below this part of the tolerance are left out of the active set.
 const FLOOR_OF_TOLERANCE: f32 = 0.03;
 
-/// The most that may be missing from a lane's sum of 1 because of vertices dropped; what is missing there could
+/// The most that may be missing from a lane's sum of 1 because of vertices left out; what is missing there could
 /// matter by as much elsewhere. A tenth of the difference that is allowed between this method and squaring.
 const MAX_LOST: f64 = 1e-6;
 
@@ -19,20 +19,19 @@ const ROUNDING_OF_A_STEP: f64 = 1e-7;
 
 /// How the active set follows the walks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Extent {
-    /// Small values are dropped, and the set grows as fast as a walk on a surface spreads. What gets lost is measured.
+enum Reach {
+    /// Small values are left out, and the set grows as fast as a walk on a surface spreads. What gets lost is measured.
     Measured {
         /// Rings a step at step n, times √n; never more than one ring a step.
-        growth: f64,
+        pace: f64,
     },
-    /// All that the walks can get to.
+    /// All that the walks can reach.
     Complete,
 }
 
 /// What is tried first, and what where that loses too much: the first does on even meshes, the second on uneven ones,
-/// the last always. On the Stanford bunny most blocks lose too much at a growth of 1, and hardly one at 1.7.
-const EXTENTS: [Extent; 3] =
-    [Extent::Measured { growth: 1.7 }, Extent::Measured { growth: 3.0 }, Extent::Complete];
+/// the last always. On the Stanford bunny most blocks lose too much at a pace of 1, and hardly one at 1.7.
+const REACHES: [Reach; 3] = [Reach::Measured { pace: 1.7 }, Reach::Measured { pace: 3.0 }, Reach::Complete];
 
 /// What every block needs.
 #[derive(Clone, Debug)]
@@ -110,11 +109,11 @@ impl<'a> Walk<'a> {
         end: usize,
         mut record: impl FnMut(usize, Columns<'_>, &Kept) -> Next,
     ) -> Result<(), BasisError> {
-        for extent in EXTENTS {
-            if extent != Extent::Complete && self.params.drop_tolerance == 0.0 {
+        for reach in REACHES {
+            if reach != Reach::Complete && self.params.drop_tolerance == 0.0 {
                 continue;
             }
-            if self.sweep_within(extent, columns, first, end, &mut record)?.is_ok() {
+            if self.sweep_within(reach, columns, first, end, &mut record)?.is_ok() {
                 break;
             }
         }
@@ -123,7 +122,7 @@ impl<'a> Walk<'a> {
 
     fn sweep_within(
         &self,
-        extent: Extent,
+        reach: Reach,
         columns: &mut LocalColumns,
         first: usize,
         end: usize,
@@ -131,13 +130,13 @@ impl<'a> Walk<'a> {
     ) -> Result<Result<(), Lost>, BasisError> {
         debug_assert!(end - first <= LANES);
         let tolerance = self.params.drop_tolerance as f32;
-        let floor = if extent == Extent::Complete { 0.0 } else { FLOOR_OF_TOLERANCE * tolerance };
+        let floor = if reach == Reach::Complete { 0.0 } else { FLOOR_OF_TOLERANCE * tolerance };
         let (shallow, deep) = self.steps.split_at(self.n_shallow);
         let mut show = |level: usize, n: u64, active: &[u32], rows: &[Lanes]| {
             let kept = kept(self.arch, rows, tolerance);
             let allowed = MAX_LOST + ROUNDING_OF_A_STEP * n as f64;
             for lane in 0..end - first {
-                if extent != Extent::Complete && kept.masses[lane] < 1.0 - allowed {
+                if reach != Reach::Complete && kept.masses[lane] < 1.0 - allowed {
                     return Ok(Err(Lost));
                 }
                 if kept.counts[lane] == 0 {
@@ -156,9 +155,9 @@ impl<'a> Walk<'a> {
             while done < n {
                 if fresh_for == 0 {
                     fresh_for = stretch(done);
-                    let rings = match extent {
-                        Extent::Measured { growth } => rings(done, fresh_for, growth),
-                        Extent::Complete => fresh_for,
+                    let rings = match reach {
+                        Reach::Measured { pace } => rings(done, fresh_for, pace),
+                        Reach::Complete => fresh_for,
                     };
                     self.regrow(columns, floor, rings)?;
                 }
@@ -194,7 +193,7 @@ fn stretch(done: u64) -> u64 {
 
 /// How many rings to add for that many steps. The radius at which a walk of n steps on a surface falls below a given
 /// value grows like √n, and so does the number of rings within it: by a part of 1/√n a step.
-fn rings(done: u64, steps: u64, growth: f64) -> u64 {
-    let a_step = (growth / (done.max(1) as f64).sqrt()).min(1.0);
+fn rings(done: u64, steps: u64, pace: f64) -> u64 {
+    let a_step = (pace / (done.max(1) as f64).sqrt()).min(1.0);
     (steps as f64 * a_step).ceil() as u64
 }
