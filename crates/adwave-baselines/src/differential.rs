@@ -109,8 +109,8 @@ impl Differential {
         Ok(Self::from_rows(&rows, vertex_map))
     }
 
-    /// L of a walk: `L = 2(I − Φ₁) = 2Ψ₁` where the walk is lazy, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`, `Ψ₁(x,x) = ½` (eq. 16), so that `W_f(1)` is half the differential
-    /// coordinate.
+    /// L of a diffusion operator: `L = 2(I − Φ₁) = 2Ψ₁`, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`, `Ψ₁(x,x) = ½` (eq. 16), so that `W_f(1)`
+    /// is half the differential coordinate.
     pub fn from_walk(walk: &Diffusion, vertex_map: VertexMap) -> Self {
         let row = |x: usize| {
             let (columns, values) = walk.row(x);

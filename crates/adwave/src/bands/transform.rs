@@ -233,7 +233,6 @@ impl Transform {
         let total = steps[steps.len() - 1];
         let mut now = vec![0.0; signal.len()];
         let mut next = vec![0.0; signal.len()];
-        // W_f(j) = Σ_{n_{j−1} ≤ i < n_j} Φ₁ⁱu (eq. 11), with u = (I − Φ₁)f
         difference(&self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now);
         for (level, range) in steps.windows(2).enumerate() {
             for i in range[0]..range[1] {
@@ -242,7 +241,7 @@ impl Transform {
                     apply(&self.diffusion, &now, &mut next, n_channels);
                     std::mem::swap(&mut now, &mut next);
                 }
-                each(level, &now);
+                each(level, &now); // W_f(j) = Σ_{n_{j−1} ≤ i < n_j} Φ₁ⁱu, u = (I − Φ₁)f (eq. 11)
             }
         }
         progress.step(total, total)?;

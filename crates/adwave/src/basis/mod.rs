@@ -5,7 +5,7 @@
 //! rest of each row of Φ_j divided by its sum, so that rows of Φ_j still sum to 1 (eq. 7) and rows of Ψ_j to 0 (eq. 9).
 //!
 //! * [`basis`]: all levels at once, in single precision, by walking from 32 neighbouring vertices together
-//!   (`local_columns.rs`: the walk, `pack.rs`: dropping and packing, `sweep.rs`: how the active set grows).
+//!   (`local_columns.rs`: the powers, `pack.rs`: dropping and packing, `sweep.rs`: how the active set grows).
 //! * [`basis_by_squaring`]: the paper's Algorithm 1 to the letter, in double precision; the reference.
 //! * [`one_vertex`]: φ and ψ of one vertex at any level, without a matrix.
 //!
@@ -233,8 +233,8 @@ impl<V: Value> Basis<V> {
     /// ```
     /// use adwave::basis::{BasisParams, basis};
     /// use adwave::{Progress, bands::Schedule, operator::Diffusion};
-    /// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
-    /// let basis = basis(&walk, &BasisParams::new(Schedule::dyadic(2)?), Progress::none())?;
+    /// let diffusion = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
+    /// let basis = basis(&diffusion, &BasisParams::new(Schedule::dyadic(2)?), Progress::none())?;
     /// assert_eq!(basis.scaling[1].row(0), ([0, 1].as_slice(), [0.625, 0.375].as_slice()));
     /// assert_eq!(basis.wavelet(2).row(0), ([0, 1].as_slice(), [0.125, -0.125].as_slice()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())

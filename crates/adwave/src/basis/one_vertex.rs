@@ -2,7 +2,7 @@
 //!
 //! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`. For a reversible operator it comes from the symmetric `S = D^½ Φ₁ D^{−½}`, D = diag π, as
 //! `φ(y) = (Sⁿe_x)(y)·√(π(y)/π(x))`, and both powers of a wavelet from one Chebyshev recurrence in `2S − I`, whose terms
-//! of degree k reach k rings. Otherwise the walk is taken step by step.
+//! of degree k reach k rings. Otherwise it is applied step by step.
 
 use super::binomial::chebyshev_of_power;
 use super::{BasisError, check_tolerance};
@@ -63,7 +63,7 @@ pub struct ScalingAndWavelet {
 ///
 /// `φ_j = e_xᵀΦ₁^steps`, `ψ_j = e_xᵀΦ₁^steps_before − φ_j`. Values of φ below `drop_tolerance` are dropped and the rest
 /// divided by its sum, as in the matrices; with 0 every positive value is kept. Values err by 1e-10 at most on a reversible
-/// walk (times √(π(y)/π(x))), by rounding otherwise. Costs about `5√steps` products over the vertices within as many
+/// operator (times √(π(y)/π(x))), by rounding otherwise. Costs about `5√steps` products over the vertices within as many
 /// rings where the operator is reversible, `steps` products otherwise; memory O(vertices reached), and 4 bytes per vertex.
 ///
 /// # Errors
@@ -72,8 +72,8 @@ pub struct ScalingAndWavelet {
 /// ```
 /// use adwave::basis::one_vertex;
 /// use adwave::{Progress, operator::Diffusion};
-/// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
-/// let at = one_vertex(&walk, 0, 1, 2, 0.0, Progress::none())?;
+/// let diffusion = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
+/// let at = one_vertex(&diffusion, 0, 1, 2, 0.0, Progress::none())?;
 /// assert_eq!(at.scaling.values, [0.625, 0.375]);
 /// assert_eq!(at.wavelet.values, [0.125, -0.125]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -272,7 +272,7 @@ fn by_chebyshev(
     Ok(Some((sums, rings.vertices, degree as u64)))
 }
 
-/// The walk, step by step, over all vertices that it reaches.
+/// Powers of Φ₁ step by step, over all vertices that they come to.
 fn by_steps(
     diffusion: &Diffusion,
     vertex: usize,
