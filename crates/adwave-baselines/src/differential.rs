@@ -1,7 +1,6 @@
 //! Differential coordinates: where a vertex is relative to its neighbours, and the surface that has given ones.
 //!
-//! Sorkine et al., "Laplacian surface editing", SGP 2004; Lipman et al., "Differential coordinates for interactive mesh
-//! editing", SMI 2004.
+//! Source: `sorkine2004`, `lipman2004`.
 //!
 //! ```text
 //! δ = L f,  (L f)(x) = f(x) − Σ_y p(x,y) f(y),  Σ_y p(x,y) = 1
@@ -110,8 +109,8 @@ impl Differential {
         Ok(Self::from_rows(&rows, vertex_map))
     }
 
-    /// L of a walk: `L = 2(I − Φ₁) = 2Ψ₁` where the walk is lazy (eq. 16), so that `W_f(1)` is half the differential
-    /// coordinate.
+    /// L of a diffusion operator: `L = 2(I − Φ₁) = 2Ψ₁`, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`, `Ψ₁(x,x) = ½` (eq. 16), so that `W_f(1)`
+    /// is half the differential coordinate.
     pub fn from_walk(walk: &Diffusion, vertex_map: VertexMap) -> Self {
         let row = |x: usize| {
             let (columns, values) = walk.row(x);

@@ -1,6 +1,6 @@
 //! The feature map: critical points of a function smoothed by the heat kernel at several scales.
 //!
-//! The paper's reference 45. `f_t = e^(−tΔ) f`; a maximum, minimum or saddle is told by how often `f_t − f_t(x)` changes
+//! Source: reference 45 of `houqin2013`. `f_t = e^(−tΔ) f`; a maximum, minimum or saddle is told by how often `f_t − f_t(x)` changes
 //! its sign round the link of x. Where it wins: what it finds are the topologically meaningful points, and they obey
 //! Euler's law. Where it does not: a place that is fine detail at one scale and slope at the next is no critical point of
 //! either, so features on a slope are missed.
@@ -86,7 +86,7 @@ const ACCURACY: f64 = 1e-10;
 const MAX_DEGREE: usize = 8192;
 
 /// Critical points of `signal` (a value per vertex) smoothed for each of `times` (squared model units). Equal values are told
-/// apart by their vertices' numbers, so that every function is in general position (Edelsbrunner & Mücke, 1990).
+/// apart by their vertices' numbers, so that every function is in general position (`edelsbrunner1990`).
 /// O(n · √(t·λ_max)) for each time.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! Manifold harmonics: eigenfunctions of the Laplacian, and filtering in that basis.
 //!
-//! Vallet & Lévy, "Spectral geometry processing with manifold harmonics", CGF 27, 2008.
+//! Source: `vallet2008`.
 //!
 //! ```text
 //! S φ_k = λ_k M φ_k,   Φᵀ M Φ = I,   f̂_k = ⟨f, φ_k⟩_M,   f ≈ Σ_k f̂_k φ_k
@@ -36,7 +36,7 @@ pub enum HarmonicsError {
 /// What a filter does to the part of a signal above the last frequency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Remainder {
-    /// Scales it by the gain of the last frequency, as Vallet & Lévy do.
+    /// Scales it by the gain of the last frequency, as `vallet2008` does.
     #[default]
     LastGain,
     /// Keeps it.

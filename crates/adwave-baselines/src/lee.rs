@@ -1,6 +1,6 @@
 //! Mesh saliency: where mean curvature differs between a scale and twice the scale.
 //!
-//! Lee, Varshney & Jacobs, "Mesh saliency", ACM TOG 24, 2005. Where it wins: five fixed scales relative to the size of the
+//! Source: `lee2005`. Where it wins: five fixed scales relative to the size of the
 //! model and nothing to choose. Where it does not: balls in space join sheets that do not touch, the cost grows with the
 //! density of the vertices, and it takes the curvature of a mesh, no other signal.
 
@@ -86,7 +86,7 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
     })
 }
 
-/// Mean curvature by Taubin's tensor ("Estimating the tensor of curvature of a surface", ICCV 1995), whose trace is the mean
+/// Mean curvature by Taubin's tensor (`taubin1995tensor`), whose trace is the mean
 /// of the directional curvatures. With the normals of [`sphere_normals`] it is exact on a sphere; area-weighted ones would
 /// leave an error of the first order in the edge length.
 fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
@@ -112,7 +112,7 @@ fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
 }
 
 /// Unit normals `Σ (a × b)/(|a|²|b|²)` over the triangles at a vertex, a and b their edges there: exact where all of them lie on a
-/// sphere (Max, "Weights for computing vertex normals from facet normals", 1999).
+/// sphere (`max1999`).
 fn sphere_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
     let mut sum = vec![[0.0; 3]; points.len()];
     for t in triangles {
@@ -175,7 +175,7 @@ fn gaussians(points: &[[f64; 3]], h: &[f64], progress: Progress<'_>) -> Result<V
     Ok(all)
 }
 
-/// The map scaled to [0, 1] and promoted where it has few strong peaks (Itti, Koch & Niebur, 1998).
+/// The map scaled to [0, 1] and promoted where it has few strong peaks (`itti1998`).
 fn normalised(map: &[f64], ring: &adwave::shape::Adjacency) -> Vec<f64> {
     let top = map.iter().copied().fold(0.0, f64::max);
     if top <= 0.0 {

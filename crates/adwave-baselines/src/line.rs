@@ -47,7 +47,7 @@ pub struct MeanLocality {
     pub mean: f64,
 }
 
-/// DW, BDW and ADW of `shape`'s walk on each of `levels`. ADW's functions are the rows of Φ_j and Ψ_j (eq. 4–8), at every
+/// DW, BDW and ADW of `shape`'s walk on each of `levels`. ADW's functions are the rows of Φ_j (eq. 6) and Ψ_j (eq. 8), at every
 /// vertex; those of the others are as many as the rank.
 ///
 /// # Errors

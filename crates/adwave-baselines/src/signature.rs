@@ -1,7 +1,6 @@
 //! Heat and wave kernel signatures: a vertex described by the spectrum as seen from it.
 //!
-//! Sun, Ovsjanikov & Guibas, "A concise and provably informative multi-scale signature based on heat diffusion", CGF 28,
-//! 2009; Aubry, Schlickewei & Cremers, "The wave kernel signature", ICCV Workshops 2011. Both are unchanged by bending.
+//! Source: `sun2009`, `aubry2011`. Both are unchanged by bending.
 //! They say what kind of place a vertex is in; unlike bands they cannot be edited.
 
 use crate::harmonics::Harmonics;
@@ -26,7 +25,7 @@ fn range(harmonics: &Harmonics) -> Option<(f64, f64)> {
     (first < last).then_some((first, last))
 }
 
-/// Times from `4 ln 10 / λ_last` to `4 ln 10 / λ_1`, equally far apart in the logarithm, as Sun et al. take them; empty
+/// Times from `4 ln 10 / λ_last` to `4 ln 10 / λ_1`, equally far apart in the logarithm, as `sun2009` takes them; empty
 /// where there are no two eigenvalues other than 0.
 pub fn heat_times(harmonics: &Harmonics, n_times: usize) -> Vec<f64> {
     let Some((first, last)) = range(harmonics) else { return Vec::new() };

@@ -1,7 +1,6 @@
 //! Taubin's low-pass filters: λ|μ and the windowed sinc, the smoothing that everyone uses.
 //!
-//! Taubin, "A signal processing approach to fair surface design", SIGGRAPH 1995; Taubin, Zhang & Golub, "Optimal surface
-//! smoothing as filter design", ECCV 1996. Both are polynomials of `K = I − P` (spectrum in [0, 2]) that are 1 at the
+//! Source: `taubin1995signal`, `taubin1996`. Both are polynomials of `K = I − P` (spectrum in [0, 2]) that are 1 at the
 //! frequency 0. Where they win: nothing is prepared, a handful of products does it. Where they do not: one cut, no bands,
 //! and the frequency is that of the mesh, not of the shape.
 
@@ -74,7 +73,7 @@ pub fn lambda_mu(
     Ok(k.scattered(&f, n_channels))
 }
 
-/// The low-pass filter of Taubin, Zhang & Golub: the ideal one cut after `degree` Chebyshev terms and windowed after
+/// The low-pass filter of `taubin1996`: the ideal one cut after `degree` Chebyshev terms and windowed after
 /// Hamming, its edge moved until the gain at the pass band is 1 again but for the ripple, as VTK has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowedSinc {

@@ -80,8 +80,8 @@ pub(crate) enum Command {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use adwave::bands::{BandsParams, DEFAULT_REACH};
-    use adwave::features::{FEATURE_REACH, FeatureParams};
+    use adwave::bands::{BandsParams, DEFAULT_EXTENT};
+    use adwave::features::{FEATURE_EXTENT, FeatureParams};
     use adwave::operator::OperatorParams;
     use adwave::saliency::SaliencyParams;
     use clap::CommandFactory;
@@ -106,7 +106,7 @@ mod tests {
     fn help_names_the_widths_up_to_which_levels_go() {
         let mut command = Cli::command();
         let info = command.find_subcommand_mut("info").unwrap().render_long_help().to_string();
-        let (levels, features) = (100.0 * DEFAULT_REACH, 100.0 * FEATURE_REACH);
+        let (levels, features) = (100.0 * DEFAULT_EXTENT, 100.0 * FEATURE_EXTENT);
         let named = format!("until a level is {levels} % of the diagonal wide, for features {features} %");
         assert!(info.split_whitespace().collect::<Vec<_>>().join(" ").contains(&named), "{named}: {info}");
     }

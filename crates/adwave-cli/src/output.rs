@@ -4,7 +4,7 @@ use crate::args::LevelArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use adwave::Decomposer;
-use adwave::bands::{BandsParams, DEFAULT_REACH, Schedule};
+use adwave::bands::{BandsParams, DEFAULT_EXTENT, Schedule};
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
 use adwave_report::digits;
 use comfy_table::{CellAlignment, Table, presets};
@@ -64,7 +64,7 @@ pub(crate) fn steps_json(steps: &[f64]) -> Vec<Value> {
 
 /// The schedule that the arguments ask for, and why it has as many levels.
 pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
-    schedule_reaching(DEFAULT_REACH, args, decomposer)
+    schedule_reaching(DEFAULT_EXTENT, args, decomposer)
 }
 
 /// The same, with levels up to a share of the diagonal where no number is asked for.

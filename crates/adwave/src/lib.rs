@@ -1,5 +1,47 @@
-//! Wavelets for shapes: split the geometry of a mesh, a point cloud or a graph, or any signal on it, into bands
-//! from fine to coarse, measure and edit the bands, and put the shape back together without loss.
+//! Wavelets for shapes: split the geometry of a mesh, a point cloud or a graph, or any signal on it, into bands from fine to
+//! coarse, each local in space and in frequency; measure and edit the bands; put the shape back together without loss.
+//! The method is that of Hou & Qin, *Admissible Diffusion Wavelets* (`houqin2013`); equation numbers are the paper's.
+//!
+//! | idea | where | equation |
+//! |---|---|---|
+//! | a shape, welded, triangulated and numbered for the analysis | [`shape`]: [`Shape`](shape::Shape), [`PreparedGeometry`](shape::PreparedGeometry) | |
+//! | how much neighbours have to do with each other: the local operator T | [`operator::local_operator`] | (eq. 1) (eq. 2) |
+//! | one step of diffusion, Φ₁ = \[T\]_r, and its stationary distribution | [`operator::Diffusion`] | (eq. 4) (eq. 5) (eq. 10) |
+//! | n steps as √n products with Φ₁ | [`sparse`], [`bands::Transform`] | |
+//! | levels: how many steps each stands for | [`bands::Schedule`] | |
+//! | scaling functions and wavelets as matrices, Φ_j and Ψ_j | [`basis`](mod@basis) | (eq. 3) (eq. 6) to (eq. 9), Algorithm 1 |
+//! | bands of a signal, W_f(j) = S_f(j−1) − S_f(j), and the signal again | [`bands`], [`BandsRequest`] | (eq. 11) (eq. 15) |
+//! | bands changed by gains, here and not there | [`filter`], [`region`], [`Editor`] | (eq. 18) |
+//! | where a signal stands out: a map, and places with sizes | [`saliency`](mod@saliency), [`features`] | (eq. 17), Algorithm 2 |
+//! | signals that the shape gives itself; vertices without a value | [`signal`], [`mask`] | |
+//!
+//! [`Decomposer`] is a shape prepared once, to be asked often; [`Decomposer::request`] says what is wanted. From file to file, with
+//! the crate `adwave-io`:
+//!
+//! ```
+//! use adwave::bands::Schedule;
+//! use adwave::filter::{Preset, WeightedLayer};
+//! use adwave::Decomposer;
+//! use adwave_io::{ReadLimits, read_path, write_path};
+//! # let folder = std::env::temp_dir().join(format!("adwave-front-door-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder)?;
+//! # let (rough, smooth) = (folder.join("rough.obj"), folder.join("smooth.obj"));
+//! # std::fs::write(&rough, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 9\nf 1 2 3\nf 2 4 3\n")?;
+//!
+//! let mut file = read_path(&rough, &ReadLimits::default())?;
+//! let decomposer = Decomposer::new(&file.to_shape()?);
+//! let schedule = Schedule::dyadic(4)?;
+//! let layer = WeightedLayer::everywhere(Preset::Suppress.gains(schedule.n_levels()));
+//! let points = decomposer.request(file.points().as_flattened(), 3, &schedule).filter_layers(&[layer])?;
+//! file.set_points(points.as_chunks().0.to_vec())?;
+//! write_path(&file, &smooth, None)?;
+//! # assert!(read_path(&smooth, &ReadLimits::default())?.points()[3][2] < 4.0);
+//! # std::fs::remove_dir_all(&folder)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Long calls take a [`Progress`] that reports and stops them. Every error has an [`ErrorKind`]. The same input gives the same
+//! bits on any number of threads, and the library prints nothing.
 
 pub mod bands;
 pub mod basis;
@@ -27,3 +69,8 @@ pub use decomposer::{BandsRequest, Decomposer, VertexFunctions};
 pub use editor::{Editor, Touched};
 pub use error::{ClassifiedError, ErrorKind};
 pub use progress::{Cancelled, Progress, ProgressCounter};
+
+/// The examples of the README, which are run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

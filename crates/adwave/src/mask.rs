@@ -1,10 +1,10 @@
-//! Vertices where a signal is not known: they are left out of the walk.
+//! Masked vertices: a signal is not known there, and the diffusion goes round them.
 
 use crate::bands::BandsError;
 use crate::shape::VertexMap;
 use thiserror::Error;
 
-/// Why vertices cannot be left out.
+/// Why vertices cannot be masked.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum MaskError {
     /// The flags do not belong to this shape.
@@ -40,7 +40,7 @@ pub fn missing(signal: &[f64], n_channels: usize) -> Option<Vec<bool>> {
         .then(|| signal.chunks(n_channels).map(|row| row.iter().any(|v| v.is_nan())).collect())
 }
 
-/// What is left out, in the order of the shape and of the analysis.
+/// Which vertices are masked, in the order of the shape and in the analysis order.
 #[derive(Clone, Debug)]
 pub(crate) struct Mask {
     vertices: Vec<bool>,
@@ -73,8 +73,8 @@ impl Mask {
         &self.welded
     }
 
-    /// The signal with a value everywhere: 0 at what is left out, and what the other members of a welded vertex have on
-    /// average at one that is left out by itself.
+    /// The signal with a value everywhere: 0 at masked vertices, and what the other members of a welded vertex have on
+    /// average at one that is masked by itself.
     pub(crate) fn fill(
         &self,
         signal: &[f64],
@@ -101,14 +101,14 @@ impl Mask {
         Ok(filled)
     }
 
-    /// Makes a result NaN at what is left out.
+    /// Makes a result NaN at masked vertices.
     pub(crate) fn clear(&self, values: &mut [f64], n_channels: usize) {
         for (row, _) in values.chunks_exact_mut(n_channels).zip(&self.vertices).filter(|(_, out)| **out) {
             row.fill(f64::NAN);
         }
     }
 
-    /// Gives what is left out the values that it had.
+    /// Gives masked vertices the values that they had.
     pub(crate) fn restore(&self, signal: &[f64], n_channels: usize, values: &mut [f64]) {
         let rows = values.chunks_exact_mut(n_channels).zip(signal.chunks_exact(n_channels));
         for ((row, before), _) in rows.zip(&self.vertices).filter(|(_, out)| **out) {

@@ -17,7 +17,7 @@ pub enum Weighting {
     /// `α_j = (max_x|W_f(j,x)| − mean_x|W_f(j,x)|)²`, one number a level: what the paper's text describes.
     #[default]
     PerLevel,
-    /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as eq. 17 is printed. It gives the strongest response of a level the
+    /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as (eq. 17) is printed. It gives the strongest response of a level the
     /// weight 0.
     AsPrinted,
     /// `α_j = 1/mean_x|W_f(j,x)|`: every level counts alike, as for features.
@@ -38,11 +38,11 @@ pub enum Weighting {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SaliencyParams {
-    /// How many of the finest levels are left out: they hold the noise.
+    /// How many of the finest levels are skipped: they hold the noise.
     pub skip: usize,
     /// The α_j.
     pub weighting: Weighting,
-    /// Fade out what the border of a mesh or cloud, or of vertices that are left out of the walk, gives by itself: with S
+    /// Fade out what the border of a mesh or cloud, or of masked vertices, gives by itself: with S
     /// given, ≥ 0, |W_f(j)| is multiplied by 0 within S·σ_j of the border along the surface and by 1 beyond 2S·σ_j, with a
     /// smooth step between. The factor is each level's own, so what is too near for a coarse level is still judged by fine
     /// ones, and the map stays a number everywhere. Coordinates need S = 1: along a straight border S_f(j) is drawn inwards
@@ -57,7 +57,7 @@ impl Default for SaliencyParams {
 }
 
 impl SaliencyParams {
-    /// Sets how many of the finest levels are left out.
+    /// Sets how many of the finest levels are skipped.
     #[must_use]
     pub fn with_skip(self, skip: usize) -> Self {
         Self { skip, ..self }
@@ -92,10 +92,10 @@ impl SaliencyParams {
 pub enum SaliencyError {
     /// No level is left.
     #[error(
-        "saliency leaves out the {skip} finest levels and there are {n_levels}; take more levels or skip fewer"
+        "saliency skips the {skip} finest levels and there are {n_levels}; take more levels or skip fewer"
     )]
     NoLevelLeft {
-        /// Levels left out.
+        /// Levels skipped.
         skip: usize,
         /// Levels there are.
         n_levels: usize,
@@ -140,7 +140,7 @@ pub struct SaliencyLevel {
     pub alpha: f64,
 }
 
-/// A saliency map in the order of the shape, ≥ 0; NaN at vertices that are left out of the walk.
+/// A saliency map in the order of the shape, ≥ 0; NaN at masked vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saliency {
     /// Λ at each vertex.
@@ -154,7 +154,7 @@ pub struct Saliency {
 ///
 /// Means and maxima run over the welded vertices, so that a vertex that the file repeats counts once.
 ///
-/// Source: eq. 17, whose α lost a bar in print: read literally it would give the strongest response the weight 0.
+/// Source: (eq. 17), whose α lost a bar in print: read literally it would give the strongest response the weight 0.
 ///
 /// # Errors
 /// [`SaliencyError`] when no level is left, a parameter has no meaning, the bands are another shape's, or when cancelled.
@@ -181,7 +181,7 @@ pub fn saliency(
     let mut map = vec![0.0; decomposer.geometry().n_vertices()];
     parallel::try_for_rows(&mut map, 1, VERTICES_AT_A_TIME, progress, |first, map| {
         for (x, sum) in (first..).zip(map) {
-            *sum = parts.iter().map(|part| part.at(x)).sum();
+            *sum = parts.iter().map(|part| part.at(x)).sum(); // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17)
         }
     })?;
     let map = decomposer.geometry().vertex_map().scatter(&map, 1);

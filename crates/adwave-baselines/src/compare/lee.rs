@@ -1,4 +1,4 @@
-//! The saliency map of Lee, Varshney and Jacobs.
+//! The saliency map of `lee2005`.
 
 use super::parts::{norms, row};
 use super::{CompareError, Comparison, Outcome, Subject};

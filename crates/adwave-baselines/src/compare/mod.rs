@@ -28,7 +28,7 @@ use thiserror::Error;
 pub enum Method {
     /// Smoothing: manifold harmonics with the gain `e^(−λσ²/4)` of the same heat.
     Harmonics,
-    /// A saliency map: Lee, Varshney & Jacobs.
+    /// A saliency map: `lee2005`.
     Lee,
     /// Features of a signal of one channel: critical points at the same heats.
     FeatureMap,

@@ -6,8 +6,7 @@ use adwave::vector::{dot, subtract};
 /// `Δ|x − p|² = 4` in a plane.
 const PLANE: f64 = 4.0;
 
-/// Weights `c·A(x)A(y)exp(−‖x−y‖²/4t)` between neighbours, and masses A (Belkin, Sun & Wang, "Constructing Laplace operator
-/// from point clouds in R^d", 2009; the paper's reference 34).
+/// Weights `c·A(x)A(y)exp(−‖x−y‖²/4t)` between neighbours, and masses A (`belkin2009`).
 ///
 /// There c is 1/4πt² and all points are neighbours. With the nearest alone the kernel is cut off, so c is chosen such that
 /// `Δ|x − p|² = 4` holds at p, as in a plane, for the median point. A point by itself has the mass 1.

@@ -2,8 +2,7 @@
 
 use adwave::vector::{cross, dot, norm, subtract};
 
-/// `w = ½ Σ cot(opposite angle)` for each side of each triangle, sides of several triangles once for each (Pinkall &
-/// Polthier, 1993). Triangles without area give nothing.
+/// `w = ½ Σ cot(opposite angle)` for each side of each triangle, sides of several triangles once for each (`pinkall1993`). Triangles without area give nothing.
 pub(super) fn as_given(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<(u32, u32, f64)> {
     let mut weights = Vec::with_capacity(3 * triangles.len());
     for &t in triangles {

@@ -1,8 +1,8 @@
 //! The intrinsic Delaunay triangulation of a mesh: the same surface, other edges, no negative cotangents.
 //!
 //! Only the lengths of edges are used. Degenerate triangles are first made proper by lengthening every edge by the least
-//! amount that does it (Sharp & Crane, "A Laplacian for nonmanifold triangle meshes", CGF 39, 2020); then every edge whose
-//! two opposite angles sum to more than π is flipped (Bobenko & Springborn, 2007), which ends with all weights ≥ 0.
+//! amount that does it (`sharp2020`); then every edge whose two opposite angles sum to more than π is flipped
+//! (`bobenko2007`), which ends with all weights ≥ 0.
 
 use super::LaplacianInfo;
 use adwave::vector::{norm, subtract};

@@ -1,8 +1,7 @@
 //! Block Lanczos with full reorthogonalisation and thick restarts, on `(A − σI)⁻¹`.
 //!
 //! A basis V of the block Krylov space and the whole of `T = Vᵀ(A − σI)⁻¹V` are kept, so that a restart with the best
-//! Ritz vectors (Wu & Simon, "Thick-restart Lanczos method for large symmetric eigenvalue problems", SIAM J. Matrix
-//! Anal. Appl. 22, 2000) needs no special case. Blocks make the reorthogonalisation a product of matrices and the
+//! Ritz vectors (`wu2000`) needs no special case. Blocks make the reorthogonalisation a product of matrices and the
 //! solves share one pass through the factor; they also find multiple eigenvalues. faer has a partial eigensolver of its
 //! own, but on some inputs it does not return.
 

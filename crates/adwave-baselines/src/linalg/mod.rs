@@ -1,7 +1,7 @@
 //! The linear algebra that the baselines share: symmetric sparse matrices, their factorisation, their smallest
 //! eigenpairs, conjugate gradients.
 //!
-//! faer does the factorising and the dense algebra, without threads; what runs on several threads is cut here into pieces
+//! faer does the factorising and the dense algebra, without threads; what runs on several threads is cut here into chunks
 //! that do not depend on their number, so that the bits of a result do not either.
 
 mod cg;

@@ -1,10 +1,10 @@
-//! Tall dense matrices, a column a vector, and their products cut into pieces of rows.
+//! Tall dense matrices, a column per vector, and their products cut into chunks of rows.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Rows of a piece. Partial products are added in the order of the pieces.
+/// Rows of a chunk. Partial products are added in the order of the chunks.
 const ROWS_AT_A_TIME: usize = 4096;
 
 /// `columns` of length `n`, column-major.

@@ -1,8 +1,7 @@
 //! The smallest eigenpairs of one connected matrix, band by band, each band certified by a count.
 //!
 //! By Sylvester's law the factorisation of `A − σI` says how many eigenvalues lie below σ, so that none can be missed
-//! (spectrum slicing; Vallet & Lévy, "Spectral geometry processing with manifold harmonics", CGF 27, 2008, go band by
-//! band likewise, without the count).
+//! (spectrum slicing; `vallet2008` goes band by band likewise, without the count).
 
 use super::lanczos::{Wanted, nearest_eigenpairs};
 use super::ldlt::{Ldlt, Pattern};

@@ -1,9 +1,8 @@
 //! Biorthogonal diffusion wavelets.
 //!
-//! Maggioni, Bremer, Coifman & Szlam, "Biorthogonal diffusion wavelets for multiscale representations on manifolds and
-//! graphs", Proc. SPIE 5914, 2005. The scaling functions of the next level are those of this one after `2^j` more steps,
+//! Source: `maggioni2005`. The scaling functions of the next level are those of this one after `2^j` more steps,
 //! as many as pivoted QR finds independent; they are not made orthogonal, so they stay as local as powers of T. The
-//! dual basis comes by inversion (eq. 12–14):
+//! dual basis comes by inversion (eq. 12) (eq. 13) (eq. 14):
 //!
 //! ```text
 //! φ_{j+1,k} = T^(2^j) φ_{j,s(k)} / norm,   Φ_{j+1} = Q R,   Φ̃_{j+1} = Q R^(−T),   Φ̃ᵀΦ = I,   f = Σ ⟨f, φ̃⟩ φ + wavelets
@@ -63,6 +62,7 @@ impl BiorthogonalDiffusionWavelets {
             let tq = t.times(&parts.q);
             t = tq.transposed_times(&tq);
             diffused = t.times(&parts.r);
+            // ΦᵀΦ̃ = I by inversion (eq. 14): Φ = Q R gives Φ̃ = Q R^(−T), of which this is R^(−T)
             let dual = dual(&Dense::identity(parts.r.rows), &parts.r);
             levels.push(Level { q: parts.q, w: parts.complement, r: parts.r, dual });
         }
@@ -97,7 +97,7 @@ impl BiorthogonalDiffusionWavelets {
         Ok(Coefficients { scaling, wavelets })
     }
 
-    /// The signal of these coefficients (eq. 13, on all levels).
+    /// The signal of these coefficients, `f = Σ ⟨f, φ̃⟩ φ + wavelets` on all levels (eq. 13).
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
@@ -142,7 +142,7 @@ impl BiorthogonalDiffusionWavelets {
         split(&self.ambient(level - 1).times(&self.levels[level - 1].w))
     }
 
-    /// Largest `|⟨φ̃_i, φ_k⟩ − δ_ik|` on a level (from 1), eq. 12.
+    /// Largest `|⟨φ̃_i, φ_k⟩ − δ_ik|` on a level (from 1): by how much `⟨φ̃_i, φ_k⟩ = δ_ik` (eq. 12) is missed.
     pub fn biorthogonality_defect(&self, level: usize) -> f64 {
         self.duals(level).defect(&self.ambient(level).times(&self.levels[level - 1].r))
     }

@@ -16,7 +16,7 @@ pub struct Downsampled {
 
 /// Keeps as many of `functions` as their rank and makes the duals of these. What has a length below `precision` of the longest
 /// counts as nothing, and so does what is left below `precision` of a function of unit length by those kept before it.
-/// O(n³). Source: the footnote to Table 1 of Hou and Qin.
+/// O(n³). Source: the footnote to Table 1 of `houqin2013`.
 ///
 /// # Errors
 /// [`MultiscaleError`] for functions of different lengths, too many of them, or such that are not finite.

@@ -1,6 +1,6 @@
 //! Diffusion wavelets.
 //!
-//! Coifman & Maggioni, "Diffusion wavelets", Applied and Computational Harmonic Analysis 21, 2006. In the basis of `V_j` the
+//! Source: `coifman2006`. In the basis of `V_j` the
 //! operator `T^(2^j)` is a matrix T_j. Its rank-revealing QR gives `V_{j+1}`, the complement is spanned by the wavelets, and
 //! `T_{j+1} = (T_j Q)ᵀ(T_j Q)`.
 //!

@@ -19,7 +19,7 @@ pub enum KernelFamily {
     Abspline,
     /// `sin(½π cos²(πλ))` on overlapping halves: a tight frame, A = B = 1.
     Itersine,
-    /// Meyer's: a tight frame, A = B = 1, in octaves (Leonardi & Van De Ville, 2013).
+    /// Meyer's: a tight frame, A = B = 1, in octaves (`leonardi2013`).
     #[default]
     Meyer,
 }

@@ -1,7 +1,6 @@
 //! Spectral graph wavelets: kernels of the graph Laplacian, by polynomials or exactly.
 //!
-//! Hammond, Vandergheynst & Gribonval, "Wavelets on graphs via spectral graph theory", Applied and Computational Harmonic
-//! Analysis 30, 2011.
+//! Source: `hammond2011`.
 //!
 //! ```text
 //! c_i = g_i(L) f,   A‖f‖² ≤ Σ_i ‖c_i‖² ≤ B‖f‖²,   f = (Σ_i g_i(L)²)⁻¹ Σ_i g_i(L) c_i

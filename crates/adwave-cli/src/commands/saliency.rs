@@ -7,7 +7,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, number, print, table, write_error, write_shape};
 use crate::progress::with_spinner;
-use adwave::bands::DEFAULT_REACH;
+use adwave::bands::DEFAULT_EXTENT;
 use adwave::saliency::{Saliency, SaliencyLevel, saliency, saliency_per_level};
 use adwave_io::{ArrayValues, Field, FieldValues, Format, write_npy};
 use adwave_render::{ColorMap, value_range};
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     }
     let params = args.map.params(&args.border);
     params.check().map_err(CliError::input)?;
-    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, DEFAULT_REACH, global)?;
+    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, DEFAULT_EXTENT, global)?;
     let wavelets = analysis.wavelets(global, None)?;
     let start = Instant::now();
     let saliency =

@@ -89,7 +89,8 @@ impl Bands {
             return Cow::Borrowed(self.coarsest());
         }
         let mut sum = self.coarsest().to_vec();
-        // From coarse to fine: the small bands are added last, so that the sum retraces S_f(j) step by step.
+        // S_f(j) = S_f(J) + Σ_{i>j} W_f(i), of j = 0 the signal (eq. 15). From coarse to fine: the small bands are added last,
+        // so that the sum retraces S_f(j) step by step.
         for i in (j + 1..=self.n_levels()).rev() {
             add(&mut sum, self.wavelet(i));
         }

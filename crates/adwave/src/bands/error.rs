@@ -20,7 +20,7 @@ pub enum BandsError {
     },
     /// A value is NaN or infinite.
     #[error(
-        "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite; correct it, or leave the vertex out"
+        "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite; correct it, or mask the vertex"
     )]
     NotFinite {
         /// The vertex.
@@ -91,7 +91,7 @@ pub enum BandsError {
         shortfall(*.reached)
     )]
     Missed {
-        /// The level, from 1; of a sum of levels the first that is not whole.
+        /// The level, from 1; of a sum of levels the first that is a fractional power.
         level: usize,
         /// The accuracy asked for.
         accuracy: f64,

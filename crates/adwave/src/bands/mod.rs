@@ -1,4 +1,4 @@
-//! Bands of a signal: schedules of levels, scaling and wavelet coefficients, reconstruction (eq. 11 and 15).
+//! Bands of a signal: schedules of levels, scaling and wavelet coefficients, reconstruction (eq. 11) (eq. 15).
 //!
 //! [`Transform`] is the diffusion operator prepared for many signals. It gives [`Bands`] in the order of the shape,
 //! [`Wavelets`] in the analysis order, or a weighted sum of bands, each at the cost of its products only.
@@ -22,7 +22,7 @@ pub(crate) use error::check_signal;
 pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
 pub use powers::smooth;
 pub use schedule::{
-    DEFAULT_REACH, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
+    DEFAULT_EXTENT, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
 };
 pub use transform::Transform;
 pub use wavelets::Wavelets;

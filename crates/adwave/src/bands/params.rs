@@ -8,12 +8,12 @@ pub const FINEST_ACCURACY: f64 = 1e-13;
 /// How the bands are computed. All ways agree within the stated accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
-    /// [`Chebyshev`](Self::Chebyshev) where the walk is reversible, else [`Powers`](Self::Powers).
+    /// [`Chebyshev`](Self::Chebyshev) where the operator is reversible, else [`Powers`](Self::Powers).
     #[default]
     Auto,
-    /// One product a step: exact to rounding, for any walk.
+    /// One product a step: exact to rounding, for any operator.
     Powers,
-    /// One recurrence for all levels, about `√(n·ln(1/accuracy))` products for n steps. Takes a reversible walk; for others
+    /// One recurrence for all levels, about `√(n·ln(1/accuracy))` products for n steps. Takes a reversible operator; for others
     /// powers are used all the same.
     Chebyshev,
 }
@@ -95,6 +95,6 @@ pub struct BandsInfo {
     /// Bound of the largest `‖error of W_f(j)‖ / ‖W_f(j)‖` over the bands, but for rounding; 0 for powers. It exceeds the
     /// stated accuracy only where a band all but vanishes beside W_f(1).
     pub error_bound: f64,
-    /// Bytes of memory used beyond the signal and the bands, the prepared walk included.
+    /// Bytes of memory used beyond the signal and the bands, what is prepared included.
     pub bytes: u64,
 }

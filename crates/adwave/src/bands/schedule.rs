@@ -50,9 +50,9 @@ pub enum ScheduleError {
         /// The number asked for.
         n_voices: usize,
     },
-    /// A length that no number of steps of this walk spreads to.
+    /// A length that no number of steps of this diffusion spreads to.
     #[error(
-        "length {index} is {}: lengths must be finite, positive and increasing, and the walk must move (its step is {step_length})",
+        "length {index} is {}: lengths must be finite, positive and increasing, and the diffusion must move (its step is {step_length} long)",
         shown(*.length)
     )]
     BadLength {
@@ -80,10 +80,10 @@ fn shown(number: f64) -> String {
     }
 }
 
-/// How many steps of the walk each level stands for: n_1 < n_2 < … < n_J, whole or not.
+/// How many steps of the diffusion each level stands for: n_1 < n_2 < … < n_J, whole or fractional.
 ///
-/// `Φ₁ⁿ` of a real n > 0 is the power of the walk's spectrum, which lies in [0, 1] where the walk is reversible. Whole
-/// steps are taken where they are asked for: they cost nothing extra and work for every walk.
+/// `Φ₁ⁿ` of a real n > 0 is the power of the operator's spectrum, which lies in [0, 1] where it is reversible. Whole
+/// steps are taken where they are asked for: they cost nothing extra and work for every operator.
 ///
 /// ```
 /// use adwave::bands::Schedule;
@@ -160,7 +160,7 @@ impl Schedule {
         Self::real((0..=octaves * n_voices).map(level).collect())
     }
 
-    /// Levels of the widths `lengths` (model units) for a walk of step length `s`: σ = s·√n, so n = (σ/s)². A number of
+    /// Levels of the widths `lengths` (model units) for a diffusion of step length `s`: σ = s·√n, so n = (σ/s)². A number of
     /// steps that is whole but for rounding is taken for whole.
     ///
     /// # Errors
@@ -186,7 +186,7 @@ impl Schedule {
         Self::real(steps)
     }
 
-    /// The same levels with whole numbers of steps, each at least 1, equal ones once: for walks that are not reversible, and
+    /// The same levels with whole numbers of steps, each at least 1, equal ones once: for operators that are not reversible, and
     /// for the functions φ and ψ themselves.
     #[must_use]
     pub fn rounded(&self) -> Self {
@@ -205,7 +205,7 @@ impl Schedule {
         self.first_real().is_none().then(|| self.steps.iter().map(|&n| n as u64).collect())
     }
 
-    /// The first level, from 1, whose number of steps is not whole.
+    /// The first level, from 1, that is a fractional power.
     pub fn first_real(&self) -> Option<usize> {
         self.steps.iter().position(|n| n.fract() != 0.0).map(|j| j + 1)
     }
@@ -227,21 +227,21 @@ impl Schedule {
 }
 
 /// How wide the last level is where no number of levels is asked for, as a share of the bounding box's diagonal.
-pub const DEFAULT_REACH: f64 = 0.02;
+pub const DEFAULT_EXTENT: f64 = 0.02;
 
-/// The number of dyadic levels to take where none is asked for, and why: [`levels_reaching`] for [`DEFAULT_REACH`].
+/// The number of dyadic levels to take where none is asked for, and why: [`levels_reaching`] for [`DEFAULT_EXTENT`].
 ///
 /// ```
 /// use adwave::bands::default_levels;
 /// assert_eq!(default_levels(0.003, 1.0).0, 7); // 0.003·√64 = 0.024 ≥ 0.02
 /// ```
 pub fn default_levels(step_length: f64, diagonal: f64) -> (usize, String) {
-    levels_reaching(DEFAULT_REACH, step_length, diagonal)
+    levels_reaching(DEFAULT_EXTENT, step_length, diagonal)
 }
 
 /// The number of dyadic levels whose last is as wide as a share of the diagonal, and why.
 ///
-/// The smallest J with σ_J ≥ `reach`·`diagonal`, at least 4 and at most 16, so that the same command does the same to a
+/// The smallest J with σ_J ≥ `share`·`diagonal`, at least 4 and at most 16, so that the same command does the same to a
 /// coarse and to a fine mesh of one shape. Where there is no diagonal (a graph) it is 6.
 ///
 /// ```
@@ -250,14 +250,14 @@ pub fn default_levels(step_length: f64, diagonal: f64) -> (usize, String) {
 /// assert_eq!(levels, 9); // 0.003·√256 = 0.048 ≥ 0.04
 /// assert!(why.contains("≥ 4 % of the diagonal"));
 /// ```
-pub fn levels_reaching(reach: f64, step_length: f64, diagonal: f64) -> (usize, String) {
+pub fn levels_reaching(share: f64, step_length: f64, diagonal: f64) -> (usize, String) {
     const FEWEST: usize = 4;
     const MOST: usize = 16;
     const WITHOUT_LENGTH: usize = 6;
     if !(diagonal > 0.0 && step_length > 0.0) {
         return (WITHOUT_LENGTH, format!("{WITHOUT_LENGTH} levels, because the shape has no extent"));
     }
-    let target = reach * diagonal;
+    let target = share * diagonal;
     let sigma = |j: usize| step_length * ((j as f64 - 1.0) / 2.0).exp2();
     let levels = (FEWEST..MOST).find(|&j| sigma(j) >= target).unwrap_or(MOST);
     let percent = 100.0 * sigma(levels) / diagonal;
@@ -269,7 +269,7 @@ pub fn levels_reaching(reach: f64, step_length: f64, diagonal: f64) -> (usize, S
             format!("{MOST} levels, the most by default: σ_{MOST} is {percent:.3} % of the diagonal")
         }
         _ => {
-            let least = 100.0 * reach;
+            let least = 100.0 * share;
             format!(
                 "{levels} levels: the first with σ_{levels} ≥ {least} % of the diagonal (it is {percent:.3} %)"
             )

@@ -6,7 +6,7 @@
 //! are positive, sum to `q(1) = b − a`, and what is cut off is known exactly. Starting from u instead of f makes every
 //! error one of W itself: on a fine mesh W_f(1) is a millionth of the coordinates.
 //!
-//! Source: Carne, "A transmutation formula for Markov chains", 1985, for the coefficients of λⁿ.
+//! Source: `carne1985`, for the coefficients of λⁿ.
 
 /// Probabilities below this are no longer computed: far below the rounding of any sum they enter.
 const NEGLIGIBLE: f64 = 1e-40;

@@ -93,7 +93,7 @@ impl Transform {
         parallel::try_for_rows(&mut mean, 1, VERTICES_AT_A_TIME, progress, |first, mean| {
             for band in rest.chunks_exact(len) {
                 for (s, w) in mean.iter_mut().zip(&band[first..]) {
-                    *s -= w;
+                    *s -= w; // S_f(j) = S_f(j−1) − W_f(j) (eq. 11)
                 }
             }
         })?;

@@ -86,7 +86,7 @@ impl Transform {
         &self.params
     }
 
-    /// `W_f(j) = (Φ₁^{n_{j−1}} − Φ₁^{n_j}) f`, j = 1 … J, into `wavelets[j − 1]`; all n_vertices × n_channels, row-major.
+    /// `W_f(j) = (Φ₁^{n_{j−1}} − Φ₁^{n_j}) f` (eq. 11), j = 1 … J, into `wavelets[j − 1]`; all n_vertices × n_channels, row-major.
     ///
     /// Each within [`BandsParams::accuracy`] of its own norm. Constants give exact zeros.
     ///
@@ -169,7 +169,8 @@ impl Transform {
         Ok(self.info(&outcome, n_channels))
     }
 
-    /// The series of the band between two numbers of steps.
+    /// The series of the band between two numbers of steps; that of fractional powers interpolates, and its remainder is bounded
+    /// as in `trefethen2013`, chapter 11.
     fn band(&self, pair: &[f64], rung: Rung, growth: Growth) -> Series {
         real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth)
     }
@@ -240,7 +241,7 @@ impl Transform {
                     apply(&self.diffusion, &now, &mut next, n_channels);
                     std::mem::swap(&mut now, &mut next);
                 }
-                each(level, &now);
+                each(level, &now); // W_f(j) = Σ_{n_{j−1} ≤ i < n_j} Φ₁ⁱu, u = (I − Φ₁)f (eq. 11)
             }
         }
         progress.step(total, total)?;
@@ -291,10 +292,10 @@ fn engine(diffusion: &Diffusion, params: &BandsParams) -> Engine {
     }
 }
 
-/// The steps of a schedule from 0, for a walk that takes one after the other.
+/// The steps of a schedule from 0, where powers are taken one after the other.
 fn whole(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
     let Some(steps) = schedule.whole_steps() else {
-        let level = schedule.first_real().expect("a level that is not whole");
+        let level = schedule.first_real().expect("a level of a fractional power");
         let steps = schedule.steps()[level - 1];
         return Err(BandsError::NotWhole { level, steps });
     };

@@ -1,4 +1,4 @@
-//! Powers of a lazy walk as Chebyshev sums.
+//! Powers of a lazy random walk as Chebyshev sums.
 
 /// The coefficients of `((1+y)/2)ⁿ = Σ_k c_k T_k(y)` up to the degree beyond which they sum to less than `tail`, divided
 /// by their sum.
@@ -6,8 +6,7 @@
 /// `c_0 = C(2n,n)/4ⁿ`, `c_k = 2·C(2n,n−k)/4ⁿ`: positive, of sum 1, so that a cut sum errs by no more than what is cut
 /// wherever |T_k| ≤ 1. The degree is about `√(n·ln(2/tail))`, and n at most. O(degree).
 ///
-/// Source: Varopoulos, "Long range estimates for Markov chains" (1985); Carne, "A transmutation formula for Markov
-/// chains" (1985).
+/// Source: `varopoulos1985`, `carne1985`.
 pub(super) fn chebyshev_of_power(n: u64, tail: f64) -> Vec<f64> {
     let n = n as f64;
     // Up to a common factor: c_{k+1}/c_k = (n−k)/(n+k+1), which never overflows as the binomials do.

@@ -2,7 +2,7 @@
 //!
 //! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`, so `v ← Φ₁ᵀv` from `v = e_x`. The walks of neighbouring vertices reach nearly the same
 //! vertices: they share one list of active vertices and one small local matrix, and each product treats them as the
-//! lanes of a vector. Once in a few products the list is built anew: vertices where every lane is small are left out,
+//! lanes of a vector. Once in a few products the list is built anew: vertices where every lane is small are dropped,
 //! and those within a few steps of the rest are taken in.
 
 use super::sparse_accumulator::SparseAccumulator;
@@ -35,7 +35,7 @@ pub(super) struct LocalColumns {
     groups: Vec<Group>,
     /// Local number of each vertex of the shape.
     number: Vec<u32>,
-    marks: SparseAccumulator,
+    accumulator: SparseAccumulator,
     front: Vec<u32>,
     next_front: Vec<u32>,
     before: Vec<u32>,
@@ -56,7 +56,7 @@ impl LocalColumns {
             starts: Vec::new(),
             groups: Vec::new(),
             number: vec![ABSENT; n],
-            marks: SparseAccumulator::new(n),
+            accumulator: SparseAccumulator::new(n),
             front: Vec::new(),
             next_front: Vec::new(),
             before: Vec::new(),
@@ -86,8 +86,8 @@ impl LocalColumns {
         }
     }
 
-    /// Leaves out vertices where no lane exceeds `floor`, takes in those within `rings` steps of the others, and builds
-    /// the local matrix. With `floor` 0 nothing that any walk has reached is left out.
+    /// Drops vertices where no lane exceeds `floor`, takes in those within `rings` steps of the others, and builds
+    /// the local matrix. With `floor` 0 nothing that any walk has come to is dropped.
     pub(super) fn regrow(
         &mut self,
         diffusion: &Diffusion,
@@ -106,7 +106,7 @@ impl LocalColumns {
             arch.dispatch(FindLarge { columns, floor, is_large: &mut self.is_large });
         }
         for (&x, _) in self.active.iter().zip(&self.is_large).filter(|(_, is_large)| **is_large) {
-            self.marks.insert(x);
+            self.accumulator.insert(x);
             self.front.push(x);
         }
         for _ in 0..rings {
@@ -116,7 +116,7 @@ impl LocalColumns {
             self.next_front.clear();
             for &x in &self.front {
                 for &y in diffusion.row(x as usize).0 {
-                    if self.marks.insert(y) {
+                    if self.accumulator.insert(y) {
                         self.next_front.push(y);
                     }
                 }
@@ -125,7 +125,7 @@ impl LocalColumns {
         }
         std::mem::swap(&mut self.active, &mut self.before);
         self.active.clear();
-        self.marks.drain_sorted(&mut self.active);
+        self.accumulator.drain_sorted(&mut self.active);
         self.carry_over(arch);
         self.build_matrix(transpose);
     }

@@ -1,11 +1,11 @@
 //! The scaling functions and wavelets themselves: the matrices Φ_j and Ψ_j, and single rows of them.
 //!
-//! `Φ_j = Φ₁^{n_j}`, `Ψ_j = Φ_{j−1} − Φ_j` (eq. 6–9), with `n_j = 2^(j−1)` on the dyadic levels of the paper. Row x of
+//! `Φ_j = Φ₁^{n_j}` (eq. 6), `Ψ_j = Φ_{j−1} − Φ_j` (eq. 8), with `n_j = 2^(j−1)` on the dyadic levels of the paper. Row x of
 //! Φ_j is the scaling function φ_{j,x}, row x of Ψ_j the wavelet ψ_{j,x}. Entries below a tolerance are dropped and the
-//! rest of each row of Φ_j divided by its sum, so that rows of Φ_j still sum to 1 and rows of Ψ_j to 0.
+//! rest of each row of Φ_j divided by its sum, so that rows of Φ_j still sum to 1 (eq. 7) and rows of Ψ_j to 0 (eq. 9).
 //!
 //! * [`basis`]: all levels at once, in single precision, by walking from 32 neighbouring vertices together
-//!   (`local_columns.rs`: the walk, `pack.rs`: dropping and packing, `sweep.rs`: how the active set grows).
+//!   (`local_columns.rs`: the powers, `pack.rs`: dropping and packing, `sweep.rs`: how the active set grows).
 //! * [`basis_by_squaring`]: the paper's Algorithm 1 to the letter, in double precision; the reference.
 //! * [`one_vertex`]: φ and ψ of one vertex at any level, without a matrix.
 //!
@@ -112,9 +112,9 @@ pub enum BasisError {
         /// Its steps.
         steps: u64,
     },
-    /// The functions take whole steps.
+    /// The functions have no fractional powers.
     #[error(
-        "level {level} has {steps} steps; the functions themselves take whole steps only: round the schedule, or ask for the bands of a signal"
+        "level {level} has {steps} steps; the functions themselves take whole steps only, no fractional powers: round the schedule, or ask for the bands of a signal"
     )]
     NotWhole {
         /// The level, from 1.
@@ -149,7 +149,7 @@ pub enum BasisError {
         tolerance: f64,
     },
     /// There is no such vertex.
-    #[error("there is no vertex {vertex}; the walk has {n_vertices}")]
+    #[error("there is no vertex {vertex}; the diffusion operator has {n_vertices}")]
     NoVertex {
         /// The vertex, from 0.
         vertex: usize,
@@ -166,12 +166,12 @@ pub enum BasisError {
     },
     /// Welded vertices share a row, so no permutation leads to the shape's order.
     #[error(
-        "{n_vertices} vertices of the shape are {n_welded} of the walk; row and column of vertex x are those of its class `vertex_map.welded(x)`"
+        "{n_vertices} vertices of the shape are {n_welded} welded ones; row and column of vertex x are those of `vertex_map.welded(x)`"
     )]
     Welded {
         /// Number of vertices of the shape.
         n_vertices: usize,
-        /// Number of vertices of the walk.
+        /// Number of welded vertices.
         n_welded: usize,
     },
     /// The call was told to stop.
@@ -224,7 +224,8 @@ impl<V: Value> Basis<V> {
         self.scaling.first().map_or(0, CompressedRows::n_rows)
     }
 
-    /// `Ψ_j = Φ_{j−1} − Φ_j` for `j` in `1..=n_levels()`, with Φ_0 = I: rows sum to 0. O(entries of both).
+    /// `Ψ_j = Φ_{j−1} − Φ_j` (eq. 8) for `j` in `1..=n_levels()`, with `Φ_0 = I` (eq. 3): rows sum to 0 (eq. 9). O(entries of
+    /// both).
     ///
     /// # Panics
     /// When there is no level `j`.
@@ -232,8 +233,8 @@ impl<V: Value> Basis<V> {
     /// ```
     /// use adwave::basis::{BasisParams, basis};
     /// use adwave::{Progress, bands::Schedule, operator::Diffusion};
-    /// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
-    /// let basis = basis(&walk, &BasisParams::new(Schedule::dyadic(2)?), Progress::none())?;
+    /// let diffusion = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
+    /// let basis = basis(&diffusion, &BasisParams::new(Schedule::dyadic(2)?), Progress::none())?;
     /// assert_eq!(basis.scaling[1].row(0), ([0, 1].as_slice(), [0.625, 0.375].as_slice()));
     /// assert_eq!(basis.wavelet(2).row(0), ([0, 1].as_slice(), [0.125, -0.125].as_slice()));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -242,6 +243,7 @@ impl<V: Value> Basis<V> {
         assert!((1..=self.n_levels()).contains(&j), "levels are 1 to {}, not {j}", self.n_levels());
         let coarse = &self.scaling[j - 1];
         let none = Progress::none();
+        // Ψ_j = Φ_{j−1} − Φ_j (eq. 8), Φ_0 = I (eq. 3)
         unstopped(match j {
             1 => CompressedRows::identity(coarse.n_rows()).minus(coarse, none),
             _ => self.scaling[j - 2].minus(coarse, none),
@@ -262,7 +264,7 @@ impl<V: Value> Basis<V> {
 
     /// The same matrices with rows and columns in the order of the shape's vertices.
     ///
-    /// Rows are functions and columns are where they are evaluated; both are vertices of the walk. Where several
+    /// Rows are functions and columns are where they are evaluated; both are welded vertices. Where several
     /// vertices of the shape were welded into one, the matrix over the welded vertices is the mathematical object: a
     /// larger one with repeated columns would have rows that do not sum to 1, and so would not be a diffusion. Such a
     /// basis stays as it is, and `vertex_map.as_slice()` is the map that belongs to it.

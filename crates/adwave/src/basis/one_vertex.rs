@@ -1,8 +1,8 @@
 //! φ and ψ of one vertex, without a matrix.
 //!
-//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`. For a reversible walk it comes from the symmetric `S = D^½ Φ₁ D^{−½}`, D = diag π, as
+//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`. For a reversible operator it comes from the symmetric `S = D^½ Φ₁ D^{−½}`, D = diag π, as
 //! `φ(y) = (Sⁿe_x)(y)·√(π(y)/π(x))`, and both powers of a wavelet from one Chebyshev recurrence in `2S − I`, whose terms
-//! of degree k reach k rings. Otherwise the walk is taken step by step.
+//! of degree k reach k rings. Otherwise it is applied step by step.
 
 use super::binomial::chebyshev_of_power;
 use super::{BasisError, check_tolerance};
@@ -55,7 +55,7 @@ pub struct ScalingAndWavelet {
     pub scaling: SparseRow,
     /// ψ_{j,x} = φ_{j−1,x} − φ_{j,x}: sums to 0.
     pub wavelet: SparseRow,
-    /// Products with the walk that it took.
+    /// Products with Φ₁ that it took.
     pub n_products: u64,
 }
 
@@ -63,8 +63,8 @@ pub struct ScalingAndWavelet {
 ///
 /// `φ_j = e_xᵀΦ₁^steps`, `ψ_j = e_xᵀΦ₁^steps_before − φ_j`. Values of φ below `drop_tolerance` are dropped and the rest
 /// divided by its sum, as in the matrices; with 0 every positive value is kept. Values err by 1e-10 at most on a reversible
-/// walk (times √(π(y)/π(x))), by rounding otherwise. Costs about `5√steps` products over the vertices within as many
-/// rings where the walk is reversible, `steps` products otherwise; memory O(vertices reached), and 4 bytes a vertex.
+/// operator (times √(π(y)/π(x))), by rounding otherwise. Costs about `5√steps` products over the vertices within as many
+/// rings where the operator is reversible, `steps` products otherwise; memory O(vertices reached), and 4 bytes per vertex.
 ///
 /// # Errors
 /// [`BasisError`]: no such vertex, steps that do not increase, a bad tolerance, one that drops all; cancelled.
@@ -72,8 +72,8 @@ pub struct ScalingAndWavelet {
 /// ```
 /// use adwave::basis::one_vertex;
 /// use adwave::{Progress, operator::Diffusion};
-/// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
-/// let at = one_vertex(&walk, 0, 1, 2, 0.0, Progress::none())?;
+/// let diffusion = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.75, 0.25, 0.25, 0.75])?;
+/// let at = one_vertex(&diffusion, 0, 1, 2, 0.0, Progress::none())?;
 /// assert_eq!(at.scaling.values, [0.625, 0.375]);
 /// assert_eq!(at.wavelet.values, [0.125, -0.125]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -175,7 +175,7 @@ impl Rings {
 /// of two groups, and a loop that always goes round twice costs less than one of five to seven rounds.
 const GROUP: usize = 4;
 
-/// `None` where the walk is not reversible, or π too small to divide by.
+/// `None` where the operator is not reversible, or π too small to divide by.
 fn by_chebyshev(
     diffusion: &Diffusion,
     vertex: usize,
@@ -272,7 +272,7 @@ fn by_chebyshev(
     Ok(Some((sums, rings.vertices, degree as u64)))
 }
 
-/// The walk, step by step, over all vertices that it reaches.
+/// Powers of Φ₁ step by step, over all vertices that they come to.
 fn by_steps(
     diffusion: &Diffusion,
     vertex: usize,

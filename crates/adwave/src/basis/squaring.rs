@@ -40,6 +40,7 @@ pub fn basis_by_squaring(
     let mut info = BasisInfo::default();
     let mut scaling: Vec<CompressedRows<f64>> = Vec::with_capacity(n_levels);
     let mut bytes = 0;
+    // Algorithm 1: Φ_1 = [T]_r, then Φ_j = [Φ_{j−1}Φ_{j−1}]_{r,ε}
     for &steps in &steps {
         let (level, dropped) = match scaling.last() {
             None => (first_level(diffusion, progress)?, 0.0),
@@ -87,8 +88,7 @@ enum Product {
 
 /// Algorithm 1, lines 3 and 4: `[AA]_{r,ε}`.
 ///
-/// Row x of AA is `Σ_z A(x,z)·(row z of A)`, summed up in a vector over all vertices (Gustavson, "Two fast algorithms for
-/// sparse matrices", 1978).
+/// Row x of AA is `Σ_z A(x,z)·(row z of A)`, summed up in a vector over all vertices (`gustavson1978`).
 fn square(
     matrix: &CompressedRows<f64>,
     steps: u64,
@@ -114,7 +114,7 @@ fn square(
                 if sums[y as usize] == 0.0 {
                     touched.push(y);
                 }
-                sums[y as usize] += a * b;
+                sums[y as usize] += a * b; // Φ_j = Φ_{j−1}Φ_{j−1} (eq. 6)
             }
         }
         touched.sort_unstable();
@@ -134,6 +134,7 @@ fn square(
             empty_row.fetch_min(x as u64, Ordering::Relaxed);
             return;
         }
+        // [·]_r: Σ_y Φ_j(x,y) = 1 (eq. 7)
         for value in &mut values[start..] {
             *value /= kept;
         }

@@ -1,4 +1,4 @@
-//! Φ₁ᵀ in single precision: for each vertex, where a step that arrives there came from.
+//! The transpose Φ₁ᵀ in single precision: column by column of Φ₁.
 
 use crate::operator::Diffusion;
 
@@ -50,7 +50,7 @@ impl Transpose {
         &self.groups[self.starts[y as usize]..self.starts[y as usize + 1]]
     }
 
-    /// Bytes that this takes for a walk of `nnz` entries over `n` vertices.
+    /// Bytes that this takes for an operator of `nnz` entries over `n` vertices.
     pub(super) fn bytes(n: usize, nnz: usize) -> u64 {
         (size_of::<(u32, f32)>() * (nnz + n * (GROUP - 1)) + 16 * n) as u64
     }

@@ -5,7 +5,7 @@ mod request;
 
 pub use request::BandsRequest;
 
-use crate::bands::{Bands, BandsError, BandsParams, DEFAULT_REACH, Schedule, Transform, levels_reaching};
+use crate::bands::{Bands, BandsError, BandsParams, DEFAULT_EXTENT, Schedule, Transform, levels_reaching};
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
@@ -24,7 +24,7 @@ pub struct VertexFunctions {
     pub scaling_function: Vec<f64>,
     /// ψ: sums to 0.
     pub wavelet: Vec<f64>,
-    /// How many welded vertices φ reaches.
+    /// At how many welded vertices φ is not 0.
     pub support: usize,
 }
 
@@ -50,15 +50,15 @@ pub struct Decomposer {
     areas: Arc<[f64]>,
     mean_length: f64,
     diagonal: f64,
-    /// Which vertices the diffusion leaves out.
+    /// Which vertices are masked.
     mask: Option<Arc<Mask>>,
-    /// The rings of a mesh that one step can reach.
+    /// The rings of a mesh that one step takes in.
     rings: usize,
     metric: Arc<OnceLock<SurfaceMetric>>,
 }
 
 impl Decomposer {
-    /// Prepares a shape with the default operator: the paper's (eq. 1 and 4). O(n log n).
+    /// Prepares a shape with the default operator: the paper's (eq. 1). O(n log n).
     pub fn new(shape: &Shape) -> Self {
         unstopped(Self::with_params(shape, &OperatorParams::default(), Progress::none()))
     }
@@ -88,7 +88,7 @@ impl Decomposer {
         })
     }
 
-    /// The same shape with a diffusion that leaves out the vertices that are flagged (in the order of the shape), for a signal
+    /// The same shape with the flagged vertices masked (in the order of the shape): the diffusion goes round them, for a signal
     /// that is not known there (see [`missing`](crate::mask::missing)). O(entries).
     ///
     /// Rows are divided by what they keep of their steps; nothing crosses a gap but round it. Bands and results are NaN at
@@ -143,7 +143,7 @@ impl Decomposer {
         !self.geometry.points().is_empty() && self.geometry.triangles().is_empty()
     }
 
-    /// The one-ring of a mesh without the masked vertices; of a cloud or graph what one step can reach.
+    /// The one-ring of a mesh without the masked vertices; of a cloud or graph what one step takes in.
     pub(crate) fn ring(&self) -> Cow<'_, Adjacency> {
         if self.rings == 1 || self.geometry.triangles().is_empty() {
             return Cow::Borrowed(self.neighbours());
@@ -171,7 +171,7 @@ impl Decomposer {
         &self.transform
     }
 
-    /// The vertices that one step of the diffusion can reach, in the numbering of [`geometry`](Self::geometry).
+    /// The vertices that one step of the diffusion takes in, in the numbering of [`geometry`](Self::geometry).
     pub fn neighbours(&self) -> &Adjacency {
         self.diffusion().neighbours()
     }
@@ -221,7 +221,7 @@ impl Decomposer {
     /// The number of dyadic levels to take where none is asked for, and why (see
     /// [`default_levels`](crate::bands::default_levels)).
     pub fn default_levels(&self) -> (usize, String) {
-        self.levels_reaching(DEFAULT_REACH)
+        self.levels_reaching(DEFAULT_EXTENT)
     }
 
     /// The number of dyadic levels whose last is as wide as a share of the diagonal, and why (see [`levels_reaching`]).

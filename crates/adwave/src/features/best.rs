@@ -9,7 +9,7 @@ const ROBUST: f64 = 0.9;
 /// The `n` features that are largest in the distance to the nearest clearly stronger one, in the given order; the strongest
 /// has no stronger one and always stays. Without positions (a graph) the `n` strongest. O(m²) for m features.
 ///
-/// Source: Brown, Szeliski and Winder, "Multi-image matching using multi-scale oriented patches", 2005 (adaptive
+/// Source: `brown2005` (adaptive
 /// non-maximal suppression).
 pub fn spread_best(features: &[Feature], n: usize) -> Vec<Feature> {
     let radius = |a: &Feature| {

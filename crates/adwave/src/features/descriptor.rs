@@ -10,9 +10,9 @@ use crate::population::Population;
 use crate::shape::squared_distance;
 use std::collections::HashSet;
 
-/// Levels on each side of the feature's own that it looks at.
+/// Levels on each side of the feature's own that it reads.
 const LEVELS_BESIDE: usize = 2;
-/// Levels that it looks at.
+/// Levels that it reads.
 const LEVELS: usize = 2 * LEVELS_BESIDE + 1;
 /// Rings round the feature, each one σ wide.
 const RINGS: usize = 3;

@@ -9,7 +9,7 @@ use crate::population::Population;
 use crate::shape::Adjacency;
 use crate::{Cancelled, Decomposer, Progress, parallel};
 
-/// Vertices that a thread looks at at a time.
+/// Vertices that a thread treats at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 /// Finds the features of a signal's bands on the shape that they were computed on, from fine to coarse, on each level the
@@ -19,7 +19,7 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 /// analysis is numbered by: the same features for any order of the file's vertices and any number of threads.
 ///
 /// Source: Algorithm 2. Printed, the mean in its threshold lost the bars of |R|; see [`Response`](super::Response) for what
-/// R is. On a mesh neighbours are two rings whatever the walk's own reach is.
+/// R is. On a mesh neighbours are two rings, however many one step of the diffusion takes in.
 ///
 /// # Errors
 /// [`FeatureError`] with fewer than 3 levels, a θ that is not above 0, an option without meaning, or another shape's bands.
@@ -169,6 +169,7 @@ impl Search<'_> {
             progress,
             || (),
             |(), range| {
+                // Algorithm 2: |R(j,x)| > θ·mean|R(j)|, and an extremum over place and scale
                 range.filter(|&x| here.at(x).abs() > floor(x) && self.is_extremum(x)).collect::<Vec<usize>>()
             },
         )?;
@@ -192,7 +193,8 @@ impl Search<'_> {
         here > finer && here >= coarser
     }
 
-    /// Whether x on this level beats y on this level and the two beside it. The finer level and the lower index win ties.
+    /// Whether x on this level beats y on this level and the two beside it (Algorithm 2): `R(j,x) > R(i,y)` for i = j − 1, j,
+    /// j + 1. The finer level and the lower index win ties.
     fn wins(&self, sign: f64, x: usize, y: usize) -> bool {
         let here = sign * self.layer.levels[self.j - 1].at(x);
         let [finer, level, coarser] = self.levels(y).map(|r| sign * r);

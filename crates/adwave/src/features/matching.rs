@@ -17,7 +17,7 @@ pub struct Match {
 /// Pairs of features each of which is the nearest of the other, and nearer than `ratio` times the second nearest, by rising
 /// index of the first. `ratio` = 1 asks for no margin; 0.8 is usual. O(first × second).
 ///
-/// Source: Lowe, "Distinctive image features from scale-invariant keypoints", 2004 (the ratio test).
+/// Source: `lowe2004` (the ratio test).
 ///
 /// ```
 /// use adwave::features::{DESCRIPTOR_LENGTH, match_features};

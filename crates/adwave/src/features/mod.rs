@@ -2,7 +2,7 @@
 //!
 //! x is a feature of level j when `|R(j,x)| > θ·mean|R(j)|` and R(j,x) is greater (or smaller) than R at every neighbour of
 //! x on level j, and at x and its neighbours on levels j − 1 and j + 1. Neighbours are two rings on a mesh and a graph, and
-//! the points that the walk steps to on a cloud (the 10 nearest, in both directions).
+//! the points that one step of the diffusion takes in on a cloud (the 10 nearest, in both directions).
 
 mod best;
 mod components;
@@ -18,7 +18,7 @@ pub use best::spread_best;
 pub use descriptor::{DESCRIPTOR_LENGTH, Descriptor, describe};
 pub use detect::features;
 pub use matching::{Match, match_features};
-pub use params::{FEATURE_REACH, FeatureParams, Refinement, Response, ThresholdScope};
+pub use params::{FEATURE_EXTENT, FeatureParams, Refinement, Response, ThresholdScope};
 pub use spheres::{Spheres, spheres};
 
 use crate::{Cancelled, ClassifiedError, ErrorKind};

@@ -3,12 +3,12 @@
 use super::FeatureError;
 
 /// How wide the last level is where no number of levels is asked for, as a share of the bounding box's diagonal: twice
-/// [`DEFAULT_REACH`](crate::bands::DEFAULT_REACH), which is two levels more.
+/// [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT), which is two levels more.
 ///
 /// The last level holds no feature; the widest that does is the one before it, σ from 2.8 to 4 % of the diagonal. That is
 /// how wide the ends of limbs, a nose or a knee are on a figure; on the default of the bands they would be too wide to be
 /// found. It gives a figure of 43 000 vertices the 8 levels of the paper.
-pub const FEATURE_REACH: f64 = 2.0 * crate::bands::DEFAULT_REACH;
+pub const FEATURE_EXTENT: f64 = 2.0 * crate::bands::DEFAULT_EXTENT;
 
 /// The number R(j,x) that is compared in place and scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,7 +64,7 @@ pub struct FeatureParams {
     pub refinement: Refinement,
     /// Reject edges: the largest ratio of the principal curvatures of R at a feature, ≥ 1; SIFT takes 10.
     pub max_edge_ratio: Option<f64>,
-    /// Reject features within so many σ of the border of a mesh or cloud, or of vertices that are left out of the walk; ≥ 0. A
+    /// Reject features within so many σ of the border of a mesh or cloud, or of masked vertices; ≥ 0. A
     /// graph has no border.
     pub border_sigmas: Option<f64>,
     /// Keep only so many, the strong ones well spread (see [`spread_best`](super::spread_best)).

@@ -108,6 +108,7 @@ impl Source<'_> {
     fn edit(&self, vertex: usize, change: &[f64], finest: f64, row: &mut [f64]) {
         let d = row.len();
         let signal = &self.signal[vertex * d..][..d];
+        // f′(x) = f(x) + Σ_j (Γ(j,x) − 1)·W_f(j,x) (eq. 18)
         row.copy_from_slice(signal);
         if self.masked.is_some_and(|masked| masked[vertex]) {
             return;

@@ -149,7 +149,7 @@ pub(crate) fn excess_at(layers: &[LayerSlot], x: usize, vertex: usize, excess: &
         let r = layer.weight(x, vertex);
         if r != 0.0 {
             for (total, own) in excess.iter_mut().zip(&layer.excess) {
-                // (1 + a)(1 + b) − 1
+                // Γ = Π (1 + r·(g_j − 1)) (eq. 18): (1 + a)(1 + b) − 1
                 let own = r * own;
                 *total += own + *total * own;
             }

@@ -117,7 +117,7 @@ pub struct Layer {
     pub region: Region,
 }
 
-/// A layer as a recipe has it: `preset` or `gains`, and a `region` that is everywhere where it is left out.
+/// A layer as a recipe has it: `preset` or `gains`, and a `region` that is everywhere where none is given.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LayerTable {
@@ -196,8 +196,8 @@ fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<R
 /// Why an edit cannot be applied.
 #[derive(Debug, Error, PartialEq)]
 pub enum FilterError {
-    /// There is not one gain a level.
-    #[error("{n_gains} gains were given for {n_levels} levels; give one gain a level, fine to coarse")]
+    /// There is not one gain per level.
+    #[error("{n_gains} gains were given for {n_levels} levels; give one gain per level, fine to coarse")]
     WrongNumberOfGains {
         /// Gains given.
         n_gains: usize,

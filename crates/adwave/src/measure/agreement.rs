@@ -3,10 +3,10 @@
 use crate::shape::distance;
 use thiserror::Error;
 
-/// How well a map predicts looks.
+/// How well a map predicts fixations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
-    /// Vertices that have both a map value and a look.
+    /// Vertices that have both a map value and a fixation time.
     pub n_vertices: usize,
     /// Those of them that were looked at.
     pub n_positive: usize,
@@ -16,7 +16,7 @@ pub struct Agreement {
     /// Normalised scanpath saliency: the mean of `(map − mean)/deviation` where people looked. 0 is chance; NaN for a
     /// constant map.
     pub nss: f64,
-    /// Pearson's correlation of the map and the looks, in [−1, 1]; NaN where one is constant.
+    /// Pearson's correlation of the map and the fixations, in [−1, 1]; NaN where one is constant.
     pub correlation: f64,
     /// The same with what both share with the control taken out (partial correlation); NaN without a control.
     pub partial_correlation: f64,
@@ -26,20 +26,20 @@ pub struct Agreement {
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum AgreementError {
     /// They do not belong to one shape.
-    #[error("the map has {n_map} values, what it is compared with has {n_looks}; they must be as many")]
+    #[error("the map has {n_map} values, what it is compared with has {n_fixations}; they must be as many")]
     WrongLength {
         /// Values of the map.
         n_map: usize,
-        /// Values of the looks.
-        n_looks: usize,
+        /// Fixation times given.
+        n_fixations: usize,
     },
     /// Nothing to compare.
-    #[error("no vertex has both a finite map value and a finite look")]
+    #[error("no vertex has both a finite map value and a finite fixation time")]
     NothingShared,
 }
 
-/// Compares a map with looks (fixation seconds, say): a vertex was looked at when its look is above `threshold`. Vertices
-/// where either is not finite are left out. `control` is another map whose share is taken out of
+/// Compares a map with fixations (in seconds, say): a vertex was looked at when its fixation time is above `threshold`. Vertices
+/// where either is not finite are skipped. `control` is another map whose share is taken out of
 /// [`partial_correlation`](Agreement::partial_correlation), such as [`centre_distance`]. O(n log n).
 ///
 /// # Errors
@@ -47,36 +47,37 @@ pub enum AgreementError {
 ///
 /// ```
 /// use adwave::measure::agreement;
-/// let looks = [0.0, 0.0, 1.0, 3.0];
-/// let a = agreement(&[0.1, 0.3, 0.2, 0.9], &looks, 0.0, None)?;
+/// let fixations = [0.0, 0.0, 1.0, 3.0];
+/// let a = agreement(&[0.1, 0.3, 0.2, 0.9], &fixations, 0.0, None)?;
 /// assert_eq!(a.auc, 0.75); // of four pairs only (0.3, 0.2) is the wrong way round
-/// assert_eq!(agreement(&looks, &looks, 0.0, None)?.auc, 1.0);
+/// assert_eq!(agreement(&fixations, &fixations, 0.0, None)?.auc, 1.0);
 /// # Ok::<(), adwave::measure::AgreementError>(())
 /// ```
 pub fn agreement(
     map: &[f64],
-    looks: &[f64],
+    fixations: &[f64],
     threshold: f64,
     control: Option<&[f64]>,
 ) -> Result<Agreement, AgreementError> {
-    for n_looks in [Some(looks.len()), control.map(<[f64]>::len)].into_iter().flatten() {
-        if n_looks != map.len() {
-            return Err(AgreementError::WrongLength { n_map: map.len(), n_looks });
+    for n_fixations in [Some(fixations.len()), control.map(<[f64]>::len)].into_iter().flatten() {
+        if n_fixations != map.len() {
+            return Err(AgreementError::WrongLength { n_map: map.len(), n_fixations });
         }
     }
-    let known =
-        |&x: &usize| map[x].is_finite() && looks[x].is_finite() && control.is_none_or(|c| c[x].is_finite());
+    let known = |&x: &usize| {
+        map[x].is_finite() && fixations[x].is_finite() && control.is_none_or(|c| c[x].is_finite())
+    };
     let shared: Vec<usize> = (0..map.len()).filter(known).collect();
     if shared.is_empty() {
         return Err(AgreementError::NothingShared);
     }
     let pick = |values: &[f64]| shared.iter().map(|&x| values[x]).collect::<Vec<f64>>();
-    let (map, looks) = (pick(map), pick(looks));
-    let positive: Vec<bool> = looks.iter().map(|&look| look > threshold).collect();
-    let correlation = pearson(&map, &looks);
+    let (map, fixations) = (pick(map), pick(fixations));
+    let positive: Vec<bool> = fixations.iter().map(|&seconds| seconds > threshold).collect();
+    let correlation = pearson(&map, &fixations);
     let partial_correlation = control.map_or(f64::NAN, |control| {
         let control = pick(control);
-        let (rm, rl) = (pearson(&map, &control), pearson(&looks, &control));
+        let (rm, rl) = (pearson(&map, &control), pearson(&fixations, &control));
         (correlation - rm * rl) / ((1.0 - rm * rm) * (1.0 - rl * rl)).sqrt()
     });
     Ok(Agreement {
@@ -97,7 +98,7 @@ pub fn centre_distance(points: &[[f64; 3]]) -> Vec<f64> {
     points.iter().map(|p| distance(p, &centre)).collect()
 }
 
-/// Mann and Whitney's statistic by ranks, equal values sharing theirs.
+/// Mann and Whitney's statistic (`mann1947`) by ranks, equal values sharing theirs.
 fn auc(map: &[f64], positive: &[bool]) -> f64 {
     let mut order: Vec<usize> = (0..map.len()).collect();
     order.sort_unstable_by(|&a, &b| map[a].total_cmp(&map[b]));
@@ -145,15 +146,15 @@ mod tests {
             values in prop::collection::vec((0_u8..8, any::<bool>()), 2..60),
         ) {
             let map: Vec<f64> = values.iter().map(|v| f64::from(v.0)).collect();
-            let looks: Vec<f64> = values.iter().map(|v| f64::from(u8::from(v.1))).collect();
+            let fixations: Vec<f64> = values.iter().map(|v| f64::from(u8::from(v.1))).collect();
             let (mut right, mut pairs) = (0.0, 0.0);
-            for (a, _) in map.iter().zip(&looks).filter(|(_, l)| **l > 0.5) {
-                for (b, _) in map.iter().zip(&looks).filter(|(_, l)| **l < 0.5) {
+            for (a, _) in map.iter().zip(&fixations).filter(|(_, l)| **l > 0.5) {
+                for (b, _) in map.iter().zip(&fixations).filter(|(_, l)| **l < 0.5) {
                     pairs += 1.0;
                     right += if a > b { 1.0 } else if a == b { 0.5 } else { 0.0 };
                 }
             }
-            let found = agreement(&map, &looks, 0.0, None).unwrap().auc;
+            let found = agreement(&map, &fixations, 0.0, None).unwrap().auc;
             let agrees = if pairs == 0.0 { found.is_nan() } else { (found - right / pairs).abs() < ROUNDING };
             prop_assert!(agrees, "{}", found);
         }
@@ -162,15 +163,15 @@ mod tests {
         fn scaling_a_map_changes_nothing_and_turning_it_over_turns_it_round(
             values in prop::collection::vec((-100.0..100.0, 0.0..10.0), 3..60), factor in 0.1..50.0, shift in -9.0..9.0,
         ) {
-            let (map, looks): (Vec<f64>, Vec<f64>) = values.into_iter().unzip();
-            let same = agreement(&map, &looks, 5.0, None).unwrap();
+            let (map, fixations): (Vec<f64>, Vec<f64>) = values.into_iter().unzip();
+            let same = agreement(&map, &fixations, 5.0, None).unwrap();
             let scaled: Vec<f64> = map.iter().map(|v| factor * v + shift).collect();
             let turned: Vec<f64> = map.iter().map(|v| -v).collect();
-            let scaled = agreement(&scaled, &looks, 5.0, None).unwrap();
-            let turned = agreement(&turned, &looks, 5.0, None).unwrap();
+            let scaled = agreement(&scaled, &fixations, 5.0, None).unwrap();
+            let turned = agreement(&turned, &fixations, 5.0, None).unwrap();
             prop_assert!((same.correlation - scaled.correlation).abs() < 1e-6);
             prop_assert!((same.correlation + turned.correlation).abs() < ROUNDING);
-            if same.n_positive > 0 && same.n_positive < looks.len() {
+            if same.n_positive > 0 && same.n_positive < fixations.len() {
                 prop_assert!((same.auc + turned.auc - 1.0).abs() < ROUNDING);
                 prop_assert!((same.nss + turned.nss).abs() < 1e-6);
             }
@@ -179,15 +180,15 @@ mod tests {
 
     #[test]
     fn what_is_only_the_control_has_no_partial_correlation() {
-        // Looks are the control and something that the map does not know.
+        // Fixations are the control and something that the map does not know.
         let control: Vec<f64> = (0..400).map(|i| f64::from(i % 20)).collect();
         let own: Vec<f64> = (0..400).map(|i| f64::from(i / 20 % 4)).collect();
-        let looks: Vec<f64> = control.iter().zip(&own).map(|(c, o)| c + o).collect();
+        let fixations: Vec<f64> = control.iter().zip(&own).map(|(c, o)| c + o).collect();
         let other: Vec<f64> = (0..400).map(|i| f64::from(i / 80)).collect();
         let map: Vec<f64> = control.iter().zip(&other).map(|(c, o)| 2.0 * c + o).collect();
-        let a = agreement(&map, &looks, 10.0, Some(&control)).unwrap();
+        let a = agreement(&map, &fixations, 10.0, Some(&control)).unwrap();
         assert!(a.correlation > 0.8 && a.partial_correlation.abs() < ROUNDING, "{a:?}");
-        let b = agreement(&own, &looks, 10.0, Some(&control)).unwrap();
+        let b = agreement(&own, &fixations, 10.0, Some(&control)).unwrap();
         assert!((b.partial_correlation - 1.0).abs() < ROUNDING, "{b:?}");
     }
 

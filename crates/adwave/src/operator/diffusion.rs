@@ -1,4 +1,4 @@
-//! The diffusion operator Φ₁: one step of the lazy walk.
+//! The diffusion operator Φ₁: one step of a lazy random walk.
 
 use super::LocalOperator;
 use crate::rows::{CompressedRows, Pattern, RowsError, rows_at_a_time, try_for_entries};
@@ -16,7 +16,9 @@ const VERTICES_AT_A_TIME: usize = 1 << 13;
 #[derive(Debug, Error, PartialEq)]
 pub enum DiffusionError {
     /// An entry is negative, NaN or infinite.
-    #[error("entry ({row}, {column}) of the walk is {value}; probabilities are finite and at least 0")]
+    #[error(
+        "entry ({row}, {column}) of the diffusion operator is {value}; probabilities are finite and at least 0"
+    )]
     BadEntry {
         /// Row of the entry.
         row: usize,
@@ -26,7 +28,7 @@ pub enum DiffusionError {
         value: f64,
     },
     /// A row is not a probability distribution.
-    #[error("row {row} of the walk sums to {sum}, not to 1; divide it by its sum")]
+    #[error("row {row} of the diffusion operator sums to {sum}, not to 1; divide it by its sum")]
     RowSum {
         /// The row.
         row: usize,
@@ -34,7 +36,7 @@ pub enum DiffusionError {
         sum: f64,
     },
     /// The compressed rows do not fit together.
-    #[error("the compressed rows of the walk do not fit together: {0}")]
+    #[error("the compressed rows of the diffusion operator do not fit together: {0}")]
     Layout(#[from] RowsError),
     /// The entries' rows, columns and values are not of one length.
     #[error("{n_rows} rows, {n_columns} columns and {n_values} values are not one of each for every entry")]
@@ -69,7 +71,7 @@ impl ClassifiedError for DiffusionError {
     }
 }
 
-/// One step of the lazy walk, `Φ₁ = [T]_r = ½I + ½Q` (eq. 4–5), n_vertices × n_vertices, as its off-diagonal entries; the
+/// One step of a lazy random walk, `Φ₁ = [T]_r = ½I + ½Q` (eq. 4), n_vertices × n_vertices, as its off-diagonal entries; the
 /// diagonal is what is missing from 1.
 ///
 /// Rows sum to 1 by construction and all entries are ≥ 0. A reversible Φ₁ is similar to a symmetric matrix and, being
@@ -83,7 +85,7 @@ pub struct Diffusion {
 }
 
 impl Diffusion {
-    /// Φ₁ of a local operator (eq. 4–5): `Φ₁(x,y) = T(x,y) / 2Σ_z T(x,z)`, `Φ₁(x,x) = ½`; an identity row where T has an
+    /// Φ₁ of a local operator (eq. 4): `Φ₁(x,y) = T(x,y) / 2Σ_z T(x,z)`, `Φ₁(x,x) = ½`; an identity row where T has an
     /// empty one. O(entries).
     ///
     /// # Errors
@@ -99,14 +101,16 @@ impl Diffusion {
                 weights = after;
                 *sum = row.iter().sum();
                 if *sum > 0.0 {
-                    // (eq. 4) [T]_r divides each row by its sum, of which T(x,x) is one half.
+                    // Φ₁ = [T]_r (eq. 4): φ_{1,x} = T(x,·)/‖T(x,·)‖₁ (eq. 5), with ‖T(x,·)‖₁ = 2Σ_{y≠x} T(x,y) as T(x,x) is
+                    // one half of it.
                     for w in row {
                         *w /= 2.0 * *sum;
                     }
                 }
             }
         })?;
-        // π(x) ∝ A(x)·Σ_z A(z)k(x,z), in logarithms: where distances differ much the kernel itself underflows.
+        // lim Φ₁ⁿ(z,x) = π(x) ∝ A(x)·Σ_z A(z)k(x,z) in place of the constant 1/A(M) (eq. 10), in logarithms: where
+        // distances differ much the kernel itself underflows.
         let log_pi: Vec<f64> =
             parallel::try_collect(n, progress, |x| areas[x].ln() + log_factor[x] + row_sum[x].ln())?;
         let top = parallel::max(n, f64::NEG_INFINITY, |x| log_pi[x]);
@@ -123,7 +127,7 @@ impl Diffusion {
 
     /// A diffusion operator given by its own matrix: compressed rows with or without their diagonal, every row summing to 1.
     ///
-    /// The stationary distribution π is taken as uniform and a step as of length 1; the walk counts as not reversible, so
+    /// The stationary distribution π is taken as uniform and a step as of length 1; the operator counts as not reversible, so
     /// that no method relies on a real spectrum. Entries of a row may come in any order and several times. O(entries).
     ///
     /// # Errors
@@ -132,8 +136,8 @@ impl Diffusion {
     ///
     /// ```
     /// use adwave::operator::{Diffusion, DiffusionError};
-    /// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
-    /// assert_eq!(walk.diagonal(1), 0.75);
+    /// let phi = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
+    /// assert_eq!(phi.diagonal(1), 0.75);
     /// let wrong = Diffusion::from_rows(&[0, 1, 2], &[1, 0], &[1.0, 0.5]);
     /// assert_eq!(wrong.unwrap_err(), DiffusionError::RowSum { row: 1, sum: 0.5 });
     /// # Ok::<(), DiffusionError>(())
@@ -178,8 +182,8 @@ impl Diffusion {
     ///
     /// ```
     /// use adwave::operator::Diffusion;
-    /// let walk = Diffusion::from_columns(2, &[1, 0, 0, 1], &[1, 0, 1, 0], &[0.75, 0.5, 0.5, 0.25])?;
-    /// assert_eq!(walk.row(1), ([0].as_slice(), [0.25].as_slice()));
+    /// let phi = Diffusion::from_columns(2, &[1, 0, 0, 1], &[1, 0, 1, 0], &[0.75, 0.5, 0.5, 0.25])?;
+    /// assert_eq!(phi.row(1), ([0].as_slice(), [0.25].as_slice()));
     /// # Ok::<(), adwave::operator::DiffusionError>(())
     /// ```
     pub fn from_columns(
@@ -216,7 +220,7 @@ impl Diffusion {
     /// divided by what it kept, so that as much probability moves as before. `squared_length(x, y)` is the squared length
     /// of a step in model units. O(entries).
     ///
-    /// A reversible walk stays so, with `π′(x) ∝ π(x)·(part of the row's steps that is kept)`: `π(x)Φ₁(x,y)` is as before.
+    /// A reversible operator stays so, with `π′(x) ∝ π(x)·(part of the row's steps that is kept)`: `π(x)Φ₁(x,y)` is as before.
     ///
     /// # Errors
     /// [`DiffusionError::MaskLength`] when there is not one flag per vertex; cancelled.
@@ -268,8 +272,8 @@ impl Diffusion {
     ///
     /// ```
     /// use adwave::{Progress, operator::Diffusion};
-    /// let walk = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
-    /// let (indptr, indices, data) = walk.to_rows(Progress::none())?.into_scipy()?;
+    /// let phi = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.25, 0.75])?;
+    /// let (indptr, indices, data) = phi.to_rows(Progress::none())?.into_scipy()?;
     /// assert_eq!((indptr, indices, data), (vec![0, 2, 4], vec![0, 1, 0, 1], vec![0.5, 0.5, 0.25, 0.75]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -319,7 +323,8 @@ impl Diffusion {
         1.0 - self.row(x).1.iter().sum::<f64>()
     }
 
-    /// The stationary distribution π over all vertices, ≥ 0, Σπ = 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. With several components
+    /// The stationary distribution π over all vertices, ≥ 0, Σπ = 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. Rows of Φ₁ⁿ converge to
+    /// it; the paper's constant 1/A(M) (eq. 10) is that only where all rows of T weigh alike. With several components
     /// it weighs them by that formula. For a directed cloud it is a weight by the same formula and not stationary.
     pub fn stationary(&self) -> &[f64] {
         &self.stationary

@@ -1,4 +1,4 @@
-//! The local operator T of eq. 1, for meshes, clouds and graphs.
+//! The local operator T (eq. 1), for meshes, clouds and graphs.
 
 use super::{CloudGraph, OperatorParams};
 use crate::rows::{CompressedRows, rows_at_a_time, try_for_entries};
@@ -14,6 +14,8 @@ use crate::{Cancelled, Progress, parallel};
 ///
 /// `T(x,y) = A(y)·exp(−‖x−y‖²/4t)` for `y` in `N(x)`, `T(x,x) = Σ_{y≠x} T(x,y)` (eq. 1). All entries are ≥ 0. T is not
 /// symmetric, but `A(x)·T(x,y)` is whenever neighbourhood is.
+///
+/// It is the Laplacian L of `belkin2008` with the sign of its diagonal D_L turned: `T = 4πt²·(L − 2D_L)` (eq. 2).
 #[derive(Clone, Debug)]
 pub struct LocalOperator {
     pub(super) rows: CompressedRows<f64>,
@@ -61,7 +63,7 @@ impl LocalOperator {
         self.is_reversible
     }
 
-    /// `t = E²/2` of the kernel `exp(−d²/4t)`, in squared model units.
+    /// `t = E²/2` of the kernel `exp(−d²/4t)` (eq. 1), in squared model units.
     pub fn time(&self) -> f64 {
         self.mean_length * self.mean_length / 2.0
     }
@@ -194,7 +196,7 @@ impl Kernel<'_> {
     /// distances in squared model units.
     fn fill_row(&self, x: usize, near: &[u32], row: &mut [f64]) -> (f64, f64) {
         let Self { points, unit, areas, mean_length, .. } = self;
-        // 1/4t = 1/2E². All neighbours coincide where E is 0; the kernel is 1 then.
+        // 1/4t = 1/2E², as t = E²/2 (eq. 1). All neighbours coincide where E is 0; the kernel is 1 then.
         let sharpness = if *mean_length > 0.0 { 0.5 / (mean_length * mean_length) } else { 0.0 };
         // Neighbours without area do not count for the shift: they do not keep the row from underflowing.
         let mut nearest = f64::INFINITY;
@@ -211,7 +213,7 @@ impl Kernel<'_> {
         let (mut sum, mut square) = (0.0, 0.0);
         for (value, &y) in row.iter_mut().zip(near) {
             let d2 = *value;
-            // (eq. 1) T(x,y) = A(y)·exp(−‖x−y‖²/4t), with t = E²/2.
+            // T(x,y) = A(y)·exp(−‖x−y‖²/4t) (eq. 1), the row divided by its largest kernel value.
             *value = areas[y as usize] * (-(d2 - nearest).max(0.0) * sharpness).exp();
             sum += *value;
             square += *value * d2;

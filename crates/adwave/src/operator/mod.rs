@@ -1,5 +1,5 @@
-//! From a prepared shape to diffusion on it: the local operator T (eq. 1 of the paper) and the diffusion operator
-//! `Φ₁ = [T]_r` (eq. 4–5), one step of a lazy walk.
+//! From a prepared shape to diffusion on it: the local operator T (eq. 1) and the diffusion operator
+//! `Φ₁ = [T]_r` (eq. 4), one step of a lazy random walk.
 
 mod diffusion;
 mod local;
@@ -12,11 +12,11 @@ use crate::shape::{CloudArea, MeshArea, WeldMode};
 /// Whether the neighbour graph of a cloud is made symmetric.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CloudGraph {
-    /// `y` is a neighbour of `x` when either is among the nearest of the other. The walk is then reversible and its
+    /// `y` is a neighbour of `x` when either is among the nearest of the other. Φ₁ is then reversible and its
     /// spectrum real.
     #[default]
     Union,
-    /// The nearest of each point only, as the paper has it. The walk need not be reversible.
+    /// The nearest of each point only, as the paper has it. Φ₁ need not be reversible.
     Directed,
 }
 
@@ -31,11 +31,11 @@ pub enum CloudGraph {
 pub struct OperatorParams {
     /// Whether vertices at equal positions are one welded vertex.
     pub weld: WeldMode,
-    /// Mesh: how many rings of neighbours a step may reach; at least 1.
+    /// Mesh: how many rings of neighbours a step may take in; at least 1.
     pub rings: usize,
     /// Mesh: the area of a vertex.
     pub mesh_area: MeshArea,
-    /// Cloud: how many nearest neighbours a step may reach; at least 1.
+    /// Cloud: how many nearest neighbours a step may take in; at least 1.
     pub neighbours: usize,
     /// Cloud: whether neighbourhood is made symmetric.
     pub cloud_graph: CloudGraph,
@@ -63,7 +63,7 @@ impl OperatorParams {
         Self { weld, ..self }
     }
 
-    /// Sets how many rings of a mesh a step may reach; 0 is taken as 1.
+    /// Sets how many rings of a mesh a step may take in; 0 is taken as 1.
     #[must_use]
     pub fn with_rings(self, rings: usize) -> Self {
         Self { rings: rings.max(1), ..self }
@@ -75,7 +75,7 @@ impl OperatorParams {
         Self { mesh_area, ..self }
     }
 
-    /// Sets how many nearest points of a cloud a step may reach; 0 is taken as 1.
+    /// Sets how many nearest points of a cloud a step may take in; 0 is taken as 1.
     #[must_use]
     pub fn with_neighbours(self, neighbours: usize) -> Self {
         Self { neighbours: neighbours.max(1), ..self }

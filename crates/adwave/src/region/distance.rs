@@ -26,7 +26,7 @@ const NONE: u32 = u32::MAX;
 
 const UNREACHED: Label = Label { distance: f64::INFINITY, before: NONE };
 
-/// Shortest paths from a few sources, with memory that is kept from one search to the next: a search costs what it reaches
+/// Shortest paths from a few sources, with memory that is kept from one search to the next: a search costs what it finds
 /// and nothing of the size of the shape.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceSearch {

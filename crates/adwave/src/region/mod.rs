@@ -155,7 +155,7 @@ pub enum Region {
     Vertices {
         /// Their indices, from 0.
         indices: Vec<u32>,
-        /// How far the region reaches beyond them, falling to 0 there; 0 by default.
+        /// How far the region extends beyond them, falling to 0 there; 0 by default.
         #[serde(default = "no_length")]
         radius: Length,
     },
@@ -194,8 +194,10 @@ pub enum RegionError {
         /// Fields that exist.
         available: Vec<String>,
     },
-    /// A field that has several values a vertex, or not one for each.
-    #[error("the field '{name}' has {n_values} values for {n_vertices} vertices; a region needs one each")]
+    /// A field that has several values per vertex, or not one for each.
+    #[error(
+        "the field '{name}' has {n_values} values for {n_vertices} vertices; a region needs one per vertex"
+    )]
     NotScalar {
         /// The name.
         name: String,

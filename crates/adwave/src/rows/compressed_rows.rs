@@ -241,7 +241,8 @@ pub(crate) fn bytes<V>(n_rows: usize, nnz: u64) -> u64 {
     nnz * (size_of::<u32>() + size_of::<V>()) as u64 + (n_rows as u64 + 1) * size_of::<usize>() as u64
 }
 
-/// Appends the entries of the sparse row `fine − coarse`; where both have an entry the difference is rounded once.
+/// Appends the entries of the sparse row `fine − coarse`; where both have an entry the difference is rounded once. Of rows that
+/// sum to 1 it sums to 0: `Σ_y Ψ_j(x,y) = 0` (eq. 9).
 pub(crate) fn subtract<V: Value>(
     fine: (&[u32], &[V]),
     coarse: (&[u32], &[V]),

@@ -58,8 +58,7 @@ pub(super) fn knot(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     })
 }
 
-/// Unit normals at `n_steps` even steps of u (Wang, Jüttler, Zheng & Liu, *Computation of rotation minimizing frames*,
-/// TOG 2008: two reflections take each frame to the next).
+/// Unit normals at `n_steps` even steps of u (`wang2008`: two reflections take each frame to the next).
 fn least_turning_normals(n_steps: usize) -> Vec<V3> {
     let mut normals = Vec::with_capacity(n_steps + 1);
     let [mut point, derivative] = curve(0.0);

@@ -4,7 +4,7 @@
 //! is that of the surface, not of the volume. In each cell the crossed edges fall into loops; each loop gives a
 //! vertex and each crossed grid edge a quad of the four cells round it: the dual of a marching-cubes surface. That
 //! dual is a manifold unless two loops meet twice on one ambiguous face, and such faces are linked the other way
-//! (Wenger, *Isosurfaces*, 2013; Schaefer, Ju & Warren, *Manifold dual contouring*, TVCG 2007).
+//! (`wenger2013`, `schaefer2007`).
 
 use super::cell::{Links, corner_offset, edge_index, link};
 use super::implicit::{Implicit, Side, V3};

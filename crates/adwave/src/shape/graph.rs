@@ -26,9 +26,7 @@ pub enum GraphError {
         n_nodes: usize,
     },
     /// A weight is negative, NaN or infinite, so it is no probability.
-    #[error(
-        "edge {edge} (counted from 0) has the weight {weight}; a walk needs finite weights of at least 0"
-    )]
+    #[error("edge {edge} (counted from 0) has the weight {weight}; weights are finite and at least 0")]
     BadWeight {
         /// Index of the edge, from 0.
         edge: usize,
@@ -65,7 +63,7 @@ impl Graph {
     /// The graph of `n_nodes` nodes with the undirected edges `(u, v, weight)`.
     ///
     /// An edge given several times, in either direction, counts with the sum of its weights; a loop `(u, u)` does not count,
-    /// because the lazy walk has its own. Weights have no unit: only their ratios at a node matter. O(edges log edges).
+    /// because the diffusion operator has its own. Weights have no unit: only their ratios at a node matter. O(edges log edges).
     ///
     /// # Errors
     /// [`GraphError`] when there is no node, an edge names a node that does not exist, or a weight is negative or not

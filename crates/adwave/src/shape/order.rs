@@ -6,7 +6,7 @@ use crate::{Cancelled, Progress, parallel};
 /// The place of every node in the reverse Cuthill–McKee order: breadth-first from a node of few neighbours, those with few
 /// neighbours first, turned round; component after component. O(edges log degree).
 ///
-/// Source: Cuthill and McKee, "Reducing the bandwidth of sparse symmetric matrices", 1969, with the order turned round.
+/// Source: `cuthill1969`, with the order turned round.
 ///
 /// A product with a matrix in this order finds what it reads in the cache; meshes and clouds have positions and are
 /// numbered along a curve through space instead.

@@ -249,8 +249,7 @@ fn compare(p: &[f64; 3], q: &[f64; 3]) -> Ordering {
 /// Bits per axis of a Hilbert key: three axes fill 63 of 64 bits.
 const HILBERT_BITS: u32 = 21;
 
-/// Position along the Hilbert curve through the cube of 2²¹ cells a side (Skilling, "Programming the Hilbert curve",
-/// AIP Conf. Proc. 707, 2004).
+/// Position along the Hilbert curve through the cube of 2²¹ cells a side (`skilling2004`).
 fn hilbert(mut axes: [u32; 3]) -> u64 {
     let mut q = 1_u32 << (HILBERT_BITS - 1);
     while q > 1 {

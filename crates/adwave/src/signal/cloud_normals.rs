@@ -20,7 +20,7 @@ const BORDER_GAP: f64 = 0.75 * PI;
 /// point of each connected part that lies furthest from that part's centre, whose normal points away from it: outwards on a
 /// closed surface, to one side everywhere on an open one.
 ///
-/// Source: Hoppe, DeRose, Duchamp, McDonald and Stuetzle, "Surface reconstruction from unorganized points", 1992.
+/// Source: `hoppe1992`.
 ///
 /// # Panics
 /// Unless `near` has as many neighbourhoods as there are points.
@@ -69,7 +69,7 @@ fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
 /// The points on the border of a cloud: those whose neighbours leave a gap of 135° or more in the plane that fits them best,
 /// or that have none; by rising index. O(n k).
 ///
-/// Source: the angle criterion of Bendels, Schnabel and Klein, "Detecting holes in point set surfaces", 2006.
+/// Source: the angle criterion of `bendels2006`.
 pub(crate) fn cloud_border(points: &[[f64; 3]], neighbours: &Adjacency) -> Vec<usize> {
     let is_border = |x: &usize| {
         let normal = plane_normal(points, neighbours.of(*x), *x);

@@ -16,7 +16,7 @@ impl Curvature {
     /// rut, −1 in a pit; 0 too where the surface is flat and has none: its curvedness `√(κ₁² + κ₂²)` is at most `flat`, in
     /// 1/unit of length.
     ///
-    /// Source: Koenderink and van Doorn, "Surface shape and curvature scales", Image and Vision Computing 10, 1992; its sign
+    /// Source: `koenderink1992`; its sign
     /// is turned so that what stands out is positive.
     ///
     /// ```

@@ -19,8 +19,7 @@ const THIN: f64 = 1e-12;
 /// On the border neither is defined: a border vertex takes the mean of its inner neighbours, 0 where it has none. A vertex
 /// of no triangle gets 0.
 ///
-/// Source: Meyer, Desbrun, Schröder and Barr, "Discrete differential-geometry operators for triangulated 2-manifolds",
-/// 2003.
+/// Source: `meyer2003`.
 pub fn mesh_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Curvature {
     unstopped(try_mesh_curvature(points, triangles, Progress::none()))
 }

@@ -4,7 +4,7 @@
 //! of `depth` rings around them, and step i recomputes what `depth − i` rings need. So the vectors between the steps
 //! stay in the processor's cache, and memory is read and written once in `depth` steps (the matrix-powers kernel).
 //!
-//! Source: Demmel, Hoemmen, Mohiyuddin, Yelick, "Avoiding communication in sparse matrix computations", 2008.
+//! Source: `demmel2008`.
 
 use crate::operator::Diffusion;
 use rayon::prelude::*;

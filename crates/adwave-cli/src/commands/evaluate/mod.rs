@@ -9,8 +9,8 @@ use crate::output::{bands_params, print, table};
 use crate::progress::prepare;
 use crate::shape_input::Input;
 use crate::signal;
-use adwave::bands::{DEFAULT_REACH, Schedule};
-use adwave::features::{FEATURE_REACH, Feature, Response, features};
+use adwave::bands::{DEFAULT_EXTENT, Schedule};
+use adwave::features::{FEATURE_EXTENT, Feature, Response, features};
 use adwave::measure::{
     Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
     repeatability,
@@ -24,7 +24,7 @@ use std::fmt::Write;
 pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> {
     args.detect.params(&args.border).check().map_err(CliError::input)?;
     args.map.params(&args.border).check().map_err(CliError::input)?;
-    let share = if args.fixations.is_some() { DEFAULT_REACH } else { FEATURE_REACH };
+    let share = if args.fixations.is_some() { DEFAULT_EXTENT } else { FEATURE_EXTENT };
     let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, share, global)?;
     match &args.fixations {
         Some(fixations) => against(args, global, &mut analysis, fixations),

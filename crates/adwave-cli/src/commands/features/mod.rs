@@ -8,7 +8,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, number, print, steps_json, table, write_error, write_shape};
 use adwave::features::{
-    Descriptor, FEATURE_REACH, Feature, Match, describe, features, match_features, spheres,
+    Descriptor, FEATURE_EXTENT, Feature, Match, describe, features, match_features, spheres,
 };
 use adwave_io::{Field, FieldValues, Format, ShapeFile, atomic_write};
 use adwave_render::ColorMap;
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
 }
 
 fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &Global<'_>) -> Result<Found, CliError> {
-    let mut analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_REACH, global)?;
+    let mut analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_EXTENT, global)?;
     let params = args.detect.params(&args.border);
     let wavelets = analysis.wavelets(global, Some(params.response))?;
     let start = Instant::now();

@@ -13,7 +13,7 @@ use crate::shape_input::load;
 use crate::signal::{default_name, field_names};
 use crate::stopwatch::Stopwatch;
 use adwave::bands::Bands;
-use adwave::features::FEATURE_REACH;
+use adwave::features::FEATURE_EXTENT;
 use adwave_io::{Format, atomic_write};
 use adwave_render::Up;
 use adwave_report::shape_report::{Looks, ShapeReport, Subject, shape_report};
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let field = args.field.clone().unwrap_or_else(|| default_name(&input).to_owned());
     let signal = FieldArgs { field: field.clone(), texture: args.texture.clone() };
     let mut analysis =
-        Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, FEATURE_REACH, global)?;
+        Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, FEATURE_EXTENT, global)?;
     let bands = analysis.bands(global)?;
     let report = report(args, global, &analysis, &bands, &field)?;
     let html = report.page.html();
