@@ -1,5 +1,5 @@
 //! Prints how long reading files takes, the median and the least of several runs each, beside a plain copy of the file into
-//! memory: `cargo run --release -p adwave-io --example read_time -- [--runs N] FILE…`. Without a file, an OBJ of about 90 MB
+//! memory: `cargo run --release -p adwave-bench-helpers --bin read_time -- [--runs N] FILE…`. Without a file, an OBJ of about 90 MB
 //! is made first.
 
 use std::io::Write;
@@ -21,7 +21,7 @@ fn main() {
         files.push(generated());
     }
     for path in files {
-        let copy = times(n_runs, || std::fs::read(&path).map(|bytes| bytes.len()).unwrap_or(0));
+        let copy = times(n_runs, || std::fs::read(&path).map_or(0, |bytes| bytes.len()));
         let read = times(n_runs, || read(&path));
         println!(
             "{}: {}; median {:.4} s, least {:.4} s; plain copy {:.4} s",
