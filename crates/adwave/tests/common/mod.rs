@@ -1,4 +1,8 @@
-//! Meshes that several tests measure on.
+//! What several tests need: meshes to measure on, and single calls.
+
+#![allow(dead_code)] // each test file uses a part of it
+
+pub(crate) mod one_off;
 
 use adwave::shape::Polygons;
 
