@@ -4,11 +4,11 @@ mod common;
 
 use adwave::bands::{Bands, BandsError, BandsParams, Engine, Schedule, Transform};
 use adwave::operator::{CloudGraph, Diffusion, OperatorParams, local_operator};
-use adwave::sample::Sample;
 use adwave::shape::{Graph, Mesh, PointCloud, Polygons, PreparedGeometry, Shape, VertexMap};
 use adwave::{Cancelled, Progress};
 use adwave_io::{ReadLimits, read_path};
 use adwave_test_data::data_test;
+use common::octahedral_sphere;
 use common::one_off::{decompose, forecast_bytes, levels, weighted_bands};
 use proptest::prelude::*;
 use std::path::Path;
@@ -517,8 +517,7 @@ fn a_prepared_transform_can_be_used_again() {
 #[test]
 fn on_a_fine_sphere_every_band_is_accurate_beside_itself() {
     // W_f(1) is some 1e-5 of the radius here: an error beside the coordinates would show.
-    let sphere = Sample::by_name("sphere", Some(16_386)).expect("a sample");
-    let shape = Shape::Mesh(Mesh::new(sphere.points, sphere.faces).expect("a mesh"));
+    let shape = octahedral_sphere(6);
     let coordinates = coordinates(&shape);
     let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let schedule = Schedule::dyadic(9).expect("valid");
