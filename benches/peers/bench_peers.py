@@ -325,7 +325,7 @@ PARTS = {"bound": bound_part, "bands": bands_part, "basis": basis_part, "harmoni
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--ours", type=Path, required=True, help="the example timing_on_request")
+    parser.add_argument("--ours", type=Path, required=True, help="the program timing_on_request")
     parser.add_argument("--adwave", type=Path, required=True, help="the command")
     parser.add_argument("--models", type=Path, required=True, help="folder with stanford-bunny.obj somewhere in it")
     parser.add_argument("--work", type=Path, required=True, help="folder for intermediate files; emptied")

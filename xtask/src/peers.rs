@@ -21,13 +21,13 @@ pub(crate) fn bench_peers(arguments: &[&str]) -> Outcome {
     }
     let release = ["build", "--release", "--locked", "--quiet"];
     cargo(&[&release[..], &["-p", "adwave-cli"]].concat(), &[])?;
-    cargo(&[&release[..], &["-p", "adwave", "--example", "timing_on_request"]].concat(), &[])?;
+    cargo(&[&release[..], &["-p", "adwave-bench-helpers", "--bin", "timing_on_request"]].concat(), &[])?;
     let python = python::environment(&root(), "peers")?;
     let target = root().join("target");
     run(Command::new(python)
         .arg(root().join("benches/peers/bench_peers.py"))
         .arg("--ours")
-        .arg(target.join("release/examples/timing_on_request"))
+        .arg(target.join("release/timing_on_request"))
         .arg("--adwave")
         .arg(target.join("release/adwave"))
         .arg("--models")

@@ -12,7 +12,7 @@ fn crates_depend_only_on_those_below_them() {
         .unwrap();
     let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
     let layer = |name: &str| match name {
-        "adwave" => Some(0),
+        "adwave" | "adwave-test-data" => Some(0),
         "adwave-io" | "adwave-baselines" | "adwave-render" => Some(1),
         "adwave-report" | "adwave-fuzz" => Some(2),
         "adwave-cli" => Some(3),
@@ -29,6 +29,7 @@ fn crates_depend_only_on_those_below_them() {
             if dependency["kind"] == "dev" {
                 continue;
             }
+            assert_ne!(on, "adwave-test-data", "{name}: only tests may use it");
             if let Some(below) = layer(on) {
                 assert!(below < above, "{name} must not depend on {on}");
             }

@@ -3,6 +3,7 @@
 mod common;
 
 use adwave_io::{FieldValues, ReadLimits, read_npy, read_path};
+use adwave_test_data::data_test;
 use common::{json, real_files, refused};
 use std::fs;
 use std::path::Path;
@@ -229,9 +230,9 @@ fn what_makes_no_sense_is_refused_in_one_line() {
     }
 }
 
-#[test]
+#[data_test]
 fn the_cortex_takes_its_fields_from_other_files() {
-    let Some(folder) = real_files().map(|f| f.join("fields/nilearn-fsaverage5")) else { return };
+    let folder = real_files().join("fields/nilearn-fsaverage5");
     let out = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.join(format!("{name}_left.gii.gz")).display().to_string();
     for field in ["sulc", "curv"] {
@@ -244,10 +245,10 @@ fn the_cortex_takes_its_fields_from_other_files() {
     assert!(error.contains("--field"), "{error}");
 }
 
-#[test]
+#[data_test]
 fn a_figure_has_features_on_toes_and_nose_by_default_and_on_knees_with_a_lower_threshold() {
     const DIAGONAL: f64 = 1.512;
-    let Some(folder) = real_files().map(|f| f.join("paper/libigl-tutorial-data")) else { return };
+    let folder = real_files().join("paper/libigl-tutorial-data");
     let out = tempfile::tempdir().unwrap();
     let armadillo = folder.join("armadillo.obj").display().to_string();
     // Places of the figure, read off its picture.

@@ -2,6 +2,7 @@
 
 mod common;
 
+use adwave_test_data::data_test;
 use common::{adwave, files_below, real_files, refused, words};
 use std::fs;
 use std::path::Path;
@@ -194,9 +195,9 @@ fn ctrl_c_stops_soon_and_leaves_the_old_file() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "temporary files were left");
 }
 
-#[test]
+#[data_test]
 fn every_messy_file_gives_a_result_or_one_line() {
-    let Some(data) = real_files() else { return };
+    let data = real_files();
     let folder = tempfile::tempdir().unwrap();
     let files = files_below(&data.join("messy"));
     assert!(files.len() > 100);

@@ -7,6 +7,7 @@ use adwave::operator::{CloudGraph, OperatorParams};
 use adwave::shape::{Mesh, PointCloud, Shape};
 use adwave::{Decomposer, Progress};
 use adwave_io::{ReadLimits, read_path};
+use adwave_test_data::data_test;
 use common::{files_below, real_files};
 
 /// Sums of a row's few entries.
@@ -16,9 +17,9 @@ const CONSTANT: f64 = 1e-13;
 /// Nine bands added up, relative to the diagonal.
 const RECONSTRUCTION: f64 = 1e-12;
 
-#[test]
+#[data_test]
 fn eight_levels_of_every_model_and_scan_rebuild_it() {
-    let Some(data) = real_files() else { return };
+    let data = real_files();
     let mut files = files_below(&data.join("paper"));
     files.extend(files_below(&data.join("pointclouds")));
     files.push(data.join("fields/spot-textured/spot.obj"));

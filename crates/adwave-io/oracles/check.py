@@ -1,4 +1,4 @@
-"""Reads what `cargo run -p adwave-io --example oracle_files -- FOLDER` has written with NumPy, SciPy and PyVista.
+"""Reads what `cargo run -p adwave-bench-helpers --bin oracle_files -- FOLDER` has written with NumPy, SciPy and PyVista.
 
 Needs: pip install numpy scipy pyvista. Run: python check.py FOLDER
 """

@@ -1,26 +1,18 @@
 //! Fields from outside: GIFTI, tables, textures; what they hold, and what is wrong with bad ones.
 
+mod common;
+
 use adwave_io::{
     FieldValues, Format, ReadLimits, parse_csv_fields, read_bytes, read_gifti_fields, read_path,
     texture_colors,
 };
+use adwave_test_data::data_test;
 use base64::Engine;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 fn limits() -> ReadLimits {
     ReadLimits::default()
-}
-
-/// The folder of real files, or why its tests are skipped.
-fn shared() -> Option<PathBuf> {
-    let folder = std::env::var_os("ADWAVE_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
-    if !folder.is_dir() {
-        println!("skipped: there is no folder {}", folder.display());
-        return None;
-    }
-    Some(folder)
 }
 
 struct Gifti(String);
@@ -132,9 +124,9 @@ fn a_gifti_that_is_cut_anywhere_is_an_error_and_never_a_panic() {
     }
 }
 
-#[test]
+#[data_test]
 fn the_cortex_is_read_with_its_curvature_and_depth() {
-    let Some(folder) = shared().map(|f| f.join("fields/nilearn-fsaverage5")) else { return };
+    let folder = common::test_inputs().join("fields/nilearn-fsaverage5");
     let surface = read_path(&folder.join("pial_left.gii.gz"), &limits()).unwrap();
     assert_eq!((surface.n_vertices(), surface.faces().len()), (10242, 20480));
     // The coordinates are millimetres of a brain.
@@ -220,9 +212,9 @@ fn what_a_texture_lacks_is_said() {
     }
 }
 
-#[test]
+#[data_test]
 fn spot_has_the_colours_of_its_picture() {
-    let Some(folder) = shared().map(|f| f.join("fields/spot-textured")) else { return };
+    let folder = common::test_inputs().join("fields/spot-textured");
     let path = folder.join("spot.obj");
     let shape = read_path(&path, &limits()).unwrap();
     let picture = folder.join("spot_texture.png");

@@ -3,6 +3,7 @@
 mod common;
 
 use adwave_io::{Precision, ReadLimits, read_path};
+use adwave_test_data::data_test;
 
 /// `(file, vertices, faces)`.
 const MODELS: &[(&str, usize, usize)] = &[
@@ -27,18 +28,18 @@ const MODELS: &[(&str, usize, usize)] = &[
     ("benchmarks/FandosA-gaze-saliency/gaze_ply/octopus.ply", 20000, 39984),
 ];
 
-#[test]
+#[data_test]
 fn models_have_their_stated_sizes() {
-    let Some(root) = common::test_inputs() else { return };
+    let root = common::test_inputs();
     for &(file, n_vertices, n_faces) in MODELS {
         let shape = read_path(&root.join(file), &ReadLimits::default()).unwrap();
         assert_eq!((shape.n_vertices(), shape.faces().len()), (n_vertices, n_faces), "{file}");
     }
 }
 
-#[test]
+#[data_test]
 fn the_gaze_field_keeps_its_type() {
-    let Some(root) = common::test_inputs() else { return };
+    let root = common::test_inputs();
     let file = root.join("benchmarks/FandosA-gaze-saliency/gaze_ply/bunny.ply");
     let shape = read_path(&file, &ReadLimits::default()).unwrap();
     assert_eq!(shape.field_names(), ["gaze", "bin"]);

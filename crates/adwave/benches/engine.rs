@@ -1,26 +1,21 @@
 //! Times of a product, of the bands of 8 and 16 levels, and of powers, on a sphere of 262 146 vertices.
 //!
-//! `cargo bench -p adwave`. What a file of your own costs, and what the machine could do at best, the example
-//! `engine_timing` tells.
-
-#[path = "../examples/engine_timing/shapes.rs"]
-mod shapes;
+//! `cargo bench -p adwave`. What a file of your own costs, and what the machine could do at best, the program
+//! `engine_timing` of `benches/helpers` tells.
 
 use adwave::Progress;
 use adwave::bands::{BandsParams, Schedule, Transform, smooth};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
-use adwave::shape::PreparedGeometry;
+use adwave::sample::Sample;
+use adwave::shape::{Mesh, PreparedGeometry, Shape};
 use adwave::sparse::apply;
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::sync::Arc;
 
 fn engine(criterion: &mut Criterion) {
-    let mut sphere = shapes::Triangles::octahedron();
-    for _ in 0..8 {
-        sphere = sphere.subdivided().on_the_unit_sphere();
-    }
+    let sphere = Sample::by_name("sphere", Some(262_146)).expect("a sample");
     let params = OperatorParams::default();
-    let shape = sphere.into_shape();
+    let shape = Shape::Mesh(Mesh::new(sphere.points, sphere.faces).expect("a mesh"));
     let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("not cancelled");
     let operator = local_operator(&geometry, &params, Progress::none()).expect("not cancelled");
     let diffusion = Arc::new(Diffusion::new(operator, Progress::none()).expect("not cancelled"));

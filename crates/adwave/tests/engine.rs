@@ -1,16 +1,17 @@
 //! Laws of the engines: the recurrence gives what repeated products give, to the accuracy that was asked for.
 
-#[path = "common/one_off.rs"]
-mod one_off;
-#[path = "../examples/engine_timing/shapes.rs"]
-mod shapes;
+mod common;
 
 use adwave::bands::{Bands, BandsError, BandsParams, Engine, Schedule, Transform};
 use adwave::operator::{CloudGraph, Diffusion, OperatorParams, local_operator};
 use adwave::shape::{Graph, Mesh, PointCloud, Polygons, PreparedGeometry, Shape, VertexMap};
 use adwave::{Cancelled, Progress};
-use one_off::{decompose, forecast_bytes, levels, weighted_bands};
+use adwave_io::{ReadLimits, read_path};
+use adwave_test_data::data_test;
+use common::octahedral_sphere;
+use common::one_off::{decompose, forecast_bytes, levels, weighted_bands};
 use proptest::prelude::*;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 /// Rounding of f64 that some hundred products and sums may add up, relative to the band.
@@ -516,11 +517,7 @@ fn a_prepared_transform_can_be_used_again() {
 #[test]
 fn on_a_fine_sphere_every_band_is_accurate_beside_itself() {
     // W_f(1) is some 1e-5 of the radius here: an error beside the coordinates would show.
-    let mut sphere = shapes::Triangles::octahedron();
-    for _ in 0..6 {
-        sphere = sphere.subdivided().on_the_unit_sphere();
-    }
-    let shape = sphere.into_shape();
+    let shape = octahedral_sphere(6);
     let coordinates = coordinates(&shape);
     let (geometry, diffusion) = prepare(&shape, &OperatorParams::default());
     let schedule = Schedule::dyadic(9).expect("valid");
@@ -530,24 +527,12 @@ fn on_a_fine_sphere_every_band_is_accurate_beside_itself() {
     engines_agree(&shape, &OperatorParams::default(), &coordinates, 3, &schedule);
 }
 
-/// The folder of test shapes, where there is one.
-fn shapes_folder() -> std::path::PathBuf {
-    std::env::var_os("ADWAVE_DATA").map_or_else(
-        || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        std::path::PathBuf::from,
-    )
-}
-
-#[test]
+#[data_test]
 fn scanned_shapes_keep_the_stated_accuracy() {
     for name in ["paper/common-3d-test-models/stanford-bunny.obj", "paper/libigl-tutorial-data/armadillo.obj"]
     {
-        let path = shapes_folder().join(name);
-        let Ok(triangles) = shapes::Triangles::from_obj(&path) else {
-            println!("skipped: {} cannot be read", path.display());
-            continue;
-        };
-        let shape = triangles.into_shape();
+        let path = Path::new(adwave_test_data::folder!()).join(name);
+        let shape = read_path(&path, &ReadLimits::default()).expect("a mesh").into_shape().expect("a mesh");
         let schedule = Schedule::dyadic(9).expect("valid");
         engines_agree(&shape, &OperatorParams::default(), &coordinates(&shape), 3, &schedule);
     }

@@ -1,15 +1,14 @@
 //! Laws of levels between whole steps: they are powers of the walk's spectrum, to the accuracy that was asked for.
 
-#[path = "common/one_off.rs"]
-mod one_off;
+mod common;
 
 use adwave::bands::{Bands, BandsError, BandsParams, Engine, Schedule, ScheduleError};
 use adwave::basis::{BasisError, BasisParams, basis};
 use adwave::operator::{CloudGraph, Diffusion, OperatorParams, local_operator};
 use adwave::shape::{Graph, Mesh, PointCloud, Polygons, PreparedGeometry, Shape, VertexMap};
 use adwave::{Decomposer, Progress};
+use common::one_off::{decompose, forecast_bytes, levels, weighted_bands};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use one_off::{decompose, forecast_bytes, levels, weighted_bands};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};

@@ -46,16 +46,9 @@ pub(crate) fn words(line: &str) -> Vec<String> {
         .collect()
 }
 
-/// The folder of real test files, or `None` with a line that says so.
-pub(crate) fn real_files() -> Option<PathBuf> {
-    let folder = std::env::var_os("ADWAVE_DATA")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
-    if folder.is_dir() {
-        Some(folder)
-    } else {
-        println!("skipped: no test files at {}", folder.display());
-        None
-    }
+/// The folder of real test files.
+pub(crate) fn real_files() -> &'static Path {
+    Path::new(adwave_test_data::folder!())
 }
 
 /// All files below a folder, in order.

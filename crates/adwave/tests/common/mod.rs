@@ -1,6 +1,11 @@
-//! Meshes that several tests measure on.
+//! What several tests need: meshes to measure on, and single calls.
 
-use adwave::shape::Polygons;
+#![allow(dead_code)] // each test file uses a part of it
+
+pub(crate) mod one_off;
+
+use adwave::shape::{Mesh, Polygons, Shape};
+use std::collections::HashMap;
 
 /// The plane [−1, 1]² in n × n squares, each cut in two along diagonals that turn from square to square, so that no direction
 /// is special.
@@ -18,4 +23,39 @@ pub(crate) fn plane(n: u32) -> (Vec<[f64; 3]>, Polygons) {
         }
     }
     (points, faces)
+}
+
+/// A unit sphere of 4^(`subdivisions` + 1) + 2 vertices: the octahedron, its triangles cut into four again and again. More
+/// regular than the built-in sphere, so its finest band is smaller.
+pub(crate) fn octahedral_sphere(subdivisions: usize) -> Shape {
+    let mut points: Vec<[f64; 3]> = vec![
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let mut triangles: Vec<[u32; 3]> =
+        (0..4).flat_map(|i| [[i, (i + 1) % 4, 4], [(i + 1) % 4, i, 5]]).collect();
+    for _ in 0..subdivisions {
+        let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut middle = |u: u32, v: u32| {
+            *middles.entry((u.min(v), u.max(v))).or_insert_with(|| {
+                let (p, q) = (points[u as usize], points[v as usize]);
+                let sum: [f64; 3] = std::array::from_fn(|c| p[c] + q[c]);
+                let length = sum.iter().map(|c| c * c).sum::<f64>().sqrt();
+                points.push(sum.map(|c| c / length));
+                points.len() as u32 - 1
+            })
+        };
+        triangles = triangles
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles)).expect("a mesh"))
 }

@@ -1,4 +1,4 @@
-//! The shapes that are timed: an OBJ file subdivided, and spheres of any size.
+//! Meshes that are measured on: an OBJ file subdivided, and spheres of any size.
 
 use adwave::shape::{Mesh, Polygons, Shape};
 use std::collections::HashMap;
@@ -6,16 +6,19 @@ use std::path::Path;
 
 /// A triangle mesh.
 #[derive(Clone)]
-pub(crate) struct Triangles {
-    pub(crate) points: Vec<[f64; 3]>,
-    pub(crate) faces: Vec<[u32; 3]>,
+pub struct Triangles {
+    /// Positions, model units.
+    pub points: Vec<[f64; 3]>,
+    /// Corners, from 0.
+    pub faces: Vec<[u32; 3]>,
 }
 
-// Each program that includes this file uses a part of it.
-#[allow(dead_code)]
 impl Triangles {
     /// Vertices and triangles of an OBJ file, without the vertices that no triangle uses.
-    pub(crate) fn from_obj(path: &Path) -> std::io::Result<Self> {
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn from_obj(path: &Path) -> std::io::Result<Self> {
         let text = std::fs::read_to_string(path)?;
         let (mut points, mut faces) = (Vec::new(), Vec::new());
         for line in text.lines() {
@@ -51,7 +54,7 @@ impl Triangles {
     }
 
     /// The octahedron projected on the unit sphere.
-    pub(crate) fn octahedron() -> Self {
+    pub fn octahedron() -> Self {
         let points = vec![
             [1.0, 0.0, 0.0],
             [0.0, 1.0, 0.0],
@@ -64,8 +67,14 @@ impl Triangles {
         Self { points, faces }
     }
 
+    /// A unit sphere of 4^(`subdivisions` + 1) + 2 vertices.
+    pub fn sphere(subdivisions: usize) -> Self {
+        (0..subdivisions).fold(Self::octahedron(), |sphere, _| sphere.subdivided().on_the_unit_sphere())
+    }
+
     /// Every triangle cut into four at the middles of its edges.
-    pub(crate) fn subdivided(mut self) -> Self {
+    #[must_use]
+    pub fn subdivided(mut self) -> Self {
         let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
         let mut faces = Vec::with_capacity(4 * self.faces.len());
         for &[a, b, c] in &self.faces {
@@ -84,7 +93,8 @@ impl Triangles {
     }
 
     /// Every vertex moved to distance 1 from the origin.
-    pub(crate) fn on_the_unit_sphere(mut self) -> Self {
+    #[must_use]
+    pub fn on_the_unit_sphere(mut self) -> Self {
         for p in &mut self.points {
             let length = p.iter().map(|c| c * c).sum::<f64>().sqrt();
             *p = p.map(|c| c / length);
@@ -92,7 +102,11 @@ impl Triangles {
         self
     }
 
-    pub(crate) fn into_shape(self) -> Shape {
+    /// The mesh.
+    ///
+    /// # Panics
+    /// When a coordinate is not finite, or a triangle names a vertex that is not there.
+    pub fn into_shape(self) -> Shape {
         let faces = Polygons::from_triangles(&self.faces);
         Shape::Mesh(Mesh::new(self.points, faces).expect("finite points and faces of them"))
     }

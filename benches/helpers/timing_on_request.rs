@@ -1,14 +1,14 @@
 //! Times one mesh on request, so that a harness can take turns between us and other programs.
 //!
-//! `timing_on_request FOLDER` reads `points.f64` (n × 3) and `triangles.u32` (m × 3), both little-endian, makes the walk and
-//! says so in a line of JSON. Then every line of the standard input is a request, answered by one line of JSON:
+//! `timing_on_request FOLDER` reads `points.f64` (n × 3) and `triangles.u32` (m × 3), both little-endian, makes the diffusion
+//! operator and says so in a line of JSON. Then every line of the standard input is a request, answered by one line of JSON:
 //!
 //! | request | answer |
 //! |---|---|
 //! | `operator DIR` | writes Φ₁ without its diagonal, in the order of the analysis, and the number of each vertex there |
 //! | `basis LEVELS [DIR]` | seconds, entries, bytes; writes the matrices in the order of the mesh |
 //! | `bands LEVELS ACCURACY` | seconds of all bands of xyz into ready memory by a prepared transform |
-//! | `decompose LEVELS ACCURACY [DIR]` | the same as one call from the walk and the order of the mesh; writes the bands |
+//! | `decompose LEVELS ACCURACY [DIR]` | the same as one call from the operator and the order of the mesh; writes the bands |
 //! | `filter LEVELS ACCURACY` | one filter with one gain a band, as one call |
 //! | `wavelet VERTEX LEVEL [DIR]` | φ and ψ of one vertex of the mesh |
 //! | `triad`, `product` | bandwidth of `a = b + s·c`; one product with Φ₁ and the bytes it must move |
@@ -24,7 +24,7 @@ use adwave::basis::{BasisParams, basis, one_vertex};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
 use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
 use adwave::sparse::apply;
-use rayon::prelude::*;
+use adwave_bench_helpers::triad;
 use std::collections::HashMap;
 use std::error::Error;
 use std::io::{BufRead, Write};
@@ -185,25 +185,9 @@ fn wavelet(subject: &Subject, vertex: usize, level: u32, folder: Option<&str>) -
     Ok(format!(r#"{{"seconds":{seconds},"nnz":{}}}"#, found.wavelet.columns.len()))
 }
 
-/// 24 bytes an element over arrays far larger than the caches, the least of several calls.
-fn triad() -> String {
-    const LEN: usize = 1 << 24;
-    let (b, c) = (vec![1.0_f64; LEN], vec![2.0_f64; LEN]);
-    let mut a = vec![0.0_f64; LEN];
-    let mut least = f64::INFINITY;
-    for _ in 0..9 {
-        let start = Instant::now();
-        let parts = a.par_chunks_mut(1 << 16).zip(b.par_chunks(1 << 16)).zip(c.par_chunks(1 << 16));
-        parts.for_each(|((a, b), c)| {
-            for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
-                *a = b + 3.0 * c;
-            }
-        });
-        least = least.min(start.elapsed().as_secs_f64());
-    }
-    assert_eq!(a[LEN / 2], 7.0);
-    let threads = rayon::current_num_threads();
-    format!(r#"{{"bytes_per_second":{},"threads":{threads}}}"#, 24.0 * LEN as f64 / least)
+fn bandwidth() -> String {
+    let (bytes, threads) = (triad(), rayon::current_num_threads());
+    format!(r#"{{"bytes_per_second":{bytes},"threads":{threads}}}"#)
 }
 
 fn product(subject: &Subject, out: &mut Vec<f64>) -> String {
@@ -278,7 +262,7 @@ struct Kept {
     product: Vec<f64>,
 }
 
-fn answer<'a>(subject: &'a Subject, kept: &mut Kept, words: &[&str]) -> Answer {
+fn answer(subject: &Subject, kept: &mut Kept, words: &[&str]) -> Answer {
     match *words {
         ["operator", folder] => operator(subject, folder),
         ["basis", levels] => explicit(subject, levels.parse()?, None),
@@ -301,7 +285,7 @@ fn answer<'a>(subject: &'a Subject, kept: &mut Kept, words: &[&str]) -> Answer {
         ["filter", levels, accuracy] => filter(subject, levels.parse()?, accuracy.parse()?),
         ["wavelet", vertex, level] => wavelet(subject, vertex.parse()?, level.parse()?, None),
         ["wavelet", vertex, level, folder] => wavelet(subject, vertex.parse()?, level.parse()?, Some(folder)),
-        ["triad"] => Ok(triad()),
+        ["triad"] => Ok(bandwidth()),
         ["product"] => Ok(product(subject, &mut kept.product)),
         ["memory", levels, accuracy, channels] => {
             kept.transforms.clear();

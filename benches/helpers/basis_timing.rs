@@ -1,4 +1,4 @@
-//! Times the explicit basis of a mesh: `cargo run --release --example basis_timing -- SHAPE.obj [LEVELS] [REPEATS] [fast-only]`.
+//! Times the explicit basis of a mesh: `cargo run --release -p adwave-bench-helpers --bin basis_timing -- SHAPE.obj [LEVELS] [REPEATS] [fast-only]`.
 //!
 //! Prints one JSON object a line, each time being the shortest of the repeats: the fast method, Algorithm 1 (once; not
 //! with `fast-only`), how far they differ, and one wavelet on a sphere of 50 600 vertices at several levels.
@@ -8,6 +8,7 @@ use adwave::bands::Schedule;
 use adwave::basis::{Basis, BasisParams, Value, basis, basis_by_squaring, one_vertex};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
 use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
+use adwave_bench_helpers::Triangles;
 use std::error::Error;
 use std::time::Instant;
 
@@ -18,12 +19,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let repeats: usize = arguments.next().map_or(Ok(5), |a| a.parse())?;
     let squaring = arguments.next().as_deref() != Some("fast-only");
 
-    let walk = diffusion(&Shape::Mesh(read_obj(&path)?));
+    let operator = diffusion(&Triangles::from_obj(path.as_ref())?.into_shape());
     let params = BasisParams::new(Schedule::dyadic(n_levels)?);
-    let (seconds, fast) = fastest(repeats, || basis(&walk, &params, Progress::none()))?;
+    let (seconds, fast) = fastest(repeats, || basis(&operator, &params, Progress::none()))?;
     report("fast", seconds, &fast);
     if squaring {
-        let (seconds, reference) = fastest(1, || basis_by_squaring(&walk, &params, Progress::none()))?;
+        let (seconds, reference) = fastest(1, || basis_by_squaring(&operator, &params, Progress::none()))?;
         report("squaring", seconds, &reference);
         let differences: Vec<f64> = fast
             .scaling
@@ -78,49 +79,17 @@ fn row_difference(a: (&[u32], &[f32]), b: (&[u32], &[f64])) -> f64 {
     of_a.chain(of_b).fold(0.0, f64::max)
 }
 
-/// Vertices and triangles of an OBJ file, without the vertices that no face names.
-fn read_obj(path: &str) -> Result<Mesh, Box<dyn Error>> {
-    let mut points: Vec<[f64; 3]> = Vec::new();
-    let mut triangles: Vec<[u32; 3]> = Vec::new();
-    for line in std::fs::read_to_string(path)?.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                let c: Vec<f64> = words.take(3).map(str::parse).collect::<Result<_, _>>()?;
-                points.push(c.try_into().map_err(|_| "a vertex has fewer than three coordinates")?);
-            }
-            Some("f") => {
-                let corner = |word: &str| word.split('/').next().unwrap_or("").parse::<u32>().map(|i| i - 1);
-                let c: Vec<u32> = words.take(3).map(corner).collect::<Result<_, _>>()?;
-                triangles.push(c.try_into().map_err(|_| "a face has fewer than three corners")?);
-            }
-            _ => {}
-        }
-    }
-    let mut number = vec![u32::MAX; points.len()];
-    let mut used = Vec::new();
-    for corner in triangles.as_flattened_mut() {
-        let n = &mut number[*corner as usize];
-        if *n == u32::MAX {
-            *n = used.len() as u32;
-            used.push(points[*corner as usize]);
-        }
-        *corner = *n;
-    }
-    Ok(Mesh::new(used, Polygons::from_triangles(&triangles))?)
-}
-
 /// Times one wavelet in the middle of a sphere of about 50 000 vertices.
 fn time_one_wavelet(repeats: usize) -> Result<(), Box<dyn Error>> {
-    let walk = diffusion(&Shape::Mesh(sphere(220, 230)?));
-    let vertex = walk.n_vertices() / 2;
+    let operator = diffusion(&Shape::Mesh(sphere(220, 230)?));
+    let vertex = operator.n_vertices() / 2;
     for level in [4_u32, 6, 8, 10, 12] {
         let steps = 1_u64 << (level - 1);
-        let run = || one_vertex(&walk, vertex, steps / 2, steps, 1e-9, Progress::none());
+        let run = || one_vertex(&operator, vertex, steps / 2, steps, 1e-9, Progress::none());
         let (seconds, functions) = fastest(20 * repeats, run)?;
         println!(
             "{{\"method\": \"one vertex\", \"n_vertices\": {}, \"level\": {level}, \"seconds\": {seconds:.6}, \"nnz\": {}, \"products\": {}}}",
-            walk.n_vertices(),
+            operator.n_vertices(),
             functions.wavelet.columns.len(),
             functions.n_products,
         );

@@ -1,5 +1,5 @@
 //! Prints how long reading files takes, the median and the least of several runs each, beside a plain copy of the file into
-//! memory: `cargo run --release -p adwave-io --example read_time -- [--runs N] FILE…`. Without a file, an OBJ of about 90 MB
+//! memory: `cargo run --release -p adwave-bench-helpers --bin read_time -- [--runs N] FILE…`. Without a file, an OBJ of about 90 MB
 //! is made first.
 
 use std::io::Write;

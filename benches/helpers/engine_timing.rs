@@ -1,18 +1,16 @@
 //! Times the engine and compares it with what the memory of this machine allows, as lines of JSON.
 //!
-//! `cargo run --release -p adwave --example engine_timing -- MESH.obj [subdivisions] [sweep [largest]]`. The mesh is cut 1:4 as often
+//! `cargo run --release -p adwave-bench-helpers --bin engine_timing -- MESH.obj [subdivisions] [sweep [largest]]`. The mesh is cut 1:4 as often
 //! as asked (2 if not). `sweep` adds the cost against the number of vertices (4^(largest + 1) + 2 at most) and of levels. Times are seconds; `bound` is
 //! the bytes that must move divided by the bandwidth of `a = b + s·c` over arrays far larger than the caches, measured in
 //! the same run.
-
-mod shapes;
 
 use adwave::Progress;
 use adwave::bands::{BandsParams, Engine, Schedule, Transform, smooth};
 use adwave::operator::{Diffusion, OperatorParams, local_operator};
 use adwave::shape::{PreparedGeometry, Shape};
 use adwave::sparse::apply;
-use rayon::prelude::*;
+use adwave_bench_helpers::{Triangles, triad};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -30,24 +28,6 @@ fn time(repeats: usize, mut call: impl FnMut()) -> (f64, f64) {
         .collect();
     seconds.sort_by(f64::total_cmp);
     (seconds[0], seconds[repeats / 2])
-}
-
-/// Bytes a second of `a = b + s·c`, 24 bytes an element.
-fn triad() -> f64 {
-    const LEN: usize = 1 << 24;
-    let (b, c) = (vec![1.0_f64; LEN], vec![2.0_f64; LEN]);
-    let mut a = vec![0.0_f64; LEN];
-    let (least, _) = time(9, || {
-        a.par_chunks_mut(1 << 16).zip(b.par_chunks(1 << 16)).zip(c.par_chunks(1 << 16)).for_each(
-            |((a, b), c)| {
-                for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
-                    *a = b + 3.0 * c;
-                }
-            },
-        );
-    });
-    assert_eq!(a[LEN / 2], 7.0);
-    24.0 * LEN as f64 / least
 }
 
 fn outputs(levels: usize, len: usize) -> Vec<Vec<f64>> {
@@ -72,7 +52,7 @@ struct Subject {
 }
 
 impl Subject {
-    fn new(triangles: shapes::Triangles) -> Self {
+    fn new(triangles: Triangles) -> Self {
         let (shape, params) = (triangles.into_shape(), OperatorParams::default());
         let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("not cancelled");
         let operator = local_operator(&geometry, &params, Progress::none()).expect("not cancelled");
@@ -114,7 +94,7 @@ fn transform(subject: &Subject, levels: usize, bandwidth: f64, one_product: f64)
     let (least, median) = time(if levels > 10 { 3 } else { 11 }, || {
         info = wavelets_into(&transform, subject.signal(), levels, &mut outs);
     });
-    // Each product reads the walk and two vectors and writes one; each term reads two vectors and writes one.
+    // Each product reads the operator and two vectors and writes one; each term reads two vectors and writes one.
     let entries = subject.diffusion.weights().len() as u64;
     let bytes = info.products * (12 * entries + 80 * n as u64) + info.terms * 72 * n as u64;
     let bound = bytes as f64 / bandwidth;
@@ -173,18 +153,10 @@ fn one_off(subject: &Subject, levels: usize) {
     println!(r#"{{"name":"weighted_bands","levels":{levels},"min":{least},"median":{median}}}"#);
 }
 
-fn sphere(subdivisions: usize) -> Subject {
-    let mut triangles = shapes::Triangles::octahedron();
-    for _ in 0..subdivisions {
-        triangles = triangles.subdivided().on_the_unit_sphere();
-    }
-    Subject::new(triangles)
-}
-
 /// Cost against n (4·4^s + 2 vertices) and against J.
 fn sweep(largest: usize) {
     for subdivisions in 6..=largest {
-        let subject = sphere(subdivisions);
+        let subject = Subject::new(Triangles::sphere(subdivisions));
         let n = subject.diffusion.n_vertices();
         let transform = subject.transform(ACCURACY);
         let mut outs = outputs(8, 3 * n);
@@ -193,7 +165,7 @@ fn sweep(largest: usize) {
         });
         println!(r#"{{"name":"against_n","n":{n},"levels":8,"min":{least},"median":{median}}}"#);
     }
-    let subject = sphere(8);
+    let subject = Subject::new(Triangles::sphere(8));
     let n = subject.diffusion.n_vertices();
     let transform = subject.transform(ACCURACY);
     for levels in 1..=20 {
@@ -215,7 +187,7 @@ fn main() {
         println!("usage: engine_timing MESH.obj [subdivisions] [sweep [largest]]");
         return;
     };
-    let mut triangles = match shapes::Triangles::from_obj(path.as_ref()) {
+    let mut triangles = match Triangles::from_obj(path.as_ref()) {
         Ok(triangles) => triangles,
         Err(error) => {
             println!("skipped: {path}: {error}");
