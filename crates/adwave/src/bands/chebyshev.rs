@@ -4,6 +4,7 @@ use super::series::{Growth, Rest, Series};
 use crate::operator::Diffusion;
 use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, zeros};
 use crate::{Cancelled, Progress};
+use std::sync::Arc;
 
 /// What an evaluation took and what it promises.
 #[derive(Clone, Debug, Default)]
@@ -24,10 +25,11 @@ pub(crate) struct Outcome {
 /// A polynomial of real steps may be off by this part of `Σ|a_k|·‖u‖` whatever the accuracy: it is what rounding costs.
 const ROUNDING: f64 = 1e-15;
 
-/// A walk prepared for the recurrence.
+/// A diffusion operator prepared for the recurrence: built once, evaluated for any number of signals, by any number of
+/// threads at a time.
 #[derive(Debug)]
-pub(crate) struct Prepared<'a> {
-    pub(crate) walk: TiledDiffusion<'a>,
+pub(crate) struct Prepared {
+    pub(crate) walk: TiledDiffusion,
     /// μ of the norm in which errors are bounded.
     weights: Vec<f64>,
     pub(crate) growth: Growth,
@@ -64,10 +66,32 @@ fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
     (weights, Growth::Linear)
 }
 
-impl<'a> Prepared<'a> {
-    pub(crate) fn new(diffusion: &'a Diffusion) -> Self {
-        let (weights, growth) = norm_weights(diffusion);
-        Self { walk: TiledDiffusion::new(diffusion), weights, growth }
+impl Prepared {
+    /// Prepares `diffusion`. O(entries).
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the call is to stop.
+    pub(crate) fn new(diffusion: Arc<Diffusion>, progress: Progress<'_>) -> Result<Self, Cancelled> {
+        let (weights, growth) = norm_weights(&diffusion);
+        Ok(Self { walk: TiledDiffusion::new(diffusion, progress)?, weights, growth })
+    }
+
+    /// Bytes that an evaluation takes for a signal of `n_channels` channels beyond the signal and its results: what is
+    /// prepared, the diffusion included, and the vectors of the recurrence.
+    pub(crate) fn working_bytes(&self, n_channels: usize) -> u64 {
+        let diffusion = self.walk.diffusion();
+        diffusion.bytes() + self.walk.bytes() + Self::vector_bytes(diffusion, n_channels)
+    }
+
+    /// At least as many bytes as [`working_bytes`](Self::working_bytes) will be, the diffusion not included.
+    pub(crate) fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
+        TiledDiffusion::forecast_bytes(diffusion) + Self::vector_bytes(diffusion, n_channels)
+    }
+
+    /// μ and the vectors of the recurrence.
+    fn vector_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
+        let n = diffusion.n_vertices() as u64;
+        8 * n + 4 * 8 * n * n_channels.min(MAX_CHANNELS) as u64
     }
 
     /// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most
@@ -215,5 +239,17 @@ impl<'a> Cut<'a> {
         let missing = (self.series.tail[self.degree] + self.series.rest.always) * start + guarded;
         let least = (self.least.unwrap_or(0.0) - guarded).max(0.0);
         (missing, if missing == 0.0 { 0.0 } else { missing / least })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_prepared_can_be_shared_between_threads() {
+        fn shared<T: Send + Sync + 'static>() {}
+        shared::<Prepared>();
+        shared::<Arc<Prepared>>();
     }
 }

@@ -6,9 +6,10 @@ use super::series::{Growth, Series};
 use super::{Bands, BandsError, BandsInfo, BandsParams, Engine, Schedule};
 use crate::operator::Diffusion;
 use crate::shape::VertexMap;
-use crate::sparse::{MAX_CHANNELS, TiledDiffusion, apply, difference, zeros};
+use crate::sparse::{apply, difference, zeros};
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A walk made ready to split signals into bands, in the order of the analysis (the order of the diffusion's rows).
 ///
@@ -29,7 +30,7 @@ pub struct Transform<'a> {
     params: BandsParams,
     engine: Engine,
     /// What the Chebyshev recurrence needs; none where powers are used.
-    prepared: Option<Prepared<'a>>,
+    prepared: Option<Prepared>,
 }
 
 impl<'a> Transform<'a> {
@@ -44,7 +45,9 @@ impl<'a> Transform<'a> {
         } else {
             Engine::Powers
         };
-        let prepared = (engine == Engine::Chebyshev).then(|| Prepared::new(diffusion));
+        let prepared = (engine == Engine::Chebyshev)
+            .then(|| Prepared::new(Arc::new(diffusion.clone()), Progress::none()))
+            .transpose()?;
         Ok(Self { diffusion, params: *params, engine, prepared })
     }
 
@@ -201,7 +204,7 @@ impl<'a> Transform<'a> {
     /// Series of whole steps are the same on every rung, and done with the first.
     fn climb(
         &self,
-        prepared: &Prepared<'_>,
+        prepared: &Prepared,
         signal: &[f64],
         n_channels: usize,
         series: impl Fn(usize, Rung) -> Series + Sync,
@@ -285,9 +288,7 @@ impl<'a> Transform<'a> {
     pub fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
         let n = diffusion.n_vertices() as u64;
         if diffusion.is_reversible() {
-            TiledDiffusion::forecast_bytes(diffusion)
-                + 8 * n
-                + 4 * 8 * n * n_channels.min(MAX_CHANNELS) as u64
+            Prepared::forecast_bytes(diffusion, n_channels)
         } else {
             2 * 8 * n * n_channels as u64
         }
@@ -296,13 +297,9 @@ impl<'a> Transform<'a> {
     /// Bytes that a call takes beyond the signal and its bands, what is prepared here and the diffusion included.
     pub fn working_bytes(&self, n_channels: usize) -> u64 {
         let n = self.diffusion.n_vertices() as u64;
-        let diffusion = self.diffusion.bytes();
         match &self.prepared {
-            Some(prepared) => {
-                let width = n_channels.min(MAX_CHANNELS) as u64;
-                diffusion + prepared.walk.bytes() + 8 * n + 4 * 8 * n * width
-            }
-            None => diffusion + 2 * 8 * n * n_channels as u64,
+            Some(prepared) => prepared.working_bytes(n_channels),
+            None => self.diffusion.bytes() + 2 * 8 * n * n_channels as u64,
         }
     }
 }

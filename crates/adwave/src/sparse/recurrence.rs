@@ -37,7 +37,7 @@ pub(crate) enum Next {
 
 /// `T_k(Y)u` for rising k, `Y = 2Φ₁ − I`, for up to four channels.
 pub(crate) struct Recurrence<'a> {
-    walk: &'a TiledDiffusion<'a>,
+    walk: &'a TiledDiffusion,
     now: Vec<f64>,
     before: Vec<f64>,
     next_now: Vec<f64>,
@@ -58,7 +58,7 @@ impl<'a> Recurrence<'a> {
     /// Starts at `T_0 u = u = (I − Φ₁)f` for the channels `at .. at + width` of `signal`, which has `n_channels`. Norms are
     /// weighted by `weights`.
     pub(crate) fn new(
-        walk: &'a TiledDiffusion<'a>,
+        walk: &'a TiledDiffusion,
         weights: &'a [f64],
         signal: &[f64],
         n_channels: usize,

@@ -3,8 +3,9 @@
 use super::kernel::{MAX_DEPTH, Target, zeros};
 use super::tiles::{Tiles, halo_shares};
 use crate::operator::Diffusion;
+use crate::{Cancelled, Progress};
 use rayon::prelude::*;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// Channels that go through a product together.
 pub(crate) const MAX_CHANNELS: usize = 4;
@@ -15,8 +16,8 @@ const OWN: usize = 8192;
 
 /// A walk cut into tiles.
 #[derive(Debug)]
-pub(crate) struct TiledDiffusion<'a> {
-    diffusion: &'a Diffusion,
+pub(crate) struct TiledDiffusion {
+    diffusion: Arc<Diffusion>,
     pub(super) tiles: Tiles,
     pub(super) own: usize,
     depth: usize,
@@ -25,18 +26,23 @@ pub(crate) struct TiledDiffusion<'a> {
     spare: Mutex<Vec<Vec<f64>>>,
 }
 
-impl<'a> TiledDiffusion<'a> {
-    pub(crate) fn new(diffusion: &'a Diffusion) -> Self {
+impl TiledDiffusion {
+    /// Cuts `diffusion` into tiles. O(entries).
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the call is to stop.
+    pub(crate) fn new(diffusion: Arc<Diffusion>, progress: Progress<'_>) -> Result<Self, Cancelled> {
+        progress.check()?;
         let n = diffusion.n_vertices();
         let own = OWN.min(n / 16).max(512);
-        let shares = halo_shares(diffusion, own, MAX_DEPTH);
+        let shares = halo_shares(&diffusion, own, MAX_DEPTH);
         let depth = best_depth(&shares);
-        let tiles = Tiles::new(diffusion, own, depth);
-        Self { diffusion, tiles, own, depth, target: Target::detect(), spare: Mutex::default() }
+        let tiles = Tiles::new(&diffusion, own, depth);
+        Ok(Self { diffusion, tiles, own, depth, target: Target::detect(), spare: Mutex::default() })
     }
 
-    pub(super) fn diffusion(&self) -> &'a Diffusion {
-        self.diffusion
+    pub(crate) fn diffusion(&self) -> &Diffusion {
+        &self.diffusion
     }
 
     pub(crate) fn n_vertices(&self) -> usize {
