@@ -1,9 +1,9 @@
 //! Large vectors in large pages.
 
-/// `len` zeros. Where the system has them, in pages of 2 MiB: the first touch of a gigabyte in pages of 4 KiB costs more
+/// `len` zeros, or what a type has in place of 0. Where the system has them, in pages of 2 MiB: the first touch of a gigabyte in pages of 4 KiB costs more
 /// time than all products of a transform.
-pub(crate) fn zeros(len: usize) -> Vec<f64> {
-    let vector = vec![0.0; len];
+pub(crate) fn zeros<T: Clone + Default>(len: usize) -> Vec<T> {
+    let vector = vec![T::default(); len];
     prefer_large_pages(vector.as_ptr().cast(), size_of_val(vector.as_slice()));
     vector
 }
@@ -43,7 +43,7 @@ mod tests {
     #[test]
     fn small_and_large_vectors_are_zero_and_can_be_written() {
         for len in [0, 1, 1000, 1 << 20] {
-            let mut vector = super::zeros(len);
+            let mut vector: Vec<f64> = super::zeros(len);
             assert_eq!(vector.len(), len);
             assert!(vector.iter().all(|&v| v == 0.0));
             vector.fill(1.0);
