@@ -1,0 +1,133 @@
+//! Times what a prepared shape is asked again and again: bands, edits of kept bands, regions. Prints a line of JSON for each,
+//! least and median in seconds; memory in bytes per vertex.
+//!
+//! `prepared_timing [VERTICES …]`: a torus of about so many vertices each, 8 levels, coordinates, accuracy 1e-5.
+
+use adwave::bands::{BandsParams, Schedule};
+use adwave::filter::WeightedLayer;
+use adwave::region::{RegionWeights, parse_region};
+use adwave::sample::Sample;
+use adwave::shape::{Mesh, Shape};
+use adwave::{Decomposer, Editor, Progress};
+use std::time::Instant;
+
+type Failure = Box<dyn std::error::Error>;
+
+const LEVELS: usize = 8;
+const ACCURACY: f64 = 1e-5;
+/// Calls of each kind; the machine that this runs on may be shared.
+const CALLS: usize = 31;
+
+fn main() -> Result<(), Failure> {
+    let sizes: Vec<usize> = std::env::args().skip(1).map(|n| n.parse()).collect::<Result<_, _>>()?;
+    let sizes = if sizes.is_empty() { vec![50_000, 500_000, 1_000_000] } else { sizes };
+    for n in sizes {
+        measure(n)?;
+    }
+    Ok(())
+}
+
+/// Least and median seconds of a call, the first one not counted.
+fn time(mut call: impl FnMut() -> Result<(), Failure>) -> Result<(f64, f64), Failure> {
+    call()?;
+    let mut seconds = Vec::with_capacity(CALLS);
+    for _ in 0..CALLS {
+        let start = Instant::now();
+        call()?;
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    seconds.sort_by(f64::total_cmp);
+    Ok((seconds[0], seconds[CALLS / 2]))
+}
+
+fn print(what: &str, n: usize, (least, median): (f64, f64)) {
+    println!(r#"{{"what":"{what}","vertices":{n},"least":{least:.6},"median":{median:.6}}}"#);
+}
+
+fn measure(n: usize) -> Result<(), Failure> {
+    let sample = Sample::by_name("torus", Some(n))?;
+    let points = sample.points.clone();
+    let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces)?);
+    let start = Instant::now();
+    let decomposer = Decomposer::new(&shape);
+    let prepared = start.elapsed().as_secs_f64();
+    let (coords, n) = (points.as_flattened(), points.len());
+    print("prepare", n, (prepared, prepared));
+    let schedule = Schedule::dyadic(LEVELS)?;
+
+    // The transform alone, in the analysis order, into memory that is there.
+    let transform = decomposer.transform().with_params(&BandsParams::default().with_accuracy(ACCURACY))?;
+    let mean = decomposer.geometry().vertex_map().mean(coords, 3);
+    let mut levels = vec![vec![0.0; mean.len()]; LEVELS];
+    let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
+    let alone = time(|| {
+        transform.wavelets_into(&mean, 3, &schedule, &mut outs, Progress::none())?;
+        Ok(())
+    })?;
+    print("transform alone", n, alone);
+    let per_vertex = transform.working_bytes(3) as f64 / n as f64;
+    println!(r#"{{"what":"memory of the transform","vertices":{n},"bytes_per_vertex":{per_vertex:.1}}}"#);
+    let request = decomposer.request(coords, 3, &schedule).accuracy(ACCURACY);
+    let mut buffer = vec![0.0; (LEVELS + 1) * coords.len()];
+    let into = time(|| {
+        request.bands_into(&mut buffer)?;
+        Ok(())
+    })?;
+    print("bands into a buffer, order of the shape", n, into);
+    drop((levels, buffer));
+
+    let mut editor = request.editor()?;
+    editor.set_layers(vec![WeightedLayer::everywhere(vec![0.5; LEVELS])])?;
+    let mut gain = 0.5;
+    print(
+        "edit everywhere",
+        n,
+        time(|| {
+            gain += 0.01;
+            editor.set_gains(1, &[gain; LEVELS])?;
+            Ok(())
+        })?,
+    );
+    regions(&decomposer, &mut editor, n)
+}
+
+/// A ball and a stroke of about 1 % of the vertices, weights and edits.
+fn regions(decomposer: &Decomposer, editor: &mut Editor, n: usize) -> Result<(), Failure> {
+    let weights = |region: &str| -> Result<RegionWeights, Failure> {
+        Ok(parse_region(region)?.weights(decomposer.metric(), &|_| None, &[])?)
+    };
+    // On the built-in torus these cover 1.0 % and 1.1 %.
+    let ball = |vertex: usize| format!("ball:vertex={vertex},radius=4.6%");
+    let stroke = "stroke:path=1 0.4 0; 0.9 0.45 0.1; 0.8 0.5 0.15,radius=3%";
+    let (first, second) = (weights(&ball(n / 3))?, weights(&ball(2 * n / 3))?);
+    for (what, region) in [("ball", ball(n / 3)), ("stroke", stroke.to_owned())] {
+        let covered = match weights(&region)? {
+            RegionWeights::Sparse { vertices, .. } => 100.0 * vertices.len() as f64 / n as f64,
+            _ => 100.0,
+        };
+        let timed = time(|| weights(&region).map(drop))?;
+        print(&format!("weights of a {what} of {covered:.2} %"), n, timed);
+    }
+    editor.set_layers(vec![WeightedLayer { gains: vec![1.5; LEVELS], weights: first.clone() }])?;
+    let mut gain = 1.5;
+    print(
+        "gains of the ball",
+        n,
+        time(|| {
+            gain += 0.01;
+            editor.set_gains(1, &[gain; LEVELS])?;
+            Ok(())
+        })?,
+    );
+    let mut turn = 0;
+    print(
+        "the ball moves",
+        n,
+        time(|| {
+            turn += 1;
+            editor.set_weights(1, if turn % 2 == 0 { first.clone() } else { second.clone() })?;
+            Ok(())
+        })?,
+    );
+    Ok(())
+}
