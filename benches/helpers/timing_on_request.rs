@@ -8,6 +8,7 @@
 //! | `operator DIR` | writes Φ₁ without its diagonal, in the order of the analysis, and the number of each vertex there |
 //! | `basis LEVELS [DIR]` | seconds, entries, bytes; writes the matrices in the order of the mesh |
 //! | `bands LEVELS ACCURACY` | seconds of all bands of xyz into ready memory by a prepared transform |
+//! | `bits LEVELS ACCURACY CHANNELS` | a hash of all bands of so many channels, to compare two builds by |
 //! | `decompose LEVELS ACCURACY [DIR]` | the same as one call from the operator and the order of the mesh; writes the bands |
 //! | `filter LEVELS ACCURACY` | one filter with one gain a band, as one call |
 //! | `wavelet VERTEX LEVEL [DIR]` | φ and ψ of one vertex of the mesh |
@@ -228,6 +229,25 @@ fn memory(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> A
     Ok(format!(r#"{{"counted":{},"seen":{seen},"walk":{walk},"n":{}}}"#, info.bytes, subject.n()))
 }
 
+/// FNV-1a over the bits of all bands of a signal of `channels` channels: coordinates by turns, bent so that no two are alike.
+fn bits(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> Answer {
+    let xyz = subject.signal();
+    let value = |i: usize| xyz[3 * (i / channels) + i % channels % 3] * (1.0 + (i % channels) as f64).sqrt();
+    let signal: Vec<f64> = (0..subject.n() * channels).map(value).collect();
+    let (mut wavelets, schedule) = (outputs(levels, signal.len()), Schedule::dyadic(levels)?);
+    let mut outs: Vec<&mut [f64]> = wavelets.iter_mut().map(Vec::as_mut_slice).collect();
+    let transform = Transform::new(Arc::clone(&subject.diffusion), &params(accuracy))?;
+    let info = transform.wavelets_into(&signal, channels, &schedule, &mut outs, Progress::none())?;
+    let hash = wavelets
+        .iter()
+        .flatten()
+        .fold(0xcbf2_9ce4_8422_2325, |hash: u64, w| (hash ^ w.to_bits()).wrapping_mul(0x0100_0000_01b3));
+    Ok(format!(
+        r#"{{"hash":"{hash:016x}","error_bound":{:e},"products":{}}}"#,
+        info.error_bound, info.products
+    ))
+}
+
 /// `max ‖w − e‖ / ‖e‖` by band, norms plain and weighted by π: the larger.
 fn errors(subject: &Subject, levels: usize, accuracy: f64, reference: &Transform) -> Answer {
     let (mut ours, mut exact) =
@@ -290,6 +310,9 @@ fn answer(subject: &Subject, kept: &mut Kept, words: &[&str]) -> Answer {
         ["memory", levels, accuracy, channels] => {
             kept.transforms.clear();
             memory(subject, levels.parse()?, accuracy.parse()?, channels.parse()?)
+        }
+        ["bits", levels, accuracy, channels] => {
+            bits(subject, levels.parse()?, accuracy.parse()?, channels.parse()?)
         }
         ["against_powers", levels, accuracy] => {
             let powers = BandsParams::default().with_engine(Engine::Powers);

@@ -3,7 +3,7 @@
 //! Features are places where the shape stands out at one size (Algorithm 2). A file with faces is taken by its vertices.
 
 use adwave::bands::Schedule;
-use adwave::features::{FEATURE_REACH, FeatureParams, features};
+use adwave::features::{FEATURE_EXTENT, FeatureParams, features};
 use adwave::sample::Sample;
 use adwave::shape::{PointCloud, Shape};
 use adwave::{Decomposer, Progress};
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let decomposer = Decomposer::new(&Shape::Cloud(PointCloud::new(points.clone())?));
     // Features are larger than what a filter takes away: more levels than by default.
-    let (n_levels, why) = decomposer.levels_reaching(FEATURE_REACH);
+    let (n_levels, why) = decomposer.levels_reaching(FEATURE_EXTENT);
     println!("{} points, {why}", decomposer.n_vertices());
     // Features read the lengths of the vectors W_f(j,x) only.
     let schedule = Schedule::dyadic(n_levels)?;

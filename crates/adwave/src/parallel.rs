@@ -92,6 +92,24 @@ pub(crate) fn try_for_rows<T: Send>(
     values.par_chunks_mut(len).enumerate().try_for_each(asked)
 }
 
+/// `work(first row, rows)` for each chunk of the rows of `values`, each row `width` values long: what it says, in the order
+/// of the chunks.
+pub(crate) fn try_map_rows<T: Send, R: Send>(
+    values: &mut [T],
+    width: usize,
+    at_a_time: usize,
+    progress: Progress<'_>,
+    work: impl Fn(usize, &mut [T]) -> R + Sync + Send,
+) -> Result<Vec<R>, Cancelled> {
+    let is_small = values.len() <= SERIAL * width;
+    let len = (at_a_time * width).max(1);
+    let asked = |(chunk, rows): (usize, &mut [T])| progress.check().map(|()| work(chunk * at_a_time, rows));
+    if is_small {
+        return values.chunks_mut(len).enumerate().map(asked).collect();
+    }
+    values.par_chunks_mut(len).enumerate().map(asked).collect()
+}
+
 /// The values of `0..n`, by chunks of rows.
 pub(crate) fn collect<T: Clone + Default + Send>(
     n: usize,

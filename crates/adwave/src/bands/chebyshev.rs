@@ -2,7 +2,8 @@
 
 use super::series::{Growth, Rest, Series};
 use crate::operator::Diffusion;
-use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, zeros};
+use crate::parallel::{self, SERIAL};
+use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, copied, zeros};
 use crate::{Cancelled, Progress};
 use std::sync::Arc;
 
@@ -30,8 +31,8 @@ const ROUNDING: f64 = 1e-15;
 #[derive(Debug)]
 pub(crate) struct Prepared {
     pub(crate) walk: TiledDiffusion,
-    /// μ of the norm in which errors are bounded.
-    weights: Vec<f64>,
+    /// μ of the norm in which errors are bounded, where it is not π.
+    weights: Option<Vec<f64>>,
     pub(crate) growth: Growth,
 }
 
@@ -41,29 +42,43 @@ pub(crate) struct Prepared {
 /// without area have π = 0: the walk leaves them for vertices R with π > 0 and never comes back, `Y = [Y_R 0; B 0]`. There
 /// `T_k(Y) = B·(T_k(Y_R) − T_k(0))/Y_R + T_k(0)`, and `|T_k(y) − T_k(0)| ≤ 1.2k|y|`. With `μ(x) = min_y π(y)/(B(x,y)·m(y))`,
 /// m(y) the number of such x that lead to y, B has a norm of at most 1, so that `‖T_k(Y)‖ ≤ 2 + 1.2k`.
-fn norm_weights(diffusion: &Diffusion) -> (Vec<f64>, Growth) {
-    let mut weights = diffusion.stationary().to_vec();
-    let transient: Vec<usize> =
-        (0..weights.len()).filter(|&x| weights[x] == 0.0 && !diffusion.row(x).0.is_empty()).collect();
+fn norm_weights(
+    diffusion: &Diffusion,
+    progress: Progress<'_>,
+) -> Result<(Option<Vec<f64>>, Growth), Cancelled> {
+    let stationary = diffusion.stationary();
+    let is_transient = |&x: &usize| stationary[x] == 0.0 && !diffusion.row(x).0.is_empty();
+    let chunks = parallel::try_map_chunks(
+        stationary.len(),
+        SERIAL,
+        progress,
+        || (),
+        |(), range| range.filter(is_transient).collect::<Vec<_>>(),
+    )?;
+    let transient = chunks.concat();
     if transient.is_empty() {
-        return (weights, Growth::Bounded);
+        return Ok((None, Growth::Bounded));
     }
-    let mut n_leading = vec![0_u32; weights.len()];
+    let mut n_leading: Vec<u32> = zeros(stationary.len());
     for &x in &transient {
+        progress.check()?;
         for &y in diffusion.row(x).0 {
             n_leading[y as usize] += 1;
         }
     }
+    let mut weights = copied(stationary, progress)?;
     for &x in &transient {
+        progress.check()?;
         let (columns, values) = diffusion.row(x);
-        let bound =
-            columns.iter().zip(values).filter(|(_, b)| **b > 0.0).map(|(&y, b)| {
-                diffusion.stationary()[y as usize] / (2.0 * b * f64::from(n_leading[y as usize]))
-            });
+        let bound = columns
+            .iter()
+            .zip(values)
+            .filter(|(_, b)| **b > 0.0)
+            .map(|(&y, b)| stationary[y as usize] / (2.0 * b * f64::from(n_leading[y as usize])));
         let least = bound.fold(f64::INFINITY, f64::min);
         weights[x] = if least.is_finite() { least } else { 0.0 };
     }
-    (weights, Growth::Linear)
+    Ok((Some(weights), Growth::Linear))
 }
 
 impl Prepared {
@@ -72,26 +87,27 @@ impl Prepared {
     /// # Errors
     /// [`Cancelled`] when the call is to stop.
     pub(crate) fn new(diffusion: Arc<Diffusion>, progress: Progress<'_>) -> Result<Self, Cancelled> {
-        let (weights, growth) = norm_weights(&diffusion);
+        let (weights, growth) = norm_weights(&diffusion, progress)?;
         Ok(Self { walk: TiledDiffusion::new(diffusion, progress)?, weights, growth })
+    }
+
+    /// μ.
+    fn weights(&self) -> &[f64] {
+        self.weights.as_deref().unwrap_or(self.walk.diffusion().stationary())
     }
 
     /// Bytes that an evaluation takes for a signal of `n_channels` channels beyond the signal and its results: what is
     /// prepared, the diffusion included, and the vectors of the recurrence.
     pub(crate) fn working_bytes(&self, n_channels: usize) -> u64 {
-        let diffusion = self.walk.diffusion();
-        diffusion.bytes() + self.walk.bytes() + Self::vector_bytes(diffusion, n_channels)
+        let weights = self.weights.as_ref().map_or(0, |weights| size_of_val(&weights[..]) as u64);
+        let vectors = self.walk.vector_bytes(n_channels.min(MAX_CHANNELS));
+        self.walk.diffusion().bytes() + self.walk.bytes() + weights + vectors
     }
 
     /// At least as many bytes as [`working_bytes`](Self::working_bytes) will be, the diffusion not included.
     pub(crate) fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
-        TiledDiffusion::forecast_bytes(diffusion) + Self::vector_bytes(diffusion, n_channels)
-    }
-
-    /// μ and the vectors of the recurrence.
-    fn vector_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
-        let n = diffusion.n_vertices() as u64;
-        8 * n + 4 * 8 * n * n_channels.min(MAX_CHANNELS) as u64
+        let weights = size_of_val(diffusion.stationary()) as u64;
+        weights + TiledDiffusion::forecast_bytes(diffusion, n_channels.min(MAX_CHANNELS))
     }
 
     /// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most
@@ -112,14 +128,14 @@ impl Prepared {
         outs: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<Outcome, Cancelled> {
-        let Self { walk, weights, .. } = self;
+        let (walk, weights) = (&self.walk, self.weights());
         let mut outcome = Outcome::default();
         let mut worst = vec![Worst::default(); series.len()];
         let mut guarded = zeros(if guard.is_empty() { 0 } else { signal.len() });
         let guard_degree = guard.len().saturating_sub(1);
         for at in (0..n_channels).step_by(MAX_CHANNELS) {
             let width = MAX_CHANNELS.min(n_channels - at);
-            let mut recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width));
+            let mut recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width), progress)?;
             let start = recurrence.square().sqrt();
             let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
             let mut guard_norm = 0.0;
@@ -147,7 +163,7 @@ impl Prepared {
                     sums.push(Sum { coefficients: guard, out: &mut guarded, weighing, square: 0.0 });
                 }
                 let next = if k + n_steps < last { Next::Continues } else { Next::Ends };
-                recurrence.advance(n_steps, &mut sums, next);
+                recurrence.advance(n_steps, &mut sums, next, progress)?;
                 let norms: Vec<f64> = sums.iter().map(|sum| sum.square.sqrt()).collect();
                 if completes_guard && !guard.is_empty() {
                     guard_norm = norms[series.len()];
@@ -245,6 +261,124 @@ impl<'a> Cut<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    use crate::operator::{OperatorParams, local_operator};
+    use crate::shape::{Graph, PreparedGeometry, Shape};
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::time::{Duration, Instant};
+
+    /// A ring of `n` vertices, each joined with the next `width`.
+    fn ring(n: u32, width: u32) -> Arc<Diffusion> {
+        let edge = |u: u32| (1..=width).map(move |e| (u, (u + e) % n, 1.0 + f64::from((u + e) % 3)));
+        let edges: Vec<_> = (0..n).flat_map(edge).collect();
+        let shape = Shape::Graph(Graph::new(n as usize, &edges).expect("edges of the graph"));
+        let params = OperatorParams::default();
+        let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("nobody stops it");
+        let operator = local_operator(&geometry, &params, Progress::none()).expect("nobody stops it");
+        Arc::new(Diffusion::new(operator, Progress::none()).expect("nobody stops it"))
+    }
+
+    fn evaluate(
+        prepared: &Prepared,
+        signal: &[f64],
+        d: usize,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Vec<f64>>, Cancelled> {
+        let series: Vec<Series> =
+            [(0, 1), (8, 16), (64, 128)].map(|(a, b)| Series::band(a, b, Growth::Bounded)).to_vec();
+        let mut bands = vec![vec![0.0; signal.len()]; series.len()];
+        let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
+        prepared.evaluate(signal, d, (&series, &[]), 0.0, &mut outs, progress)?; // all terms
+        Ok(bands)
+    }
+
+    #[test]
+    fn tiles_in_place_and_apart_give_the_bits_of_the_recurrence_one_step_at_a_time() {
+        // Rings of 2 neighbours have small halos, those of 140 larger ones than two vectors.
+        for (n, width, d) in [(20_000, 1, 3), (9000, 3, 5), (1500, 140, 2), (700, 2, 1)] {
+            let diffusion = ring(n, width);
+            let signal: Vec<f64> = (0..n as usize * d).map(|i| ((i * 31 + i / 7) % 101) as f64).collect();
+            let fused = Prepared::new(Arc::clone(&diffusion), Progress::none()).expect("nobody stops it");
+            let mut plain = Prepared::new(diffusion, Progress::none()).expect("nobody stops it");
+            plain.walk = plain.walk.with_tiles(n as usize, 1);
+            let found = evaluate(&fused, &signal, d, Progress::none()).expect("nobody stops it");
+            assert!(found == evaluate(&plain, &signal, d, Progress::none()).expect("nobody stops it"), "{n}");
+            // With vectors that an earlier call has left.
+            assert!(found == evaluate(&fused, &signal, d, Progress::none()).expect("nobody stops it"), "{n}");
+        }
+    }
+
+    #[test]
+    fn a_call_that_is_told_to_stop_does_so_at_once() {
+        /// Far more than it takes on an idle machine; the whole work takes many times as long.
+        const AT_ONCE: Duration = Duration::from_secs(2);
+        let diffusion = ring(300_000, 3);
+        let signal: Vec<f64> = (0..900_000).map(|i| ((i * 31) % 101) as f64).collect();
+        let mut n_stopped = 0;
+        for delay in [0, 3, 11, 29, 71, 113] {
+            let (stop, told) = (AtomicBool::new(false), std::sync::Mutex::new(None));
+            let progress = Progress::none().with_cancel(&stop);
+            std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    std::thread::sleep(Duration::from_millis(delay));
+                    *told.lock().expect("a clock") = Some(Instant::now());
+                    stop.store(true, Ordering::Relaxed);
+                });
+                let outcome = loop {
+                    // Again and again, as fast machines are done before they are told.
+                    let prepared = Prepared::new(Arc::clone(&diffusion), progress);
+                    let done = prepared.and_then(|prepared| evaluate(&prepared, &signal, 3, progress));
+                    if let Err(cancelled) = done {
+                        break cancelled;
+                    }
+                };
+                assert_eq!(outcome, Cancelled);
+                let told = told.lock().expect("a clock").expect("told before it stops");
+                assert!(told.elapsed() < AT_ONCE, "{:?} after it was told to stop", told.elapsed());
+                n_stopped += 1;
+            });
+        }
+        assert_eq!(n_stopped, 6);
+    }
+
+    #[cfg(target_os = "linux")]
+    fn n_threads() -> usize {
+        std::fs::read_dir("/proc/self/task").expect("Linux lists the threads of a process").count()
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_small_shape_starts_no_thread() {
+        // In a process of its own: other tests start the threads.
+        let name = "bands::chebyshev::tests::alone_in_its_process";
+        let program = std::env::current_exe().expect("the path of this test");
+        let done = std::process::Command::new(program)
+            .args(["--exact", name, "--ignored", "--test-threads=1"])
+            .output()
+            .expect("this test once more");
+        let said = String::from_utf8_lossy(&done.stdout);
+        assert!(done.status.success() && said.contains("1 passed"), "{said}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    #[ignore = "run by `a_small_shape_starts_no_thread`"]
+    fn alone_in_its_process() {
+        let before = n_threads();
+        // The operator is built in a pool that goes away again.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+        let diffusion = pool.install(|| ring(1000, 2));
+        drop(pool);
+        while n_threads() > before {
+            std::thread::yield_now();
+        }
+        let prepared = Prepared::new(diffusion, Progress::none()).expect("nobody stops it");
+        for d in [1, 3, 6] {
+            let signal: Vec<f64> = (0..1000 * d).map(|i| ((i * 31) % 101) as f64).collect();
+            evaluate(&prepared, &signal, d, Progress::none()).expect("nobody stops it");
+        }
+        assert_eq!(n_threads(), before);
+    }
 
     #[test]
     fn what_is_prepared_can_be_shared_between_threads() {

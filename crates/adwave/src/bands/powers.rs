@@ -1,7 +1,7 @@
 //! S_f by repeated products with Φ₁: exact to rounding, one product a step.
 
 use crate::operator::Diffusion;
-use crate::sparse::apply;
+use crate::sparse::{copied, try_apply, zeros};
 use crate::{Cancelled, Progress};
 
 /// `Φ₁ⁿ f` for each `n` of `steps` (increasing), n_vertices × n_channels each. O(entries × channels × last n).
@@ -20,16 +20,16 @@ pub fn smooth(
 ) -> Result<Vec<Vec<f64>>, Cancelled> {
     let total = steps.last().copied().unwrap_or(0);
     let mut levels = Vec::with_capacity(steps.len());
-    let (mut now, mut next) = (signal.to_vec(), vec![0.0; signal.len()]);
+    let (mut now, mut next) = (copied(signal, progress)?, zeros(signal.len()));
     let mut done = 0;
     for &n in steps {
         while done < n {
             progress.step(done, total)?;
-            apply(diffusion, &now, &mut next, n_channels);
+            try_apply(diffusion, &now, &mut next, n_channels, progress)?;
             std::mem::swap(&mut now, &mut next);
             done += 1;
         }
-        levels.push(now.clone());
+        levels.push(copied(&now, progress)?);
     }
     progress.step(total, total)?;
     Ok(levels)

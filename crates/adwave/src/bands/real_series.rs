@@ -14,7 +14,7 @@
 //! From [`FEW_STEPS`] on λⁿ is a polynomial for all that double precision can tell; see [`Series`].
 
 use super::series::{Growth, Rest, Series};
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::PI;
 
 /// Up to which number of steps a band is interpolated; beyond, the endless part of its series is about 4⁻³² of it.
@@ -206,6 +206,9 @@ fn few(band: Band, rung: Rung, accuracy: f64, growth: Growth) -> Series {
     Series::real(coefficients, rest, growth)
 }
 
+/// Coefficients that a thread sums at a time.
+const COEFFICIENTS_AT_A_TIME: usize = 64;
+
 /// The series in T_k(2λ − 1) of the polynomial of degree n − 1 with the values of `value(λ, 1 − λ)` at the zeros of
 /// T_n(2λ − 1). O(n²).
 fn interpolant(n: usize, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
@@ -217,19 +220,17 @@ fn interpolant(n: usize, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
             value(half.cos().powi(2), half.sin().powi(2))
         })
         .collect();
-    (0..n)
-        .into_par_iter()
-        .with_min_len(64)
-        .map(|k| {
-            let mut at = k;
-            let mut sum = 0.0;
-            for value in &values {
-                sum += value * cosines[at];
-                at = (at + 2 * k) % (4 * n);
-            }
-            sum * if k == 0 { 1.0 } else { 2.0 } / n as f64
-        })
-        .collect()
+    let coefficient = |k: usize| {
+        let mut at = k;
+        let mut sum = 0.0;
+        for value in &values {
+            sum += value * cosines[at];
+            at = (at + 2 * k) % (4 * n);
+        }
+        sum * if k == 0 { 1.0 } else { 2.0 } / n as f64
+    };
+    parallel::map_chunks(n, COEFFICIENTS_AT_A_TIME, |chunk| chunk.map(coefficient).collect::<Vec<_>>())
+        .concat()
 }
 
 #[cfg(test)]

@@ -233,7 +233,7 @@ impl Transform {
         let total = steps[steps.len() - 1];
         let mut now = vec![0.0; signal.len()];
         let mut next = vec![0.0; signal.len()];
-        difference(&self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now);
+        difference(&self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now, progress)?;
         for (level, range) in steps.windows(2).enumerate() {
             for i in range[0]..range[1] {
                 progress.step(i, total)?;

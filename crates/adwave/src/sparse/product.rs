@@ -1,8 +1,9 @@
-//! One step of the walk applied to a block of channels.
+//! One step of the diffusion operator applied to a block of channels.
 
-use super::kernel::{Rows, Target, apply_rows};
+use super::kernel::{Rows, Target, apply_rows, zeros};
 use crate::operator::Diffusion;
-use rayon::prelude::*;
+use crate::parallel::try_for_rows;
+use crate::{Cancelled, Progress};
 
 /// Rows that a thread takes at a time.
 const ROWS_AT_A_TIME: usize = 2048;
@@ -22,17 +23,28 @@ const ROWS_AT_A_TIME: usize = 2048;
 /// assert_eq!(y, [4.0, 6.0]);
 /// ```
 pub fn apply(diffusion: &Diffusion, x: &[f64], y: &mut [f64], n_channels: usize) {
+    let done = try_apply(diffusion, x, y, n_channels, Progress::none());
+    debug_assert!(done.is_ok(), "nobody can stop this");
+}
+
+/// [`apply`], stopped when the call is.
+pub(crate) fn try_apply(
+    diffusion: &Diffusion,
+    x: &[f64],
+    y: &mut [f64],
+    n_channels: usize,
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
     assert_eq!(x.len(), diffusion.n_vertices() * n_channels, "x is n_vertices × n_channels");
     assert_eq!(y.len(), x.len(), "y is as long as x");
     match n_channels {
-        0 => {}
-        1 => apply_fixed::<1>(diffusion, x, y),
-        2 => apply_fixed::<2>(diffusion, x, y),
-        3 => apply_fixed::<3>(diffusion, x, y),
-        4 => apply_fixed::<4>(diffusion, x, y),
-        d => y.par_chunks_mut(ROWS_AT_A_TIME * d).enumerate().for_each(|(chunk, rows)| {
-            for (r, out) in rows.chunks_exact_mut(d).enumerate() {
-                let row = chunk * ROWS_AT_A_TIME + r;
+        0 => Ok(()),
+        1 => apply_fixed::<1>(diffusion, x, y, progress),
+        2 => apply_fixed::<2>(diffusion, x, y, progress),
+        3 => apply_fixed::<3>(diffusion, x, y, progress),
+        4 => apply_fixed::<4>(diffusion, x, y, progress),
+        d => try_for_rows(y, d, ROWS_AT_A_TIME, progress, |first, rows| {
+            for (row, out) in (first..).zip(rows.chunks_exact_mut(d)) {
                 let (columns, weights) = diffusion.row(row);
                 let here = &x[row * d..][..d];
                 out.copy_from_slice(here);
@@ -47,17 +59,31 @@ pub fn apply(diffusion: &Diffusion, x: &[f64], y: &mut [f64], n_channels: usize)
     }
 }
 
-fn apply_fixed<const D: usize>(diffusion: &Diffusion, x: &[f64], y: &mut [f64]) {
+fn apply_fixed<const D: usize>(
+    diffusion: &Diffusion,
+    x: &[f64],
+    y: &mut [f64],
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
     let target = Target::detect();
     let neighbours = diffusion.neighbours();
-    y.par_chunks_mut(ROWS_AT_A_TIME * D).enumerate().for_each(|(chunk, out)| {
+    try_for_rows(y, D, ROWS_AT_A_TIME, progress, |first, out| {
         let rows = Rows {
             offsets: neighbours.offsets(),
             columns: neighbours.columns(),
             weights: diffusion.weights(),
-            first: chunk * ROWS_AT_A_TIME,
+            first,
             x,
         };
         apply_rows::<D>(target, &rows, out);
-    });
+    })
+}
+
+/// A copy of `values` in large pages, made by all threads.
+pub(crate) fn copied(values: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
+    let mut copy: Vec<f64> = zeros(values.len());
+    try_for_rows(&mut copy, 1, 1 << 14, progress, |first, copy| {
+        copy.copy_from_slice(&values[first..][..copy.len()]);
+    })?;
+    Ok(copy)
 }

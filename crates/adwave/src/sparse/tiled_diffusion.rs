@@ -1,20 +1,26 @@
-//! The walk prepared for many products.
+//! The diffusion operator prepared for many products.
 
 use super::kernel::{MAX_DEPTH, Target, zeros};
 use super::tiles::{Tiles, halo_shares};
 use crate::operator::Diffusion;
-use crate::{Cancelled, Progress};
-use rayon::prelude::*;
+use crate::{Cancelled, Progress, parallel};
 use std::sync::{Arc, Mutex};
 
 /// Channels that go through a product together.
 pub(crate) const MAX_CHANNELS: usize = 4;
 
-/// Own vertices of a tile of a large walk: with its rings, its vectors and its part of the walk it fills a second-level
-/// cache.
-const OWN: usize = 8192;
+/// Own vertices of a tile of a large operator: with its rings, its vectors and its part of the operator it fills a
+/// second-level cache.
+const OWN: usize = 16_384;
 
-/// A walk cut into tiles.
+/// No tile is to be larger than this many times its own vertices, for the memory that it takes.
+const MAX_SHARE: f64 = 1.4;
+
+/// The same where there are too few vertices for tiles of [`OWN`], and for the memory to matter.
+const MAX_SMALL_SHARE: f64 = 1.6;
+
+/// A diffusion operator cut into tiles, with the memory that its products need. Shared by reference: any number of threads
+/// may use it at a time.
 #[derive(Debug)]
 pub(crate) struct TiledDiffusion {
     diffusion: Arc<Diffusion>,
@@ -22,8 +28,12 @@ pub(crate) struct TiledDiffusion {
     pub(super) own: usize,
     depth: usize,
     pub(super) target: Target,
+    /// Values around all tiles, a channel.
+    pub(super) n_around: usize,
     /// Vectors that earlier calls have left, so that calls in a loop take no fresh memory.
     spare: Mutex<Vec<Vec<f64>>>,
+    /// What threads need for one tile at a time.
+    pub(super) pool: Pool,
 }
 
 impl TiledDiffusion {
@@ -32,13 +42,29 @@ impl TiledDiffusion {
     /// # Errors
     /// [`Cancelled`] when the call is to stop.
     pub(crate) fn new(diffusion: Arc<Diffusion>, progress: Progress<'_>) -> Result<Self, Cancelled> {
-        progress.check()?;
         let n = diffusion.n_vertices();
         let own = OWN.min(n / 16).max(512);
-        let shares = halo_shares(&diffusion, own, MAX_DEPTH);
-        let depth = best_depth(&shares);
-        let tiles = Tiles::new(&diffusion, own, depth);
-        Ok(Self { diffusion, tiles, own, depth, target: Target::detect(), spare: Mutex::default() })
+        let shares = halo_shares(&diffusion, own, MAX_DEPTH, progress)?;
+        let max_share = if own < OWN { MAX_SMALL_SHARE } else { MAX_SHARE };
+        Self::cut(diffusion, own, best_depth(&shares, max_share), progress)
+    }
+
+    fn cut(
+        diffusion: Arc<Diffusion>,
+        own: usize,
+        depth: usize,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let tiles = Tiles::new(&diffusion, own, depth, progress)?;
+        let n_around = tiles.n_around();
+        let (target, spare, pool) = (Target::detect(), Mutex::default(), Pool::default());
+        Ok(Self { diffusion, tiles, own, depth, target, n_around, spare, pool })
+    }
+
+    /// The same operator in tiles of another size.
+    #[cfg(test)]
+    pub(crate) fn with_tiles(&self, own: usize, depth: usize) -> Self {
+        Self::cut(Arc::clone(&self.diffusion), own, depth, Progress::none()).expect("nobody can stop this")
     }
 
     pub(crate) fn diffusion(&self) -> &Diffusion {
@@ -49,11 +75,18 @@ impl TiledDiffusion {
         self.diffusion.n_vertices()
     }
 
-    /// Bytes of memory that preparing `diffusion` will take, about.
-    pub(crate) fn forecast_bytes(diffusion: &Diffusion) -> u64 {
-        // Tiles repeat at most as many rows as `best_depth` allows.
+    /// Whether the recurrence overwrites its vectors: unless tiles have more around them than two vectors hold.
+    pub(super) fn is_in_place(&self) -> bool {
+        self.n_around <= 2 * self.n_vertices()
+    }
+
+    /// Bytes of memory that preparing `diffusion` and a recurrence of `width` channels will take at most, the diffusion not
+    /// included.
+    pub(crate) fn forecast_bytes(diffusion: &Diffusion, width: usize) -> u64 {
         let n = diffusion.n_vertices() as u64;
-        2 * (12 * (diffusion.nnz() as u64 - n) + 8 * n)
+        // Rows are repeated as `best_depth` allows, each entry and vertex named by 32 bits at most; and two vectors and what
+        // is around the tiles, which is less than two more.
+        2 * 4 * (diffusion.nnz() as u64) + 4 * 8 * n * width as u64
     }
 
     /// Bytes of memory taken beyond the diffusion itself.
@@ -61,19 +94,25 @@ impl TiledDiffusion {
         self.tiles.bytes()
     }
 
+    /// Bytes of memory that a recurrence of `width` channels takes.
+    pub(crate) fn vector_bytes(&self, width: usize) -> u64 {
+        let around = self.n_around.min(2 * self.n_vertices());
+        8 * ((2 * self.n_vertices() + around) * width) as u64
+    }
+
     pub(crate) fn steps_per_pass(&self) -> usize {
         self.depth
     }
 
-    /// A vector of `len` values, whatever they are.
+    /// A vector of at least `len` values, whatever they are.
     pub(super) fn take(&self, len: usize) -> Vec<f64> {
         let mut spare = self.spare.lock().expect("nobody panics with the lock");
-        let fits = spare.iter().position(|v| v.capacity() >= len && v.capacity() <= 2 * len);
+        let fits = (0..spare.len())
+            .filter(|&at| (len..=2 * len).contains(&spare[at].len()))
+            .min_by_key(|&at| spare[at].len());
         let found = fits.map(|at| spare.swap_remove(at));
         drop(spare);
-        let mut vector = found.unwrap_or_else(|| zeros(len));
-        vector.resize(len, 0.0);
-        vector
+        found.unwrap_or_else(|| zeros(len))
     }
 
     /// Keeps a vector for a later [`take`](Self::take).
@@ -96,37 +135,34 @@ pub(crate) fn difference(
     n_channels: usize,
     at: usize,
     u: &mut [f64],
-) -> (f64, bool) {
-    let width = u.len() / diffusion.n_vertices();
-    let parts: Vec<(f64, bool)> = u
-        .par_chunks_mut(ROWS_AT_A_TIME * width)
-        .enumerate()
-        .map(|(chunk, u)| {
-            let first = chunk * ROWS_AT_A_TIME;
-            match (width, n_channels) {
-                (1, 1) => difference_rows::<1>(diffusion, signal, first, u),
-                (2, 2) => difference_rows::<2>(diffusion, signal, first, u),
-                (3, 3) => difference_rows::<3>(diffusion, signal, first, u),
-                (4, 4) => difference_rows::<4>(diffusion, signal, first, u),
-                _ => {
-                    for (x, u) in (first..).zip(u.chunks_exact_mut(width)) {
-                        let row = |x: usize| &signal[x * n_channels + at..][..width];
-                        let (columns, values) = diffusion.row(x);
-                        u.fill(0.0);
-                        for (&y, w) in columns.iter().zip(values) {
-                            for ((u, here), there) in u.iter_mut().zip(row(x)).zip(row(y as usize)) {
-                                *u += w * (here - there);
-                            }
+    progress: Progress<'_>,
+) -> Result<(f64, bool), Cancelled> {
+    let n = diffusion.n_vertices();
+    let width = u.len() / n.max(1);
+    let parts = parallel::try_map_rows(u, width, ROWS_AT_A_TIME, progress, |first, u| {
+        match (width, n_channels) {
+            (1, 1) => difference_rows::<1>(diffusion, signal, first, u),
+            (2, 2) => difference_rows::<2>(diffusion, signal, first, u),
+            (3, 3) => difference_rows::<3>(diffusion, signal, first, u),
+            (4, 4) => difference_rows::<4>(diffusion, signal, first, u),
+            _ => {
+                for (x, u) in (first..).zip(u.chunks_exact_mut(width)) {
+                    let row = |x: usize| &signal[x * n_channels + at..][..width];
+                    let (columns, values) = diffusion.row(x);
+                    u.fill(0.0);
+                    for (&y, w) in columns.iter().zip(values) {
+                        for ((u, here), there) in u.iter_mut().zip(row(x)).zip(row(y as usize)) {
+                            *u += w * (here - there);
                         }
                     }
                 }
             }
-            let square = |(u, w): (&[f64], &f64)| w * u.iter().map(|v| v * v).sum::<f64>();
-            let square = u.chunks_exact(width).zip(&weights[first..]).map(square).sum();
-            (square, u.iter().any(|&v| v != 0.0))
-        })
-        .collect();
-    parts.into_iter().fold((0.0, false), |(sum, moves), (s, m)| (sum + s, moves || m))
+        }
+        let square = |(u, w): (&[f64], &f64)| w * u.iter().map(|v| v * v).sum::<f64>();
+        let square: f64 = u.chunks_exact(width).zip(&weights[first..]).map(square).sum();
+        (square, u.iter().any(|&v| v != 0.0))
+    })?;
+    Ok(parts.into_iter().fold((0.0, false), |(sum, moves), (s, m)| (sum + s, moves || m)))
 }
 
 fn difference_rows<const D: usize>(diffusion: &Diffusion, signal: &[f64], first: usize, u: &mut [f64]) {
@@ -145,34 +181,31 @@ fn difference_rows<const D: usize>(diffusion: &Diffusion, signal: &[f64], first:
     }
 }
 
-/// How many steps a tile should take in a pass, where `shares[r]` is the size of a tile with r rings.
-fn best_depth(shares: &[f64]) -> usize {
+/// How many steps a tile should take in a pass, where `shares[r]` is the size of a tile with r rings and that of its
+/// rows at most `max_share`.
+fn best_depth(shares: &[f64], max_share: f64) -> usize {
     /// What one pass costs besides its steps, in steps: reading and writing the vectors and the bands.
     const PASS: f64 = 6.0;
-    /// No tile is to be larger than this many times its own vertices.
-    const LARGEST: f64 = 1.6;
     let cost = |depth: usize| {
         let steps: f64 = shares[..depth].iter().sum();
         (steps + PASS * shares[depth - 1]) / depth as f64
     };
     (1..shares.len())
-        .take_while(|&depth| depth == 1 || shares[depth - 1] <= LARGEST)
+        .take_while(|&depth| depth == 1 || shares[depth - 1] <= max_share)
         .min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
         .unwrap_or(1)
 }
 
-/// The scratch of one thread: taken from a pool and given back.
+/// The scratch of threads: taken when one starts a tile and given back after it.
+#[derive(Debug, Default)]
 pub(super) struct Pool(Mutex<Vec<Vec<f64>>>);
 
 impl Pool {
-    pub(super) fn new() -> Self {
-        Self(Mutex::default())
-    }
-
+    /// `work` on `len` values, whatever they are.
     pub(super) fn with<R>(&self, len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
         let mut scratch = self.0.lock().expect("nobody panics with the lock").pop().unwrap_or_default();
         if scratch.len() < len {
-            scratch.resize(len, 0.0);
+            scratch = zeros(len);
         }
         let result = work(&mut scratch);
         self.0.lock().expect("nobody panics with the lock").push(scratch);

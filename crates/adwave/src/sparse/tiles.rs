@@ -1,13 +1,15 @@
-//! The walk cut into tiles: blocks of consecutive vertices with the rings of neighbours around them.
+//! The diffusion operator cut into tiles: blocks of consecutive vertices with the rings of neighbours around them.
 //!
 //! A tile carries several steps of a recurrence on its own: for `depth` steps of its own vertices it needs the values
 //! of `depth` rings around them, and step i recomputes what `depth − i` rings need. So the vectors between the steps
 //! stay in the processor's cache, and memory is read and written once in `depth` steps (the matrix-powers kernel).
+//! The weights of a tile's own rows are read where the operator has them; those of its rings it keeps in their order.
 //!
 //! Source: `demmel2008`.
 
 use crate::operator::Diffusion;
-use rayon::prelude::*;
+use crate::{Cancelled, Progress};
+use std::sync::Arc;
 
 /// Numbers vertices of a tile.
 pub(crate) trait Index: Copy + Send + Sync + TryFrom<u32> + std::fmt::Debug {
@@ -28,15 +30,19 @@ impl Index for u32 {
     }
 }
 
-/// Consecutive rows of a tile with the same number of neighbours.
+/// Rows of a tile with the same number of neighbours.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    pub(super) degree: usize,
-    pub(super) n_rows: usize,
+    pub(super) degree: u32,
+    pub(super) n_rows: u32,
 }
 
+/// Own rows that are put in the order of their degrees among themselves: their weights, which lie in the order of the
+/// vertices, are still in the nearest cache when their turn comes.
+const ROWS_SORTED: usize = 512;
+
 /// A block of vertices and the rings around it. Vertices are numbered with the own ones first, in their order, then ring
-/// by ring.
+/// by ring, within a ring but for the outermost by rising degree.
 #[derive(Debug)]
 pub(super) struct Tile<I> {
     /// The first of its own vertices; the others follow.
@@ -45,122 +51,264 @@ pub(super) struct Tile<I> {
     within: Vec<usize>,
     /// The vertices of rings 1 … depth.
     halo: Vec<u32>,
-    /// Runs of the rows of rings 0 … depth − 1, by ring and then by degree.
+    /// Runs of the rows of rings 0 … depth − 1.
     runs: Vec<Run>,
     /// Runs within r rings, r = 0 … depth − 1.
     runs_within: Vec<usize>,
-    /// The vertex of each row, in the order of the runs.
+    /// The vertex of each own row, in the order of the runs. The rows of the rings are in the order of their vertices.
     rows: Vec<I>,
+    /// The weights of the rows of the rings: in the operator they lie on strands of memory that no hardware follows.
+    ring_weights: Vec<f64>,
     /// The neighbours of each row.
     columns: Vec<I>,
-    /// `4Φ₁(x,y)`, that is twice the entries of `Y = 2Φ₁ − I`.
-    weights: Vec<f64>,
+}
+
+/// A tile and the operator that it is cut from: what the loops over it read.
+#[derive(Debug)]
+pub(super) struct View<'a, I> {
+    tile: &'a Tile<I>,
+    offsets: &'a [usize],
+    weights: &'a [f64],
+}
+
+impl<I> Clone for View<'_, I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<I> Copy for View<'_, I> {}
+
+impl<'a, I: Index> View<'a, I> {
+    pub(super) fn first(self) -> usize {
+        self.tile.first
+    }
+
+    pub(super) fn n_own(self) -> usize {
+        self.tile.within[0]
+    }
+
+    pub(super) fn n_within(self, rings: usize) -> usize {
+        self.tile.within[rings]
+    }
+
+    pub(super) fn halo(self) -> &'a [u32] {
+        &self.tile.halo
+    }
+
+    /// Values around it that a pass of all its steps needs, a channel: `T_k` in all rings, `T_{k−1}` in all but the outermost.
+    pub(super) fn n_around(self) -> usize {
+        self.tile.n_around()
+    }
+
+    /// Runs of the own rows.
+    pub(super) fn own_runs(self) -> &'a [Run] {
+        &self.tile.runs[..self.tile.runs_within[0]]
+    }
+
+    /// Runs of the rows of rings 1 … `rings`.
+    pub(super) fn ring_runs(self, rings: usize) -> &'a [Run] {
+        &self.tile.runs[self.tile.runs_within[0]..self.tile.runs_within[rings]]
+    }
+
+    pub(super) fn rows(self) -> &'a [I] {
+        &self.tile.rows
+    }
+
+    /// `Φ₁(x,y)` of the rows of the rings, row after row.
+    pub(super) fn ring_weights(self) -> &'a [f64] {
+        &self.tile.ring_weights
+    }
+
+    pub(super) fn columns(self) -> &'a [I] {
+        &self.tile.columns
+    }
+
+    /// Where the weights of each vertex of the operator start.
+    pub(super) fn offsets(self) -> &'a [usize] {
+        self.offsets
+    }
+
+    /// `Φ₁(x,y)`.
+    pub(super) fn weights(self) -> &'a [f64] {
+        self.weights
+    }
 }
 
 impl<I: Index> Tile<I> {
-    pub(super) fn first(&self) -> usize {
-        self.first
-    }
-
-    pub(super) fn n_own(&self) -> usize {
-        self.within[0]
-    }
-
-    pub(super) fn n_within(&self, rings: usize) -> usize {
-        self.within[rings]
-    }
-
-    pub(super) fn halo(&self) -> &[u32] {
-        &self.halo
-    }
-
-    pub(super) fn runs_within(&self, rings: usize) -> &[Run] {
-        &self.runs[..self.runs_within[rings]]
-    }
-
-    pub(super) fn rows(&self) -> &[I] {
-        &self.rows
-    }
-
-    pub(super) fn columns(&self) -> &[I] {
-        &self.columns
-    }
-
-    pub(super) fn weights(&self) -> &[f64] {
-        &self.weights
-    }
-
     fn bytes(&self) -> usize {
         size_of::<Self>()
             + size_of::<I>() * (self.rows.len() + self.columns.len())
-            + 8 * (self.weights.len() + self.within.len() + self.runs_within.len())
+            + 8 * (self.within.len() + self.runs_within.len() + self.ring_weights.len())
             + 4 * self.halo.len()
             + size_of::<Run>() * self.runs.len()
     }
 
-    /// Asserts what the kernels rely on: every row and column is a vertex of the tile, and the lists are as long as the
-    /// runs say.
-    fn assert_consistent(&self) {
+    fn n_around(&self) -> usize {
+        let depth = self.runs_within.len();
+        self.within[depth] + self.within[depth - 1] - 2 * self.within[0]
+    }
+
+    /// Asserts what the kernels rely on: every row and column is a vertex of the tile, the lists are as long as the
+    /// runs say, and each row has as many entries in the operator as its run says.
+    fn assert_consistent(&self, diffusion: &Diffusion) {
         let depth = self.runs_within.len();
         assert_eq!(self.within.len(), depth + 1);
         assert_eq!(self.within[depth], self.within[0] + self.halo.len());
-        let (mut n_rows, mut n_entries, mut n_runs) = (0, 0, 0);
+        assert_eq!(self.rows.len(), self.within[0]);
+        let degree = |x: usize| diffusion.row(x).0.len();
+        let (mut n_rows, mut n_entries, mut n_runs, mut n_own_entries) = (0, 0, 0, 0);
         for ring in 0..depth {
             for run in &self.runs[n_runs..self.runs_within[ring]] {
-                let rows = &self.rows[n_rows..n_rows + run.n_rows];
-                assert!(rows.iter().all(|row| row.get() < self.within[ring]));
-                let n = run.n_rows * run.degree;
+                let rows = n_rows..n_rows + run.n_rows as usize;
+                let has_degree = |x: usize| degree(x) == run.degree as usize;
+                if ring == 0 {
+                    let own = |row: &I| row.get() < self.within[0] && has_degree(self.first + row.get());
+                    assert!(self.rows[rows.clone()].iter().all(own));
+                } else {
+                    let halo = rows.start - self.within[0]..rows.end - self.within[0];
+                    assert!(self.halo[halo].iter().all(|&x| has_degree(x as usize)));
+                }
+                let n = rows.len() * run.degree as usize;
                 let columns = &self.columns[n_entries..n_entries + n];
                 assert!(columns.iter().all(|column| column.get() < self.within[ring + 1]));
-                n_rows += run.n_rows;
+                n_rows = rows.end;
                 n_entries += n;
             }
             n_runs = self.runs_within[ring];
             assert_eq!(n_rows, self.within[ring]);
+            if ring == 0 {
+                n_own_entries = n_entries;
+            }
         }
-        assert_eq!((n_rows, n_entries), (self.rows.len(), self.columns.len()));
-        assert_eq!(n_entries, self.weights.len());
+        assert_eq!(n_entries, self.columns.len());
+        assert_eq!(n_entries - n_own_entries, self.ring_weights.len());
+        assert!(self.first + self.within[0] <= diffusion.n_vertices());
+        assert!(self.halo.iter().all(|&x| (x as usize) < diffusion.n_vertices()));
     }
 }
 
-/// All tiles of a walk, with the narrowest numbers that name their vertices.
+/// Tiles with the numbers of their vertices in `I`, of one operator.
+#[derive(Debug)]
+pub(super) struct TilesOf<I> {
+    tiles: Vec<Tile<I>>,
+    diffusion: Arc<Diffusion>,
+}
+
+impl<I: Index> TilesOf<I> {
+    pub(super) fn len(&self) -> usize {
+        self.tiles.len()
+    }
+
+    /// The tiles, each with the operator that it has been checked against.
+    pub(super) fn iter(&self) -> impl Iterator<Item = View<'_, I>> {
+        let (offsets, weights) = (self.diffusion.neighbours().offsets(), self.diffusion.weights());
+        self.tiles.iter().map(move |tile| View { tile, offsets, weights })
+    }
+
+    /// Cuts the operator into tiles of `own` vertices and `depth` rings; `None` when `I` cannot number the vertices of some
+    /// tile.
+    fn new(
+        diffusion: &Arc<Diffusion>,
+        own: usize,
+        depth: usize,
+        progress: Progress<'_>,
+    ) -> Result<Option<Self>, Cancelled> {
+        assert!(own > 0 && depth > 0, "a tile has vertices and rings");
+        let n = diffusion.n_vertices();
+        let scratches = ScratchPool::new(n);
+        let tiles = crate::parallel::try_map_chunks(
+            n,
+            own,
+            progress,
+            || (),
+            |(), range| {
+                scratches.with(|scratch| {
+                    let (halo, within) = scratch.rings(diffusion, range.clone(), depth);
+                    let tile = number(diffusion, scratch, range.clone(), &halo, within);
+                    scratch.forget(range, &halo);
+                    tile.map(|tile| Tile { halo, ..tile }.checked(diffusion))
+                })
+            },
+        )?;
+        let tiles: Option<Vec<Tile<I>>> = tiles.into_iter().collect();
+        Ok(tiles.map(|tiles| Self { tiles, diffusion: Arc::clone(diffusion) }))
+    }
+}
+
+/// All tiles of an operator, with the narrowest numbers that name their vertices.
 #[derive(Debug)]
 pub(super) enum Tiles {
-    Narrow(Vec<Tile<u16>>),
-    Wide(Vec<Tile<u32>>),
+    Narrow(TilesOf<u16>),
+    Wide(TilesOf<u32>),
 }
 
 impl Tiles {
-    /// Cuts the walk into tiles of `own` vertices and `depth` rings.
-    pub(super) fn new(diffusion: &Diffusion, own: usize, depth: usize) -> Self {
-        build(diffusion, own, depth)
-            .map_or_else(|| Self::Wide(Self::wide(diffusion, own, depth)), Self::Narrow)
+    /// Cuts the operator into tiles of `own` vertices and `depth` rings. Up to O(entries · size of a tile / own).
+    pub(super) fn new(
+        diffusion: &Arc<Diffusion>,
+        own: usize,
+        depth: usize,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        Ok(match TilesOf::new(diffusion, own, depth, progress)? {
+            Some(tiles) => Self::Narrow(tiles),
+            None => Self::Wide(Self::wide(diffusion, own, depth, progress)?),
+        })
     }
 
-    pub(super) fn wide(diffusion: &Diffusion, own: usize, depth: usize) -> Vec<Tile<u32>> {
-        build(diffusion, own, depth).expect("32 bits name every vertex")
+    pub(super) fn wide(
+        diffusion: &Arc<Diffusion>,
+        own: usize,
+        depth: usize,
+        progress: Progress<'_>,
+    ) -> Result<TilesOf<u32>, Cancelled> {
+        Ok(TilesOf::new(diffusion, own, depth, progress)?.expect("32 bits name every vertex"))
     }
 
     pub(super) fn bytes(&self) -> u64 {
         match self {
-            Self::Narrow(tiles) => tiles.iter().map(Tile::bytes).sum::<usize>() as u64,
-            Self::Wide(tiles) => tiles.iter().map(Tile::bytes).sum::<usize>() as u64,
+            Self::Narrow(tiles) => tiles.tiles.iter().map(Tile::bytes).sum::<usize>() as u64,
+            Self::Wide(tiles) => tiles.tiles.iter().map(Tile::bytes).sum::<usize>() as u64,
+        }
+    }
+
+    /// Values that all tiles need of vertices around them in a pass of all their steps.
+    pub(super) fn n_around(&self) -> usize {
+        match self {
+            Self::Narrow(tiles) => tiles.tiles.iter().map(Tile::n_around).sum(),
+            Self::Wide(tiles) => tiles.tiles.iter().map(Tile::n_around).sum(),
         }
     }
 }
 
-/// What building a tile needs for every vertex of the walk: no vertex is in the tile at first.
+/// What building a tile needs for every vertex of the operator.
 struct Scratch {
+    /// One more than the number of each vertex in the tile; 0 where the vertex is not in it.
     local: Vec<u32>,
 }
 
-const ABSENT: u32 = u32::MAX;
+/// One for each thread that builds tiles at the same time.
+struct ScratchPool {
+    n: usize,
+    free: std::sync::Mutex<Vec<Scratch>>,
+}
 
-impl Scratch {
+impl ScratchPool {
     fn new(n: usize) -> Self {
-        Self { local: vec![ABSENT; n] }
+        Self { n, free: std::sync::Mutex::default() }
     }
 
+    fn with<R>(&self, work: impl FnOnce(&mut Scratch) -> R) -> R {
+        let free = self.free.lock().expect("nobody panics with the lock").pop();
+        let mut scratch = free.unwrap_or_else(|| Scratch { local: super::zeros(self.n) });
+        let result = work(&mut scratch);
+        self.free.lock().expect("nobody panics with the lock").push(scratch);
+        result
+    }
+}
+
+impl Scratch {
     /// The vertices of rings 1 … `depth` around `own`, and how many are within r rings. Leaves the vertices numbered.
     fn rings(
         &mut self,
@@ -170,7 +318,7 @@ impl Scratch {
     ) -> (Vec<u32>, Vec<usize>) {
         let n_own = own.len();
         for (local, x) in own.clone().enumerate() {
-            self.local[x] = local as u32;
+            self.local[x] = local as u32 + 1;
         }
         let mut halo: Vec<u32> = Vec::new();
         let mut within = vec![n_own];
@@ -180,9 +328,9 @@ impl Scratch {
             let mut visit = |x: usize, halo: &mut Vec<u32>| {
                 for &y in diffusion.row(x).0 {
                     let local = &mut self.local[y as usize];
-                    if *local == ABSENT {
-                        *local = (n_own + halo.len()) as u32;
+                    if *local == 0 {
                         halo.push(y);
+                        *local = (n_own + halo.len()) as u32;
                     }
                 }
             };
@@ -194,28 +342,42 @@ impl Scratch {
                 }
                 scanned = end;
             }
+            if ring + 1 < depth {
+                // Rows of the same degree follow each other.
+                halo[end..].sort_by_key(|&x| diffusion.row(x as usize).0.len());
+                for (k, &x) in (end..).zip(&halo[end..]) {
+                    self.local[x as usize] = (n_own + k) as u32 + 1;
+                }
+            }
             within.push(n_own + halo.len());
         }
+        halo.shrink_to_fit();
         (halo, within)
     }
 
     fn forget(&mut self, own: std::ops::Range<usize>, halo: &[u32]) {
-        self.local[own].fill(ABSENT);
+        self.local[own].fill(0);
         for &x in halo {
-            self.local[x as usize] = ABSENT;
+            self.local[x as usize] = 0;
         }
     }
 }
 
-/// Vertices of rings 1 … `depth` around each of a few blocks of `own` vertices spread over the walk, in parts of the block:
-/// `shares[r]` is how much larger a block with r rings is.
-pub(super) fn halo_shares(diffusion: &Diffusion, own: usize, depth: usize) -> Vec<f64> {
+/// Vertices of rings 1 … `depth` around each of a few blocks of `own` vertices spread over the operator, in parts of the
+/// block: `shares[r]` is how much larger a block with r rings is.
+pub(super) fn halo_shares(
+    diffusion: &Diffusion,
+    own: usize,
+    depth: usize,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, Cancelled> {
     const SAMPLES: usize = 8;
     let n = diffusion.n_vertices();
     let n_blocks = n.div_ceil(own).max(1);
-    let mut scratch = Scratch::new(n);
+    let mut scratch = Scratch { local: super::zeros(n) };
     let mut sums = vec![0_usize; depth + 1];
     for sample in 0..SAMPLES.min(n_blocks) {
+        progress.check()?;
         let block = sample * n_blocks / SAMPLES.min(n_blocks);
         let range = block * own..((block + 1) * own).min(n);
         let (halo, within) = scratch.rings(diffusion, range.clone(), depth);
@@ -223,27 +385,7 @@ pub(super) fn halo_shares(diffusion: &Diffusion, own: usize, depth: usize) -> Ve
         sums.iter_mut().zip(&within).for_each(|(sum, w)| *sum += w);
     }
     let base = sums[0].max(1) as f64;
-    sums.into_iter().map(|sum| sum as f64 / base).collect()
-}
-
-/// `None` when `I` cannot number the vertices of some tile.
-fn build<I: Index>(diffusion: &Diffusion, own: usize, depth: usize) -> Option<Vec<Tile<I>>> {
-    assert!(own > 0 && depth > 0, "a tile has vertices and rings");
-    let n = diffusion.n_vertices();
-    (0..n.div_ceil(own))
-        .into_par_iter()
-        .with_min_len(n.div_ceil(own).div_ceil(4 * rayon::current_num_threads()))
-        .map_init(
-            || Scratch::new(n),
-            |scratch, block| {
-                let range = block * own..((block + 1) * own).min(n);
-                let (halo, within) = scratch.rings(diffusion, range.clone(), depth);
-                let tile = number(diffusion, scratch, range.clone(), &halo, within);
-                scratch.forget(range, &halo);
-                tile.map(|tile| Tile { halo, ..tile }.checked())
-            },
-        )
-        .collect()
+    Ok(sums.into_iter().map(|sum| sum as f64 / base).collect())
 }
 
 fn number<I: Index>(
@@ -256,53 +398,43 @@ fn number<I: Index>(
     let depth = within.len() - 1;
     I::try_from(within[depth].saturating_sub(1) as u32).ok()?;
     let index = |local: usize| I::try_from(local as u32).ok();
-    let n_own = within[0];
-    let global = |local: usize| if local < n_own { own.start + local } else { halo[local - n_own] as usize };
-    let n_rows = within[depth - 1];
-    let mut tile = Tile {
-        first: own.start,
-        within,
-        halo: Vec::new(),
-        runs: Vec::new(),
-        runs_within: Vec::with_capacity(depth),
-        rows: Vec::with_capacity(n_rows),
-        columns: Vec::new(),
-        weights: Vec::new(),
-    };
-    let n_entries = (0..n_rows).map(|local| diffusion.row(global(local)).0.len()).sum();
-    tile.columns.reserve_exact(n_entries);
-    tile.weights.reserve_exact(n_entries);
-    let mut order: Vec<(u32, u32)> = Vec::new();
+    let degree = |x: usize| diffusion.row(x).0.len();
+    let n_own = own.len();
+    let mut order: Vec<usize> = own.clone().collect();
+    for rows in order.chunks_mut(ROWS_SORTED) {
+        rows.sort_by_key(|&x| degree(x));
+    }
+    let rows = order.iter().map(|&x| index(x - own.start)).collect::<Option<Vec<I>>>()?;
+    // All rows in their order.
+    order.extend(halo[..within[depth - 1] - n_own].iter().map(|&x| x as usize));
+    let ring_entries = order[n_own..].iter().map(|&x| degree(x)).sum();
+    let mut ring_weights = Vec::with_capacity(ring_entries);
+    for &x in &order[n_own..] {
+        ring_weights.extend_from_slice(diffusion.row(x).1);
+    }
+    let (mut runs, mut runs_within) = (Vec::new(), Vec::with_capacity(depth));
+    let mut columns = Vec::with_capacity(order.iter().map(|&x| degree(x)).sum());
     for ring in 0..depth {
-        let start = if ring == 0 { 0 } else { tile.within[ring - 1] };
-        order.clear();
-        order.extend(
-            (start..tile.within[ring])
-                .map(|local| (diffusion.row(global(local)).0.len() as u32, local as u32)),
-        );
-        order.sort_unstable();
-        for same in order.chunk_by(|a, b| a.0 == b.0) {
-            tile.runs.push(Run { degree: same[0].0 as usize, n_rows: same.len() });
+        let start = if ring == 0 { 0 } else { within[ring - 1] };
+        let rows = &order[start..within[ring]];
+        for same in rows.chunk_by(|&x, &y| degree(x) == degree(y)) {
+            runs.push(Run { degree: degree(same[0]) as u32, n_rows: same.len() as u32 });
         }
-        for &(_, local) in &order {
-            tile.rows.push(index(local as usize)?);
-            let (columns, weights) = diffusion.row(global(local as usize));
-            for (&y, w) in columns.iter().zip(weights) {
-                tile.columns.push(index(scratch.local[y as usize] as usize)?);
-                tile.weights.push(4.0 * w);
+        runs_within.push(runs.len());
+        for &x in rows {
+            for &y in diffusion.row(x).0 {
+                columns.push(index(scratch.local[y as usize] as usize - 1)?);
             }
         }
-        tile.runs_within.push(tile.runs.len());
     }
-    let halo_len = halo.len();
-    debug_assert_eq!(tile.within[depth], n_own + halo_len);
-    Some(tile)
+    runs.shrink_to_fit();
+    Some(Tile { first: own.start, within, halo: Vec::new(), runs, runs_within, rows, ring_weights, columns })
 }
 
 impl<I: Index> Tile<I> {
     /// Checks every tile once, after it is complete.
-    pub(super) fn checked(self) -> Self {
-        self.assert_consistent();
+    fn checked(self, diffusion: &Diffusion) -> Self {
+        self.assert_consistent(diffusion);
         self
     }
 }

@@ -15,7 +15,7 @@ mod tests;
 pub(crate) use pages::zeros;
 pub(crate) use rows::{Rows, apply_rows};
 
-use super::tiles::{Index, Run, Tile};
+use super::tiles::{Index, Run, View};
 
 /// Steps that a tile can take in one pass.
 pub(crate) const MAX_DEPTH: usize = 12;
@@ -63,8 +63,9 @@ fn get<T, const CHECKED: bool>(slice: &[T], i: usize) -> &T {
         &slice[i]
     } else {
         debug_assert!(i < slice.len());
-        // SAFETY: callers pass CHECKED = false only for a tile and vectors that `steps` has found to fit together: each
-        // index is one of a tile's rows or columns, which `Tile::checked` has compared with the tile's length.
+        // SAFETY: callers pass CHECKED = false only for a tile and vectors that `steps` has found to fit together. Each
+        // index is one of a tile's rows, columns or vertices of its halo, which `Tile::checked` has compared with the tile's
+        // rings and with the operator, or that of a row within a run.
         unsafe { slice.get_unchecked(i) }
     }
 }
@@ -77,6 +78,20 @@ fn get_mut<T, const CHECKED: bool>(slice: &mut [T], i: usize) -> &mut T {
         debug_assert!(i < slice.len());
         // SAFETY: as in `get`.
         unsafe { slice.get_unchecked_mut(i) }
+    }
+}
+
+/// `slice[start..][..len]`.
+#[inline(always)]
+fn range<T, const CHECKED: bool>(slice: &[T], start: usize, len: usize) -> &[T] {
+    if CHECKED {
+        &slice[start..][..len]
+    } else {
+        debug_assert!(start + len <= slice.len());
+        // SAFETY: as in `get`: an own row's entries in the operator are as many as its run says, and the weights of the
+        // rings as many as their runs say, which `Tile::checked` has compared; a `View` is of a tile and the operator that
+        // it was compared with.
+        unsafe { slice.get_unchecked(start..start + len) }
     }
 }
 
@@ -99,75 +114,128 @@ struct Vectors<'a, const L: usize> {
     next: &'a mut [[f64; L]],
 }
 
-/// One step for the rows of `runs`: `next = scale·(Σ w·now[y] − before)`.
+/// Where rows of a tile are: in the tile, and their weights in the operator.
+trait Place: Copy {
+    /// The rows without the first `n`, of `degree` entries each.
+    fn after(self, n: usize, degree: usize) -> Self;
+    /// The number of row `r`, of `degree` entries as all before, in the tile and the start of its weights.
+    fn get<const CHECKED: bool>(self, r: usize, degree: usize) -> (usize, usize);
+}
+
+/// Own rows, in any order.
+#[derive(Clone, Copy)]
+struct OwnRows<'a, I> {
+    rows: &'a [I],
+    /// From the first own vertex on.
+    offsets: &'a [usize],
+}
+
+impl<I: Index> Place for OwnRows<'_, I> {
+    #[inline(always)]
+    fn after(self, n: usize, _: usize) -> Self {
+        Self { rows: &self.rows[n..], ..self }
+    }
+
+    #[inline(always)]
+    fn get<const CHECKED: bool>(self, r: usize, _: usize) -> (usize, usize) {
+        let row = get::<_, CHECKED>(self.rows, r).get();
+        (row, *get::<_, CHECKED>(self.offsets, row))
+    }
+}
+
+/// Rows of rings, in the order of the tile, as are their weights.
+#[derive(Clone, Copy)]
+struct RingRows {
+    first: usize,
+    /// Entries of the rows before and of each row.
+    start: usize,
+}
+
+impl Place for RingRows {
+    #[inline(always)]
+    fn after(self, n: usize, degree: usize) -> Self {
+        Self { first: self.first + n, start: self.start + n * degree }
+    }
+
+    #[inline(always)]
+    fn get<const CHECKED: bool>(self, r: usize, degree: usize) -> (usize, usize) {
+        (self.first + r, self.start + r * degree)
+    }
+}
+
+/// One step for the rows of `runs`: `next = scale·(4Σ w·now[y] − before)`.
+///
+/// With `w = Φ₁(x,y)` this is `2Y T_k − T_{k−1}`, `Y = 2Φ₁ − I`, as Φ₁ has its diagonal ½ in the walks that come here. The
+/// factor 4 goes to the sum's other part and to the scale; a power of two rounds nothing.
 #[inline(always)]
 fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
-    tile: &Tile<I>,
-    runs: &[Run],
+    (mut place, runs): (impl Place, &[Run]),
+    mut columns: &[I],
+    weights: &[f64],
     vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
-    let (mut rows, mut columns, mut weights) = (tile.rows(), tile.columns(), tile.weights());
     for run in runs {
-        let n_entries = run.n_rows * run.degree;
-        let (these, r) = (&rows[..run.n_rows], &rows[run.n_rows..]);
-        let (c, cs) = (&columns[..n_entries], &columns[n_entries..]);
-        let (w, ws) = (&weights[..n_entries], &weights[n_entries..]);
-        (rows, columns, weights) = (r, cs, ws);
+        let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
+        let (these, others) = columns.split_at(n_rows * degree);
         macro_rules! unrolled {
             ($($degree:literal)*) => {
-                match run.degree {
-                    $($degree => fixed::<I, $degree, L, FMA, CHECKED>(these, c, w, vectors, scale),)*
-                    degree => any::<I, L, FMA, CHECKED>(degree, these, c, w, vectors, scale),
+                match degree {
+                    $($degree => fixed::<I, $degree, L, FMA, CHECKED>(place, these, weights, vectors, scale),)*
+                    _ => any::<I, L, FMA, CHECKED>((place, n_rows, degree), these, weights, vectors, scale),
                 }
             };
         }
         unrolled!(2 3 4 5 6 7 8 9 10);
+        place = place.after(n_rows, degree);
+        columns = others;
     }
 }
 
 #[inline(always)]
 fn fixed<I: Index, const DEGREE: usize, const L: usize, const FMA: bool, const CHECKED: bool>(
-    rows: &[I],
+    place: impl Place,
     columns: &[I],
     weights: &[f64],
     vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
     let Vectors { before, now, next } = vectors;
-    let entries = columns.as_chunks::<DEGREE>().0.iter().zip(weights.as_chunks::<DEGREE>().0);
-    for (row, (columns, weights)) in rows.iter().zip(entries) {
-        let mut sum = get::<_, CHECKED>(before, row.get()).map(|v| -v);
+    for (r, columns) in columns.as_chunks::<DEGREE>().0.iter().enumerate() {
+        let (row, start) = place.get::<CHECKED>(r, DEGREE);
+        let weights: &[f64; DEGREE] =
+            range::<_, CHECKED>(weights, start, DEGREE).first_chunk().expect("a row");
+        let mut sum = get::<_, CHECKED>(before, row).map(|v| -0.25 * v);
         for e in 0..DEGREE {
             let there = get::<_, CHECKED>(now, columns[e].get());
             for c in 0..L {
                 sum[c] = fma::<FMA>(weights[e], there[c], sum[c]);
             }
         }
-        *get_mut::<_, CHECKED>(next, row.get()) = sum.map(|v| scale * v);
+        *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale * v);
     }
 }
 
 #[inline(always)]
 fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
-    degree: usize,
-    rows: &[I],
+    (place, n_rows, degree): (impl Place, usize, usize),
     columns: &[I],
     weights: &[f64],
     vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
     let Vectors { before, now, next } = vectors;
-    for (r, row) in rows.iter().enumerate() {
-        let entries = r * degree..(r + 1) * degree;
-        let mut sum = get::<_, CHECKED>(before, row.get()).map(|v| -v);
-        for (column, &w) in columns[entries.clone()].iter().zip(&weights[entries]) {
+    for r in 0..n_rows {
+        let (row, start) = place.get::<CHECKED>(r, degree);
+        let weights = range::<_, CHECKED>(weights, start, degree);
+        let mut sum = get::<_, CHECKED>(before, row).map(|v| -0.25 * v);
+        for (column, &w) in columns[r * degree..][..degree].iter().zip(weights) {
             let there = get::<_, CHECKED>(now, column.get());
             for c in 0..L {
                 sum[c] = fma::<FMA>(w, there[c], sum[c]);
             }
         }
-        *get_mut::<_, CHECKED>(next, row.get()) = sum.map(|v| scale * v);
+        *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale * v);
     }
 }
 
@@ -228,11 +296,18 @@ fn combine_all<const L: usize, const D: usize, const FMA: bool>(
     squares
 }
 
+/// Where the vectors before a pass are, n_vertices × D.
+#[derive(Clone, Copy)]
+pub(super) enum Input<'a> {
+    /// `T_{k−1}` and `T_k` of all vertices.
+    Whole { before: &'a [f64], now: &'a [f64] },
+    /// Those of the tile's halo, as [`copy_halo`] has left them; those of its own vertices are where the next ones go.
+    Copied { before: &'a [f64], now: &'a [f64] },
+}
+
 /// What a pass over a tile reads and writes. `D` channels in rows of `L ≥ D`.
 pub(super) struct Pass<'a, 'b> {
-    /// `T_{k−1}` and `T_k` of all vertices, n_vertices × D.
-    pub(super) before: &'a [f64],
-    pub(super) now: &'a [f64],
+    pub(super) input: Input<'a>,
     /// Steps to take, at least 1 unless k is 0.
     pub(super) n_steps: usize,
     /// Whether this is the very first pass: `T_1 = ½(2Y T_0 − 0)`.
@@ -251,8 +326,17 @@ pub(super) struct Pass<'a, 'b> {
 }
 
 /// Values that a pass over `tile` keeps at hand, in f64.
-pub(super) fn scratch_len<I: Index>(tile: &Tile<I>, n_steps: usize, lanes: usize) -> usize {
-    (n_steps + 2) * tile.n_within(n_steps) * lanes + ALIGNMENT
+pub(super) fn scratch_len<I: Index>(tile: View<'_, I>, n_steps: usize, lanes: usize) -> usize {
+    (0..n_steps + 2).map(|i| n_rows(tile, n_steps, i)).sum::<usize>() * lanes + ALIGNMENT
+}
+
+/// Vertices of the tile whose `T_{k−1+i}` is needed in a pass of `n_steps`.
+#[inline(always)]
+fn n_rows<I: Index>(tile: View<'_, I>, n_steps: usize, i: usize) -> usize {
+    match i {
+        0 => tile.n_within(n_steps.saturating_sub(1)),
+        _ => tile.n_within(n_steps + 1 - i),
+    }
 }
 
 /// Rows start at multiples of 64 bytes, so that none lies across two cache lines.
@@ -260,33 +344,52 @@ const ALIGNMENT: usize = 8;
 
 #[inline(always)]
 fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKED: bool>(
-    tile: &Tile<I>,
+    tile: View<'_, I>,
     mut pass: Pass<'_, '_>,
     scratch: &mut [f64],
 ) -> Vec<f64> {
     let n_steps = pass.n_steps;
-    let n = tile.n_within(n_steps);
     let skip = scratch.as_ptr().align_offset(64).min(ALIGNMENT);
-    let scratch = scratch[skip..].as_chunks_mut::<L>().0;
+    let mut rest = scratch[skip..].as_chunks_mut::<L>().0;
     let mut vectors: [&mut [[f64; L]]; MAX_DEPTH + 2] = std::array::from_fn(|_| Default::default());
-    for (vector, chunk) in vectors.iter_mut().zip(scratch.chunks_exact_mut(n.max(1))).take(n_steps + 2) {
-        *vector = chunk;
+    for (i, vector) in vectors.iter_mut().enumerate().take(n_steps + 2) {
+        (*vector, rest) = rest.split_at_mut(n_rows(tile, n_steps, i));
     }
-    assert!(vectors[..n_steps + 2].iter().all(|vector| vector.len() >= n), "scratch for the tile");
-    gather::<I, L, D>(tile, pass.now, n, vectors[1]);
+    let (own, first) = (tile.n_own() * D, tile.first() * D);
+    let (own_before, own_now) = match pass.input {
+        Input::Whole { before, now } => (&before[first..], &now[first..]),
+        Input::Copied { .. } => (&*pass.next_before, &*pass.next_now),
+    };
+    let (halo_before, halo_now) = match pass.input {
+        Input::Whole { before, now } => (Halo::Gathered(before), Halo::Gathered(now)),
+        Input::Copied { before, now } => (Halo::Copied(before), Halo::Copied(now)),
+    };
+    fill::<I, L, D>(tile, &own_now[..own], halo_now, vectors[1]);
     if n_steps > 0 {
         if pass.is_first {
-            vectors[0][..tile.n_within(n_steps - 1)].fill([0.0; L]);
+            vectors[0].fill([0.0; L]);
         } else {
-            gather::<I, L, D>(tile, pass.before, tile.n_within(n_steps - 1), vectors[0]);
+            fill::<I, L, D>(tile, &own_before[..own], halo_before, vectors[0]);
         }
     }
+    let own_rows = OwnRows { rows: tile.rows(), offsets: &tile.offsets()[tile.first()..] };
+    let ring_rows = RingRows { first: tile.n_own(), start: 0 };
+    let (columns, weights, ring_weights) = (tile.columns(), tile.weights(), tile.ring_weights());
+    let n_own_entries = tile.own_runs().iter().map(|run| run.degree as usize * run.n_rows as usize).sum();
+    let (own_columns, ring_columns) = columns.split_at(n_own_entries);
     for i in 1..=n_steps {
         let (old, new) = vectors.split_at_mut(i + 1);
-        let scale = if pass.is_first && i == 1 { 0.5 } else { 1.0 };
-        let runs = tile.runs_within(n_steps - i);
+        let scale = if pass.is_first && i == 1 { 2.0 } else { 4.0 };
         let mut vectors = Vectors { before: &*old[i - 1], now: &*old[i], next: &mut *new[0] };
-        step::<I, L, FMA, CHECKED>(tile, runs, &mut vectors, scale);
+        // What the unchecked loops rely on: rows are within n − i rings, columns within n − i + 1.
+        assert!(
+            vectors.next.len() == tile.n_within(n_steps - i) && vectors.before.len() >= vectors.next.len()
+        );
+        assert!(vectors.now.len() == tile.n_within(n_steps + 1 - i));
+        let own = (own_rows, tile.own_runs());
+        step::<I, L, FMA, CHECKED>(own, own_columns, weights, &mut vectors, scale);
+        let rings = (ring_rows, tile.ring_runs(n_steps - i));
+        step::<I, L, FMA, CHECKED>(rings, ring_columns, ring_weights, &mut vectors, scale);
     }
     let read: [&[[f64; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
     let squares = combine_all::<L, D, FMA>(&mut pass, &read);
@@ -301,30 +404,68 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
     squares
 }
 
-/// Copies the values of the tile's first `n` vertices.
+/// Where the values of the rings are.
+#[derive(Clone, Copy)]
+enum Halo<'a> {
+    /// Among those of all vertices.
+    Gathered(&'a [f64]),
+    /// In the order of the tile.
+    Copied(&'a [f64]),
+}
+
+/// Values of the tile's first vertices, as many as `to` has: the own ones, then those of the rings.
 #[inline(always)]
-fn gather<I: Index, const L: usize, const D: usize>(
-    tile: &Tile<I>,
-    from: &[f64],
-    n: usize,
+fn fill<I: Index, const L: usize, const D: usize>(
+    tile: View<'_, I>,
+    own: &[f64],
+    halo: Halo<'_>,
     to: &mut [[f64; L]],
 ) {
-    let from = from.as_chunks::<D>().0;
-    let n_own = tile.n_own();
-    for (to, from) in to.iter_mut().zip(&from[tile.first()..tile.first() + n_own]) {
+    let (to_own, to_halo) = to.split_at_mut(tile.n_own());
+    for (to, from) in to_own.iter_mut().zip(own.as_chunks::<D>().0) {
         to[..D].copy_from_slice(from);
         to[D..].fill(0.0);
     }
-    for (to, &x) in to[n_own..n].iter_mut().zip(tile.halo()) {
-        to[..D].copy_from_slice(&from[x as usize]);
-        to[D..].fill(0.0);
+    match halo {
+        Halo::Gathered(values) => {
+            let values = values.as_chunks::<D>().0;
+            assert!(tile.halo().len() >= to_halo.len());
+            for (to, &x) in to_halo.iter_mut().zip(tile.halo()) {
+                to[..D].copy_from_slice(&values[x as usize]);
+                to[D..].fill(0.0);
+            }
+        }
+        Halo::Copied(values) => {
+            assert!(values.len() >= to_halo.len() * D);
+            for (to, from) in to_halo.iter_mut().zip(values.as_chunks::<D>().0) {
+                to[..D].copy_from_slice(from);
+                to[D..].fill(0.0);
+            }
+        }
+    }
+}
+
+/// The values of the tile's halo, as many as `to` has room for, n × `width` each.
+pub(super) fn copy_halo<I: Index>(tile: View<'_, I>, width: usize, from: &[f64], to: &mut [f64]) {
+    fn copy<const D: usize>(halo: &[u32], from: &[f64], to: &mut [f64]) {
+        let from = from.as_chunks::<D>().0;
+        for (to, &x) in to.as_chunks_mut::<D>().0.iter_mut().zip(halo) {
+            *to = from[x as usize];
+        }
+    }
+    match width {
+        1 => copy::<1>(tile.halo(), from, to),
+        2 => copy::<2>(tile.halo(), from, to),
+        3 => copy::<3>(tile.halo(), from, to),
+        4 => copy::<4>(tile.halo(), from, to),
+        _ => unreachable!("a block has 1 to 4 channels, not {width}"),
     }
 }
 
 /// Takes the pass over the tile for `width` channels, 1 … 4, and weighs the bands that are to be weighed.
 pub(super) fn run<I: Index>(
     target: Target,
-    tile: &Tile<I>,
+    tile: View<'_, I>,
     width: usize,
     pass: Pass<'_, '_>,
     scratch: &mut [f64],
@@ -342,13 +483,13 @@ pub(super) fn run<I: Index>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<I: Index>(tile: &Tile<I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) -> Vec<f64> {
+fn avx2<I: Index>(tile: View<'_, I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) -> Vec<f64> {
     by_width::<I, true, false>(tile, width, pass, scratch)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-fn avx512<I: Index>(tile: &Tile<I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) -> Vec<f64> {
+fn avx512<I: Index>(tile: View<'_, I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) -> Vec<f64> {
     by_width::<I, true, false>(tile, width, pass, scratch)
 }
 
@@ -359,7 +500,7 @@ pub(super) fn lanes(width: usize) -> usize {
 
 #[inline(always)]
 fn by_width<I: Index, const FMA: bool, const CHECKED: bool>(
-    tile: &Tile<I>,
+    tile: View<'_, I>,
     width: usize,
     pass: Pass<'_, '_>,
     scratch: &mut [f64],

@@ -4,17 +4,21 @@ use super::*;
 use crate::Progress;
 use crate::operator::{Diffusion, OperatorParams, local_operator};
 use crate::shape::{Graph, PreparedGeometry, Shape};
-use crate::sparse::tiles::Tiles;
+use crate::sparse::tiles::{Tiles, TilesOf};
+use std::sync::Arc;
 
 /// A graph with rows of 1 to 13 entries.
-fn diffusion(n: u32) -> Diffusion {
+fn diffusion(n: u32) -> Arc<Diffusion> {
     let edges: Vec<_> = (0..n)
         .flat_map(|u| (1..=1 + u % 7).map(move |e| (u, (u + e * e) % n, 1.0 + f64::from((u * e) % 5))))
         .collect();
     let shape = Shape::Graph(Graph::new(n as usize, &edges).expect("edges of the graph"));
     let params = OperatorParams::default();
     let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).unwrap();
-    Diffusion::new(local_operator(&geometry, &params, Progress::none()).unwrap(), Progress::none()).unwrap()
+    Arc::new(
+        Diffusion::new(local_operator(&geometry, &params, Progress::none()).unwrap(), Progress::none())
+            .unwrap(),
+    )
 }
 
 struct Outcome {
@@ -24,12 +28,19 @@ struct Outcome {
     squares: Vec<f64>,
 }
 
+/// Where a pass finds the vectors and leaves the next ones.
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    Apart,
+    InPlace,
+}
+
 /// One pass of `n_steps` over all tiles, by `kernel`.
 fn pass<I: Index>(
-    tiles: &[Tile<I>],
+    tiles: &TilesOf<I>,
     (n, width, n_steps): (usize, usize, usize),
-    is_first: bool,
-    kernel: impl Fn(&Tile<I>, Pass<'_, '_>, &mut [f64]) -> Vec<f64>,
+    (is_first, place): (bool, Place),
+    kernel: impl Fn(View<'_, I>, Pass<'_, '_>, &mut [f64]) -> Vec<f64>,
 ) -> Outcome {
     let value = |i: usize| ((i * 37 + 11) % 101) as f64 / 7.0 - 6.0;
     let now: Vec<f64> = (0..n * width).map(value).collect();
@@ -40,15 +51,23 @@ fn pass<I: Index>(
     let term = Term { coefficients: &coefficients[first..], first, is_new: is_first, is_weighed: true };
     let mut out = Outcome {
         bands: vec![1.0; n * width],
-        now: vec![0.0; n * width],
-        before: vec![0.0; n * width],
+        now: if place == Place::InPlace { now.clone() } else { vec![0.0; n * width] },
+        before: if place == Place::InPlace { before.clone() } else { vec![0.0; n * width] },
         squares: Vec::new(),
     };
-    for tile in tiles {
+    for tile in tiles.iter() {
         let own = tile.first() * width..(tile.first() + tile.n_own()) * width;
+        let around = |from: &[f64], rings: usize| {
+            let mut around = vec![f64::NAN; (tile.n_within(rings) - tile.n_own()) * width];
+            copy_halo(tile, width, from, &mut around);
+            around
+        };
+        let (around_now, around_before) = (around(&now, n_steps), around(&before, n_steps - 1));
         let pass = Pass {
-            before: &before,
-            now: &now,
+            input: match place {
+                Place::Apart => Input::Whole { before: &before, now: &now },
+                Place::InPlace => Input::Copied { before: &around_before, now: &around_now },
+            },
             n_steps,
             is_first,
             next_before: &mut out.before[own.clone()],
@@ -65,10 +84,40 @@ fn pass<I: Index>(
     out
 }
 
-fn narrow(diffusion: &Diffusion, own: usize) -> Vec<Tile<u16>> {
-    match Tiles::new(diffusion, own, 4) {
-        Tiles::Narrow(tiles) => tiles,
-        Tiles::Wide(_) => panic!("a small walk has narrow tiles"),
+fn narrow(diffusion: &Arc<Diffusion>, own: usize) -> TilesOf<u16> {
+    match Tiles::new(diffusion, own, 4, Progress::none()) {
+        Ok(Tiles::Narrow(tiles)) => tiles,
+        _ => panic!("a small operator has narrow tiles"),
+    }
+}
+
+#[test]
+fn a_pass_is_the_recurrence_row_by_row() {
+    const ROUNDING: f64 = 1e-10;
+    let (n, n_steps) = (300, 4);
+    let diffusion = diffusion(n as u32);
+    let value = |i: usize| ((i * 37 + 11) % 101) as f64 / 7.0 - 6.0;
+    let mut vectors: Vec<Vec<f64>> =
+        vec![(0..n).map(|i| value(i + 5)).collect(), (0..n).map(value).collect()];
+    for i in 1..=n_steps {
+        let twice_y = |x: usize| {
+            let (columns, weights) = diffusion.row(x);
+            let moved: f64 = columns.iter().zip(weights).map(|(&y, w)| w * vectors[i][y as usize]).sum();
+            4.0 * (moved + diffusion.diagonal(x) * vectors[i][x]) - 2.0 * vectors[i][x]
+        };
+        let next = (0..n).map(|x| twice_y(x) - vectors[i - 1][x]).collect();
+        vectors.push(next);
+    }
+    for place in [Place::Apart, Place::InPlace] {
+        let found = pass(&narrow(&diffusion, 70), (n, 1, n_steps), (false, place), |tile, pass, scratch| {
+            run(Target::detect(), tile, 1, pass, scratch)
+        });
+        for x in 0..n {
+            assert!((found.now[x] - vectors[n_steps + 1][x]).abs() < ROUNDING);
+            assert!((found.before[x] - vectors[n_steps][x]).abs() < ROUNDING);
+            let band: f64 = (1..=n_steps).map(|i| vectors[i + 1][x] / (1.0 + i as f64)).sum();
+            assert!((found.bands[x] - 1.0 - band).abs() < ROUNDING, "{} {band}", found.bands[x]);
+        }
     }
 }
 
@@ -77,12 +126,18 @@ fn unchecked_loops_give_the_bits_of_checked_ones() {
     let diffusion = diffusion(300);
     let tiles = narrow(&diffusion, 70);
     for width in 1..=4 {
-        for (n_steps, is_first) in [(1, true), (4, true), (3, false)] {
-            let size = (300, width, n_steps);
-            let safe = pass(&tiles, size, is_first, |tile, pass, scratch| {
+        let cases = [
+            (1, true, Place::Apart),
+            (4, true, Place::InPlace),
+            (3, false, Place::Apart),
+            (2, false, Place::InPlace),
+        ];
+        for (n_steps, is_first, place) in cases {
+            let (size, start) = ((300, width, n_steps), (is_first, place));
+            let safe = pass(&tiles, size, start, |tile, pass, scratch| {
                 by_width::<u16, FUSED, true>(tile, width, pass, scratch)
             });
-            let fast = pass(&tiles, size, is_first, |tile, pass, scratch| {
+            let fast = pass(&tiles, size, start, |tile, pass, scratch| {
                 run(Target::Portable, tile, width, pass, scratch)
             });
             assert_eq!((&safe.bands, &safe.now), (&fast.bands, &fast.now));
@@ -105,7 +160,7 @@ fn every_target_agrees_with_the_portable_one() {
     for target in targets {
         for width in 1..=4 {
             let with = |target| {
-                pass(&tiles, (300, width, 4), false, |tile, pass, scratch| {
+                pass(&tiles, (300, width, 4), (false, Place::Apart), |tile, pass, scratch| {
                     run(target, tile, width, pass, scratch)
                 })
             };
@@ -122,12 +177,20 @@ fn neither_the_size_of_the_tiles_nor_of_their_numbers_changes_a_bit() {
     let diffusion = diffusion(500);
     let target = Target::detect();
     let small = narrow(&diffusion, 33);
-    let one = pass(&narrow(&diffusion, 500), (500, 3, 4), true, |tile, pass, scratch| {
+    let one = pass(&narrow(&diffusion, 500), (500, 3, 4), (true, Place::Apart), |tile, pass, scratch| {
         run(target, tile, 3, pass, scratch)
     });
-    let many = pass(&small, (500, 3, 4), true, |tile, pass, scratch| run(target, tile, 3, pass, scratch));
+    let many = pass(&small, (500, 3, 4), (true, Place::Apart), |tile, pass, scratch| {
+        run(target, tile, 3, pass, scratch)
+    });
     assert_eq!((&one.bands, &one.now, &one.before), (&many.bands, &many.now, &many.before));
-    let wide = Tiles::wide(&diffusion, 33, 4);
-    let wide = pass(&wide, (500, 3, 4), true, |tile, pass, scratch| run(target, tile, 3, pass, scratch));
+    let wide = Tiles::wide(&diffusion, 33, 4, Progress::none()).expect("nobody stops it");
+    let wide = pass(&wide, (500, 3, 4), (true, Place::Apart), |tile, pass, scratch| {
+        run(target, tile, 3, pass, scratch)
+    });
     assert_eq!((&wide.bands, &wide.now, &wide.squares), (&many.bands, &many.now, &many.squares));
+    let in_place = pass(&small, (500, 3, 4), (true, Place::InPlace), |tile, pass, scratch| {
+        run(target, tile, 3, pass, scratch)
+    });
+    assert_eq!((&in_place.bands, &in_place.now, &in_place.before), (&many.bands, &many.now, &many.before));
 }
