@@ -10,10 +10,13 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
-  test      format, lints, unit, property, documentation and command-line tests: all that must pass
+  test      format, lints, unit, property, documentation and command-line tests, the bands of small built-in shapes beside
+            SciPy's (needs Python 3.10 or newer with venv), a minute of broken input, licences of dependencies where
+            cargo-deny is installed: all that must pass
   fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N] [--file FILE]
             broken input for every reader and parser; what breaks is saved below target/fuzz
-  oracle    compare the bands with SciPy's, on built-in shapes and on ../shared/data where it is there
+  oracle    compare the bands with SciPy's, on larger built-in shapes and on ../shared/data (or $ADWAVE_DATA) where it is
+            there
   oracle-baselines
             compare eigenvalues with SciPy's on libigl's matrices, and spectral graph wavelets with PyGSP's
   bench-peers [--models DIR] [--only PART]
@@ -52,7 +55,21 @@ fn test() -> Outcome {
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(&["test", "--workspace", "--locked", "--quiet"], &[])?;
-    fuzz(&[])
+    // The tests have built the command already.
+    cargo(&["build", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
+    compare_with_scipy(&target().join("debug/adwave"), "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
+    fuzz(&[])?;
+    dependencies()
+}
+
+/// Licences and sources of dependencies, by `deny.toml`, where the tool is at hand; known faults need its database too.
+fn dependencies() -> Outcome {
+    let tool = Command::new("cargo-deny").arg("--version").output();
+    if !tool.is_ok_and(|output| output.status.success()) {
+        println!("licences and sources of dependencies were not checked: cargo-deny is not installed");
+        return Ok(());
+    }
+    cargo(&["deny", "--offline", "check", "licenses", "bans", "sources"], &[])
 }
 
 /// Broken input for a minute, or as the arguments say. With the optimisation of the tests, so that sums that overflow are
@@ -64,22 +81,28 @@ fn fuzz(arguments: &[&str]) -> Outcome {
 
 fn oracle() -> Outcome {
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
-    let adwave = root().join("target/release/adwave");
-    let samples = root().join("target/oracle-samples");
+    let adwave = target().join("release/adwave");
+    compare_with_scipy(&adwave, "oracle-samples", [5000, 5000, 5000, 5000, 20000], Some(data()))
+}
+
+/// Runs `benches/oracle` on built-in shapes of the given numbers of vertices, and on those of a folder.
+fn compare_with_scipy(adwave: &Path, folder: &str, vertices: [usize; 5], data: Option<PathBuf>) -> Outcome {
+    let samples = target().join(folder);
     std::fs::create_dir_all(&samples).map_err(|e| format!("cannot make {}: {e}", samples.display()))?;
-    for (name, vertices) in
-        [("sphere", "5000"), ("torus", "5000"), ("plane", "5000"), ("knot", "5000"), ("creature", "20000")]
-    {
+    for (name, vertices) in ["sphere", "torus", "plane", "knot", "creature"].into_iter().zip(vertices) {
         let out = samples.join(format!("{name}.ply"));
-        let arguments = ["sample", name, "--vertices", vertices, "--quiet", "-o"].map(OsStr::new);
-        run(Command::new(&adwave).args(arguments).arg(out))?;
+        let vertices = vertices.to_string();
+        let arguments = ["sample", name, "--vertices", &vertices, "--quiet", "-o"].map(OsStr::new);
+        run(Command::new(adwave).args(arguments).arg(out))?;
     }
     let python = python::environment(&root(), "oracle")?;
-    run(Command::new(python)
-        .arg(root().join("benches/oracle/oracle.py"))
-        .args([&adwave, &samples])
-        .arg("--data")
-        .arg(root().join("../shared/data")))
+    println!("> python {}", root().join("benches/oracle/oracle.py").display());
+    let mut command = Command::new(python);
+    command.arg(root().join("benches/oracle/oracle.py")).arg(adwave).arg(&samples);
+    if let Some(data) = data {
+        command.arg("--data").arg(data);
+    }
+    run(&mut command)
 }
 
 fn oracle_baselines() -> Outcome {
@@ -89,14 +112,24 @@ fn oracle_baselines() -> Outcome {
     let python = python::environment(&root(), "baselines")?;
     run(Command::new(python)
         .arg(root().join("benches/baselines/oracle.py"))
-        .arg(root().join("target/release/oracle_values"))
+        .arg(target().join("release/oracle_values"))
         .arg("--data")
-        .arg(std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from)))
+        .arg(data()))
 }
 
 /// The root of the repository.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_owned()
+}
+
+/// Where cargo builds.
+fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |folder| root().join(folder))
+}
+
+/// The folder of further test inputs, whether it is there or not.
+fn data() -> PathBuf {
+    std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from)
 }
 
 fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> Outcome {

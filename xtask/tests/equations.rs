@@ -31,7 +31,7 @@ fn is_at_code(lines: &[String], at: usize) -> bool {
     if line(at).starts_with("//!") {
         return false;
     }
-    let after = (at..).find(|&k| !is_comment(k)).unwrap_or(at);
+    let after = (at..=lines.len()).find(|&k| !is_comment(k)).unwrap_or(at);
     !line(after).is_empty()
 }
 

@@ -5,7 +5,7 @@ use crate::shapes::Case;
 use adwave::bands::{BandsParams, Engine, Schedule, smooth};
 use adwave::basis::{BasisParams, basis, basis_by_squaring};
 use adwave::features::{Feature, features};
-use adwave::filter::{Edit, Gains, Layer};
+use adwave::filter::{Edit, Gains, Layer, Preset};
 use adwave::operator::local_operator;
 use adwave::region::Region;
 use adwave::saliency::{Saliency, saliency, saliency_per_level};
@@ -267,6 +267,11 @@ impl<'a> Fast<'a> {
         let wavelets = self.wavelets(signal, n_channels, n_levels);
         features(&self.decomposer, &wavelets, params, Progress::none()).unwrap()
     }
+}
+
+/// The gains of a preset, by its name.
+pub(crate) fn preset(name: &str, n_levels: usize) -> Vec<f64> {
+    Preset::ALL.iter().find(|(other, _)| *other == name).unwrap().1.gains(n_levels)
 }
 
 fn accurate() -> BandsParams {

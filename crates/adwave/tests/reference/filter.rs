@@ -1,7 +1,7 @@
 //! Eq. 18: `f′(x) = S_f(J,x) + Σ_j Γ(j,x)·W_f(j,x)`, Γ the product over the layers of `1 + r(x)·(g_j − 1)`.
 
 use crate::dense::{Bands, Mutant, bands, local_operator, restricted, scaling_functions, weld};
-use crate::fast::Fast;
+use crate::fast::{Fast, preset};
 use crate::shapes::{Case, Noise, cases, signal};
 use crate::{SEEN, assert_close, difference};
 
@@ -124,4 +124,14 @@ fn layers_that_add_and_gains_of_the_next_level_would_be_seen() {
         }
         assert!(difference(&found, &sum) > SEEN * FILTER, "{}", case.name);
     }
+}
+
+#[test]
+fn presets_treat_the_finest_third_rounded_up_as_fine() {
+    assert_eq!(preset("suppress", 4), [0.0; 4]);
+    assert_eq!(preset("band1", 4), [1.0, 1.0, 0.0, 0.0]);
+    assert_eq!(preset("band2", 4), [0.0, 0.0, 2.0, 2.0]);
+    assert_eq!(preset("band1", 6), [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    // From 2 towards 1.2, which the level after the last would have.
+    assert_close(&preset("enhance", 4), &[2.0, 1.8, 1.6, 1.4], crate::ROUNDING, "enhance");
 }

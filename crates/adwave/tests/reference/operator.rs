@@ -121,6 +121,9 @@ fn a_masked_operator_is_the_operator_without_those_vertices() {
             .collect();
         let (fast, whole) = (Fast::masked(&case, &flags), expected(&case));
         let rest = restricted(&whole, &is_masked);
+        let areas = fast.areas_of_the_file();
+        let is_without = |x: usize| is_masked[welded.class[x]];
+        assert!((0..areas.len()).all(|x| !is_without(x) || areas[x] == 0.0), "{}: masked areas", case.name);
         let phi = normalised_rows(&rest.t);
         assert_same_matrix(&fast.diffusion(), &phi, ROUNDING, case.name);
         let pi = stationary(&rest);
