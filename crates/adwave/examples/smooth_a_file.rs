@@ -13,12 +13,11 @@ use std::path::Path;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let mut file = match arguments.first() {
-        Some(path) => read_path(Path::new(path), &ReadLimits::default())?,
-        None => {
-            let creature = Sample::by_name("creature", Some(5000))?;
-            ShapeFile::from_mesh(creature.points, creature.faces)
-        }
+    let mut file = if let Some(path) = arguments.first() {
+        read_path(Path::new(path), &ReadLimits::default())?
+    } else {
+        let creature = Sample::by_name("creature", Some(5000))?;
+        ShapeFile::from_mesh(creature.points, creature.faces)
     };
     // Prepared once: vertices at one place joined, the diffusion operator built.
     let decomposer = Decomposer::new(&file.to_shape()?);
