@@ -16,11 +16,11 @@ pub(crate) fn environment(root: &Path, name: &str) -> Result<PathBuf, String> {
     if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
         return Ok(python);
     }
-    const NEEDED: &str = "Python 3.10 or newer with its module venv is needed as `python3` for this command";
+    let needed = "Python 3.10 or newer with its module venv is needed as `python3` for this command";
     let recent = "import sys; sys.exit(sys.version_info < (3, 10))";
-    run(Command::new("python3").args(["-c", recent])).map_err(|e| format!("{e}; {NEEDED}"))?;
+    run(Command::new("python3").args(["-c", recent])).map_err(|e| format!("{e}; {needed}"))?;
     println!("> python3 -m venv {}", folder.display());
-    run(Command::new("python3").args(["-m", "venv"]).arg(&folder)).map_err(|e| format!("{e}; {NEEDED}"))?;
+    run(Command::new("python3").args(["-m", "venv"]).arg(&folder)).map_err(|e| format!("{e}; {needed}"))?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"])
         .arg(&list))?;

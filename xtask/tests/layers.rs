@@ -152,7 +152,7 @@ fn modules_of_the_method_use_only_those_below_them() {
         }
         let inside = path.strip_prefix(source).unwrap().to_string_lossy().into_owned();
         let module = inside.split('/').next().unwrap().trim_end_matches(".rs").to_owned();
-        if module == "lib" || !inside.ends_with(".rs") || inside.ends_with("tests.rs") {
+        if module == "lib" || path.extension().is_none_or(|e| e != "rs") || inside.ends_with("tests.rs") {
             continue;
         }
         let above =

@@ -132,7 +132,9 @@ fn corners_at(
     let mut first = vec![0; n + 1];
     for chunk in triangles.as_flattened().chunks(AT_A_TIME) {
         progress.check()?;
-        chunk.iter().for_each(|&v| first[class[v as usize] as usize + 1] += 1);
+        for &v in chunk {
+            first[class[v as usize] as usize + 1] += 1;
+        }
     }
     for v in 0..n {
         first[v + 1] += first[v];

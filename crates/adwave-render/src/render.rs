@@ -172,7 +172,9 @@ fn draw(
             let mut tile = TileSamples::new(t % n_tiles[0], t / n_tiles[0], samples);
             for chunk in bins.of(t).chunks(PRIMITIVES_AT_A_TIME) {
                 progress.check()?;
-                chunk.iter().for_each(|&k| scene.draw(k, &mut tile));
+                for &k in chunk {
+                    scene.draw(k, &mut tile);
+                }
             }
             Ok((0..TILE * TILE).map(|p| pixel(scene, camera, &tile, samples, p % TILE, p / TILE)).collect())
         })

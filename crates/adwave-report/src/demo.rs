@@ -95,7 +95,7 @@ pub fn demo(
     );
     bands.push(Block::Table(text.bands));
     let (mut map, _) = saliency::section(subject, &mut studio);
-    map.title = "Where the shape stands out".to_owned();
+    "Where the shape stands out".clone_into(&mut map.title);
     link(&mut map, PICTURES[1]);
     let (mut balls, _) = features::section(subject, &mut studio);
     link(&mut balls, PICTURES[2]);

@@ -118,7 +118,7 @@ fn what_a_region_does_not_cover_keeps_its_bits() {
 #[test]
 fn edits_of_a_masked_signal_leave_what_is_masked_alone() {
     let (_, shape) = shapes().swap_remove(0);
-    let signal: Vec<f64> = (0..6000).map(|x| if x < 50 { f64::NAN } else { (x % 17) as f64 }).collect();
+    let signal: Vec<f64> = (0..6000).map(|x| if x < 50 { f64::NAN } else { f64::from(x % 17) }).collect();
     let flags: Vec<bool> = signal.iter().map(|v| v.is_nan()).collect();
     let masked = Decomposer::new(&shape).masked(&flags[..shape.n_vertices()]).unwrap();
     let signal = &signal[..shape.n_vertices()];

@@ -523,7 +523,7 @@ fn on_a_fine_sphere_every_band_is_accurate_beside_itself() {
     let schedule = Schedule::dyadic(9).expect("valid");
     let bands = split(&diffusion, geometry.vertex_map(), &coordinates, 3, &schedule, &BandsParams::default());
     let size = |w: &[f64]| norm(w.iter().copied()) / norm(coordinates.iter().copied());
-    assert!(size(&bands.wavelet(1)) < 1e-3, "{}", size(&bands.wavelet(1)));
+    assert!(size(bands.wavelet(1)) < 1e-3, "{}", size(bands.wavelet(1)));
     engines_agree(&shape, &OperatorParams::default(), &coordinates, 3, &schedule);
 }
 

@@ -193,7 +193,7 @@ fn rotating_moving_and_scaling_commute_with_the_transform() {
                     .iter()
                     .map(|w: &[f64; 3]| -> [f64; 3] { (turn * Vector3::from(*w) * scale).into() })
                     .collect();
-                let error = largest_difference(expected.as_flattened(), &b.wavelet(level + 1));
+                let error = largest_difference(expected.as_flattened(), b.wavelet(level + 1));
                 assert!(error <= COMMUTES * after.diagonal(), "{name}: W_{} is off by {error}", level + 1);
             }
         }
@@ -253,7 +253,7 @@ fn channels_do_not_mix_and_threads_do_not_matter() {
         for level in 0..LEVELS {
             let of_three: Vec<f64> =
                 together.wavelet(level + 1).iter().skip(channel).step_by(3).copied().collect();
-            let error = largest_difference(&alone.wavelet(level + 1), &of_three);
+            let error = largest_difference(alone.wavelet(level + 1), &of_three);
             assert!(error <= RECONSTRUCTION * shape.diagonal(), "channel {channel}: {error}");
         }
     }

@@ -157,7 +157,7 @@ fn bands_are_powers_of_the_spectrum_within_the_stated_bound() {
             for (j, pair) in bands.steps.windows(2).enumerate() {
                 let exact = spectrum.band(&signal, pair[0], pair[1]);
                 let (error, size) =
-                    (distance(weights, &bands.wavelet(j + 1), &exact), norm(weights, exact.iter().copied()));
+                    (distance(weights, bands.wavelet(j + 1), &exact), norm(weights, exact.iter().copied()));
                 let allowed = accuracy.min(bands.info.error_bound) * size + ROUNDING * u;
                 assert!(error <= allowed, "{pair:?} to {accuracy:e}: {error:e} beyond {allowed:e}");
             }
@@ -217,7 +217,7 @@ fn the_bands_of_voices_sum_to_the_bands_of_octaves() {
                     sum.iter_mut().zip(band).for_each(|(s, w)| *s += w);
                     sizes += norm(walk.stationary(), band.iter().copied());
                 }
-                let off = distance(walk.stationary(), &sum, &octaves.wavelet(octave + 1));
+                let off = distance(walk.stationary(), &sum, octaves.wavelet(octave + 1));
                 // Each voice and the octave may be off by their part.
                 assert!(off <= 2.0 * accuracy * sizes, "octave {octave} of {n_voices} voices: {off:e}");
             }
@@ -517,7 +517,7 @@ proptest! {
             for (j, pair) in bands.steps.windows(2).enumerate() {
                 let exact = spectrum.band(&signal, pair[0], pair[1]);
                 let size = norm(walk.stationary(), exact.iter().copied());
-                let off = distance(walk.stationary(), &bands.wavelet(j + 1), &exact);
+                let off = distance(walk.stationary(), bands.wavelet(j + 1), &exact);
                 // An eigenvalue that is 0 but for rounding is known to 1e-16 only.
                 prop_assert!(off <= 1e-6 * size + 1e-10 * u, "{:?}: {:e} of {:e}", pair, off, size);
             }

@@ -313,7 +313,7 @@ mod tests {
         /// Far more than it takes on an idle machine; the whole work takes many times as long.
         const AT_ONCE: Duration = Duration::from_secs(2);
         let diffusion = ring(300_000, 3);
-        let signal: Vec<f64> = (0..900_000).map(|i| ((i * 31) % 101) as f64).collect();
+        let signal: Vec<f64> = (0..900_000).map(|i| f64::from((i * 31) % 101)).collect();
         let mut n_stopped = 0;
         for delay in [0, 3, 11, 29, 71, 113] {
             let (stop, told) = (AtomicBool::new(false), std::sync::Mutex::new(None));

@@ -112,8 +112,8 @@ fn a_pass_is_the_recurrence_row_by_row() {
         let found = pass(&narrow(&diffusion, 70), (n, 1, n_steps), (false, place), |tile, pass, scratch| {
             run(Target::detect(), tile, 1, pass, scratch)
         });
-        for x in 0..n {
-            assert!((found.now[x] - vectors[n_steps + 1][x]).abs() < ROUNDING);
+        for (x, now) in found.now.iter().enumerate().take(n) {
+            assert!((now - vectors[n_steps + 1][x]).abs() < ROUNDING);
             assert!((found.before[x] - vectors[n_steps][x]).abs() < ROUNDING);
             let band: f64 = (1..=n_steps).map(|i| vectors[i + 1][x] / (1.0 + i as f64)).sum();
             assert!((found.bands[x] - 1.0 - band).abs() < ROUNDING, "{} {band}", found.bands[x]);
