@@ -41,7 +41,7 @@ impl CliError {
     }
 
     /// An error of one of the libraries, by its kind.
-    pub(crate) fn classified(error: impl ClassifiedError) -> Self {
+    pub(crate) fn classified(error: &impl ClassifiedError) -> Self {
         match error.kind() {
             ErrorKind::Cancelled => Self::Cancelled,
             ErrorKind::Machine => Self::Environment(error.to_string()),

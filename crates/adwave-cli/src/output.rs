@@ -131,6 +131,9 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
     }
 }
 
+/// Files that were tried: two runs in one process may ask about the same folder.
+static N_PROBES: AtomicU64 = AtomicU64::new(0);
+
 /// Fails before any long work when nothing can be written to `path`.
 pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
     let folder = match path.parent() {
@@ -152,8 +155,6 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
     if target.exists() && !target.is_file() {
         return Ok(());
     }
-    // Two runs in one process may ask about the same folder.
-    static N_PROBES: AtomicU64 = AtomicU64::new(0);
     let nth = N_PROBES.fetch_add(1, Ordering::Relaxed);
     let probe = target.with_file_name(format!(".adwave-probe-{}-{nth}.tmp", std::process::id()));
     std::fs::File::create(&probe)

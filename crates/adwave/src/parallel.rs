@@ -12,6 +12,9 @@ use std::ops::Range;
 /// ever treats small shapes starts no threads.
 pub(crate) const SERIAL: usize = 4096;
 
+/// Up to this many values the calling thread sorts itself: a mesh of [`SERIAL`] vertices has six times as many edges.
+const SORTED_SERIALLY: usize = 8 * SERIAL;
+
 /// Terms that one thread sums before partial sums are added in order.
 const TERMS_AT_A_TIME: usize = 8192;
 
@@ -189,7 +192,7 @@ pub(crate) fn sort_unstable_by<T: Send>(
     progress: Progress<'_>,
     compare: impl Fn(&T, &T) -> std::cmp::Ordering + Sync,
 ) -> Result<(), Cancelled> {
-    if values.len() <= SERIAL {
+    if values.len() <= SORTED_SERIALLY {
         values.sort_unstable_by(compare);
     } else {
         // Once the call is to stop all count as equal, which ends any sort in one more look at each.
@@ -206,7 +209,7 @@ pub(crate) fn sort_by<T: Send>(
     progress: Progress<'_>,
     compare: impl Fn(&T, &T) -> std::cmp::Ordering + Sync,
 ) -> Result<(), Cancelled> {
-    if values.len() <= SERIAL {
+    if values.len() <= SORTED_SERIALLY {
         values.sort_by(compare);
     } else {
         values.par_sort_by(

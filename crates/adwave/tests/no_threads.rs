@@ -7,8 +7,7 @@ use adwave::filter::{Edit, Gains, Layer, Preset};
 use adwave::operator::Diffusion;
 use adwave::region::parse_region;
 use adwave::saliency::{SaliencyParams, saliency};
-use adwave::sample::Sample;
-use adwave::shape::{Mesh, PointCloud, Shape, VertexMap};
+use adwave::shape::{Mesh, PointCloud, Polygons, Shape, VertexMap};
 use adwave::sparse::apply;
 use adwave::{Decomposer, Progress};
 
@@ -35,41 +34,68 @@ fn cycle(n: u32) -> Diffusion {
     Diffusion::from_rows(&offsets, &columns, &values).expect("rows that sum to 1")
 }
 
+/// Asserts that there are as many threads as before.
+struct Watch(usize);
+
+impl Watch {
+    fn after(&self, what: &str) {
+        assert_eq!(n_threads(), self.0, "{what} started threads");
+    }
+}
+
 fn products_and_powers_of_a_small_shape_start_no_thread() {
-    let before = n_threads();
+    let watch = Watch(n_threads());
     let diffusion = cycle(1000);
+    watch.after("the operator");
     for d in [1, 3, 6] {
         let signal: Vec<f64> = (0..1000 * d).map(|i| (i * i % 23) as f64).collect();
         let mut out = vec![0.0; signal.len()];
         apply(&diffusion, &signal, &mut out, d);
+        watch.after("a product");
         smooth(&diffusion, &signal, d, &[1, 4], Progress::none()).expect("nobody stops it");
+        watch.after("smoothing");
         let transform = Transform::new(diffusion.clone(), &BandsParams::default()).expect("a valid accuracy");
         let (schedule, map) = (Schedule::dyadic(3).expect("3 levels"), VertexMap::identity(1000));
         transform.bands(&map, &signal, d, &schedule, Progress::none()).expect("a valid request");
+        watch.after("the transform");
     }
-    assert_eq!(n_threads(), before);
 }
 
 fn all_that_is_asked_of_a_small_mesh_and_cloud_starts_no_thread() {
-    let before = n_threads();
-    let sample = Sample::by_name("torus", Some(1000)).expect("a built-in shape");
-    let points = sample.points.clone();
-    let mesh = Shape::Mesh(Mesh::new(sample.points, sample.faces).expect("a valid mesh"));
+    let watch = Watch(n_threads());
+    let points: Vec<[f64; 3]> = (0..900)
+        .map(|i| {
+            let (x, y) = (f64::from(i % 30), f64::from(i / 30));
+            [x, y, (0.3 * x).sin() + (0.2 * y).cos()]
+        })
+        .collect();
+    let square = |k: u32| (k / 29) * 30 + k % 29;
+    let faces: Vec<[u32; 3]> =
+        (0..29 * 29).map(square).flat_map(|a| [[a, a + 1, a + 30], [a + 1, a + 31, a + 30]]).collect();
+    let mesh = Mesh::new(points.clone(), Polygons::from_triangles(&faces)).expect("a valid mesh");
     let cloud = Shape::Cloud(PointCloud::new(points.clone()).expect("finite points"));
     let schedule = Schedule::voices(5, 2).expect("5 octaves");
-    for shape in [mesh, cloud] {
+    for shape in [Shape::Mesh(mesh), cloud] {
         let decomposer = Decomposer::new(&shape);
+        watch.after("preparing");
         let request = decomposer.request(points.as_flattened(), 3, &schedule).accuracy(1e-6);
         let bands = request.bands().expect("a valid request");
+        watch.after("the bands");
         bands.energy(&decomposer.areas()).expect("one area per vertex");
+        watch.after("the energy");
         let norms = request.norms().expect("a valid request");
+        watch.after("norms");
         saliency(&decomposer, &norms, &SaliencyParams::default(), Progress::none()).expect("levels");
+        watch.after("saliency");
         features(&decomposer, &norms, &FeatureParams::default(), Progress::none()).expect("levels");
+        watch.after("features");
         let region = parse_region("ball:vertex=3,radius=20%").expect("a region");
         let layers = [Layer { gains: Gains::Preset(Preset::Enhance), region }];
         request.filter(&Edit::new(&layers)).expect("a valid edit");
+        watch.after("a filter");
         request.editor().expect("bands").set_edit(&Edit::new(&layers)).expect("a valid edit");
+        watch.after("an editor");
         decomposer.health();
+        watch.after("health");
     }
-    assert_eq!(n_threads(), before);
 }

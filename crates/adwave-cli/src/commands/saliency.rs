@@ -77,12 +77,12 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, DEFAULT_EXTENT, global)?;
     let wavelets = analysis.wavelets(global, None)?;
     let start = Instant::now();
-    let saliency =
-        saliency(&analysis.walk, &wavelets, &params, global.progress()).map_err(CliError::classified)?;
+    let saliency = saliency(&analysis.walk, &wavelets, &params, global.progress())
+        .map_err(|e| CliError::classified(&e))?;
     let took = start.elapsed();
     let levels = if args.per_level {
         saliency_per_level(&analysis.walk, &wavelets, &params, global.progress())
-            .map_err(CliError::classified)?
+            .map_err(|e| CliError::classified(&e))?
     } else {
         Vec::new()
     };

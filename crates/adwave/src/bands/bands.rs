@@ -4,8 +4,8 @@ use super::{BandsError, BandsInfo};
 use crate::parallel;
 use std::borrow::Cow;
 
-/// Values that a thread treats at a time.
-pub(super) const VALUES_AT_A_TIME: usize = 1 << 14;
+/// Vertices that a thread treats at a time.
+pub(super) const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 /// The bands of a signal: W_f(1), …, W_f(J) and S_f(J), each n_vertices × n_channels, row-major, in the order of the shape.
 ///
@@ -92,7 +92,7 @@ impl Bands {
         // S_f(j) = S_f(J) + Σ_{i>j} W_f(i), of j = 0 the signal (eq. 15). From coarse to fine: the small bands are added last,
         // so that the sum retraces S_f(j) step by step.
         for i in (j + 1..=self.n_levels()).rev() {
-            add(&mut sum, self.wavelet(i));
+            add(&mut sum, self.wavelet(i), self.n_channels);
         }
         Cow::Owned(sum)
     }
@@ -106,7 +106,7 @@ impl Bands {
             let (finer, coarser) = all.split_at_mut(j * len);
             let finer = &mut finer[(j - 1) * len..];
             finer.copy_from_slice(&coarser[..len]);
-            add(finer, self.wavelet(j));
+            add(finer, self.wavelet(j), self.n_channels);
         }
         all
     }
@@ -161,9 +161,9 @@ impl Bands {
 }
 
 /// `sum += band`.
-fn add(sum: &mut [f64], band: &[f64]) {
-    parallel::for_rows(sum, 1, VALUES_AT_A_TIME, |first, sum| {
-        for (s, w) in sum.iter_mut().zip(&band[first..]) {
+fn add(sum: &mut [f64], band: &[f64], n_channels: usize) {
+    parallel::for_rows(sum, n_channels, VERTICES_AT_A_TIME, |first, sum| {
+        for (s, w) in sum.iter_mut().zip(&band[first * n_channels..]) {
             *s += w;
         }
     });

@@ -66,7 +66,7 @@ fn norm_weights(
             n_leading[y as usize] += 1;
         }
     }
-    let mut weights = copied(stationary, progress)?;
+    let mut weights = copied(stationary, 1, progress)?;
     for &x in &transient {
         progress.check()?;
         let (columns, values) = diffusion.row(x);
@@ -339,45 +339,6 @@ mod tests {
             });
         }
         assert_eq!(n_stopped, 6);
-    }
-
-    #[cfg(target_os = "linux")]
-    fn n_threads() -> usize {
-        std::fs::read_dir("/proc/self/task").expect("Linux lists the threads of a process").count()
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_small_shape_starts_no_thread() {
-        // In a process of its own: other tests start the threads.
-        let name = "bands::chebyshev::tests::alone_in_its_process";
-        let program = std::env::current_exe().expect("the path of this test");
-        let done = std::process::Command::new(program)
-            .args(["--exact", name, "--ignored", "--test-threads=1"])
-            .output()
-            .expect("this test once more");
-        let said = String::from_utf8_lossy(&done.stdout);
-        assert!(done.status.success() && said.contains("1 passed"), "{said}");
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    #[ignore = "run by `a_small_shape_starts_no_thread`"]
-    fn alone_in_its_process() {
-        let before = n_threads();
-        // The operator is built in a pool that goes away again.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-        let diffusion = pool.install(|| ring(1000, 2));
-        drop(pool);
-        while n_threads() > before {
-            std::thread::yield_now();
-        }
-        let prepared = Prepared::new(diffusion, Progress::none()).expect("nobody stops it");
-        for d in [1, 3, 6] {
-            let signal: Vec<f64> = (0..1000 * d).map(|i| ((i * 31) % 101) as f64).collect();
-            evaluate(&prepared, &signal, d, Progress::none()).expect("nobody stops it");
-        }
-        assert_eq!(n_threads(), before);
     }
 
     #[test]

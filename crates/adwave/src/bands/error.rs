@@ -127,9 +127,9 @@ pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize)
     if n_channels == 0 || n_vertices.checked_mul(n_channels) != Some(signal.len()) {
         return Err(BandsError::WrongLength { n_values: signal.len(), n_vertices, n_channels });
     }
-    let bad = parallel::map_chunks(signal.len(), 1 << 16, |range| {
-        let start = range.start;
-        signal[range].iter().position(|v| !v.is_finite()).map(|at| start + at)
+    let bad = parallel::map_chunks(n_vertices, 1 << 14, |rows| {
+        let start = rows.start * n_channels;
+        signal[start..rows.end * n_channels].iter().position(|v| !v.is_finite()).map(|at| start + at)
     });
     if let Some(at) = bad.into_iter().flatten().next() {
         let (vertex, channel) = (at / n_channels, at % n_channels);

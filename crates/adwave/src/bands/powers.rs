@@ -20,7 +20,7 @@ pub fn smooth(
 ) -> Result<Vec<Vec<f64>>, Cancelled> {
     let total = steps.last().copied().unwrap_or(0);
     let mut levels = Vec::with_capacity(steps.len());
-    let (mut now, mut next) = (copied(signal, progress)?, zeros(signal.len()));
+    let (mut now, mut next) = (copied(signal, n_channels, progress)?, zeros(signal.len()));
     let mut done = 0;
     for &n in steps {
         while done < n {
@@ -29,7 +29,7 @@ pub fn smooth(
             std::mem::swap(&mut now, &mut next);
             done += 1;
         }
-        levels.push(copied(&now, progress)?);
+        levels.push(copied(&now, n_channels, progress)?);
     }
     progress.step(total, total)?;
     Ok(levels)

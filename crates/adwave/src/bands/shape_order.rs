@@ -90,9 +90,9 @@ impl Transform {
             // What differs from the mean at welded vertices is part of W_f(1).
             order.add_difference(1.0, signal, &mean, first)?;
         }
-        parallel::try_for_rows(&mut mean, 1, VERTICES_AT_A_TIME, progress, |first, mean| {
+        parallel::try_for_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, mean| {
             for band in rest.chunks_exact(len) {
-                for (s, w) in mean.iter_mut().zip(&band[first..]) {
+                for (s, w) in mean.iter_mut().zip(&band[first * n_channels..]) {
                     *s -= w; // S_f(j) = S_f(j−1) − W_f(j) (eq. 11)
                 }
             }

@@ -116,7 +116,7 @@ impl Transform {
                 wavelet.fill(0.0);
             }
             self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
-                add(1.0, now, wavelets[level]);
+                add(1.0, now, wavelets[level], n_channels);
             })?
         };
         Ok(self.info(&outcome, n_channels))
@@ -163,7 +163,7 @@ impl Transform {
             let steps = whole(schedule)?;
             out.fill(0.0);
             self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
-                add(factors[level], now, out);
+                add(factors[level], now, out, n_channels);
             })?
         };
         Ok(self.info(&outcome, n_channels))
@@ -302,9 +302,9 @@ fn whole(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
     Ok(std::iter::once(0).chain(steps).collect())
 }
 
-fn add(factor: f64, now: &[f64], out: &mut [f64]) {
-    parallel::for_rows(out, 1, super::bands::VALUES_AT_A_TIME, |first, out| {
-        for (out, v) in out.iter_mut().zip(&now[first..]) {
+fn add(factor: f64, now: &[f64], out: &mut [f64], n_channels: usize) {
+    parallel::for_rows(out, n_channels, super::bands::VERTICES_AT_A_TIME, |first, out| {
+        for (out, v) in out.iter_mut().zip(&now[first * n_channels..]) {
             *out += factor * v;
         }
     });

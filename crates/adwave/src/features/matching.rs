@@ -1,7 +1,7 @@
 //! Which features of two shapes are the same.
 
 use super::Descriptor;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Two features that look alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,16 +48,15 @@ struct Nearest {
 fn nearest(from: &[Descriptor], to: &[Descriptor]) -> Vec<Option<Nearest>> {
     let distance =
         |a: &Descriptor, b: &Descriptor| a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt();
-    from.par_iter()
-        .map(|a| {
-            to.iter().enumerate().fold(None, |best: Option<Nearest>, (index, b)| {
-                let d = distance(a, b);
-                Some(match best {
-                    None => Nearest { index, distance: d, second: f64::INFINITY },
-                    Some(old) if d < old.distance => Nearest { index, distance: d, second: old.distance },
-                    Some(old) => Nearest { second: old.second.min(d), ..old },
-                })
+    parallel::map_items(from.len().max(to.len()), from.len(), |k| {
+        let a = &from[k];
+        to.iter().enumerate().fold(None, |best: Option<Nearest>, (index, b)| {
+            let d = distance(a, b);
+            Some(match best {
+                None => Nearest { index, distance: d, second: f64::INFINITY },
+                Some(old) if d < old.distance => Nearest { index, distance: d, second: old.distance },
+                Some(old) => Nearest { second: old.second.min(d), ..old },
             })
         })
-        .collect()
+    })
 }

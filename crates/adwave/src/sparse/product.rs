@@ -80,10 +80,14 @@ fn apply_fixed<const D: usize>(
 }
 
 /// A copy of `values` in large pages, made by all threads.
-pub(crate) fn copied(values: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
+pub(crate) fn copied(
+    values: &[f64],
+    n_channels: usize,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, Cancelled> {
     let mut copy: Vec<f64> = zeros(values.len());
-    try_for_rows(&mut copy, 1, 1 << 14, progress, |first, copy| {
-        copy.copy_from_slice(&values[first..][..copy.len()]);
+    try_for_rows(&mut copy, n_channels.max(1), 1 << 12, progress, |first, copy| {
+        copy.copy_from_slice(&values[first * n_channels..][..copy.len()]);
     })?;
     Ok(copy)
 }

@@ -49,7 +49,7 @@ fn against(
     };
     let fixations = one_channel(fixations)?;
     let own = saliency(&analysis.walk, &wavelets, &args.map.params(&args.border), global.progress())
-        .map_err(CliError::classified)?
+        .map_err(|e| CliError::classified(&e))?
         .map;
     let control = analysis.input.shape.points().map(centre_distance);
     let mut maps = vec![(format!("saliency of {}", args.field.field), own)];
@@ -173,7 +173,7 @@ fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatab
 fn find(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<Vec<Feature>, CliError> {
     let params = args.detect.params(&args.border);
     let wavelets = analysis.wavelets(global, Some(params.response))?;
-    features(&analysis.walk, &wavelets, &params, global.progress()).map_err(CliError::classified)
+    features(&analysis.walk, &wavelets, &params, global.progress()).map_err(|e| CliError::classified(&e))
 }
 
 /// The features of a changed shape, on levels of the same widths.
@@ -216,5 +216,5 @@ fn find_again(
     let request = walk.request(&values, n_channels, &schedule).params(&params).progress(global.progress());
     let params = args.detect.params(&args.border);
     let wavelets = if params.response == Response::Channels { request.wavelets() } else { request.norms() }?;
-    features(&walk, &wavelets, &params, global.progress()).map_err(CliError::classified)
+    features(&walk, &wavelets, &params, global.progress()).map_err(|e| CliError::classified(&e))
 }

@@ -64,8 +64,8 @@ fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &Global<'_>) -> Result<F
     let params = args.detect.params(&args.border);
     let wavelets = analysis.wavelets(global, Some(params.response))?;
     let start = Instant::now();
-    let features =
-        features(&analysis.walk, &wavelets, &params, global.progress()).map_err(CliError::classified)?;
+    let features = features(&analysis.walk, &wavelets, &params, global.progress())
+        .map_err(|e| CliError::classified(&e))?;
     let seconds = start.elapsed().as_secs_f64();
     let descriptors = if args.descriptors || args.other.is_some() {
         describe(&analysis.walk, &wavelets, &features)
