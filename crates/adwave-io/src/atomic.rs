@@ -86,10 +86,10 @@ pub fn atomic_write<T>(
     atomic_write_with(path, Progress::none(), write)
 }
 
-/// [`atomic_write`] that can also be stopped while the file is flushed to the disk; `write` asks for itself.
+/// [`atomic_write`](crate::atomic_write) that can also be stopped while the file is flushed to the disk; `write` asks for itself.
 ///
 /// # Errors
-/// As [`atomic_write`], and [`WriteError::Cancelled`]; the old file is as it was then too.
+/// As [`atomic_write`](crate::atomic_write), and [`WriteError::Cancelled`]; the old file is as it was then too.
 pub fn atomic_write_with<T>(
     path: &Path,
     progress: Progress<'_>,

@@ -39,7 +39,7 @@ impl WriteReport {
     }
 }
 
-/// Writes the shape as a whole file (see [`atomic_write`]). Without a format the name's ending decides; a shape read
+/// Writes the shape as a whole file (see [`atomic_write`](crate::atomic_write)). Without a format the name's ending decides; a shape read
 /// from the text (or binary) form of that ending is written in the same form. `.gz` after the ending compresses.
 ///
 /// A shape that is written in the format that it was read from keeps everything else that the file had.

@@ -127,7 +127,7 @@ impl SparseRows<'_> {
 /// Writes a matrix as a MatrixMarket file, `coordinate real general`.
 ///
 /// # Errors
-/// As [`atomic_write`].
+/// As [`atomic_write`](crate::atomic_write).
 pub fn write_matrix_market(path: &std::path::Path, matrix: &SparseRows<'_>) -> Result<(), WriteError> {
     write_matrix_market_with(path, matrix, Progress::none())
 }

@@ -123,7 +123,7 @@ fn write_array(
 /// Writes a `.npy` of one array of the given shape, last index fastest.
 ///
 /// # Errors
-/// As [`atomic_write`], and when the values do not fill the shape.
+/// As [`atomic_write`](crate::atomic_write), and when the values do not fill the shape.
 pub fn write_npy(path: &Path, shape: &[usize], values: ArrayValues<'_>) -> Result<(), WriteError> {
     atomic_write(path, |out| write_array(out, "", shape, values))
 }
@@ -182,7 +182,7 @@ impl<W: Write + Seek> NpzWriter<W> {
 /// Writes a `.npz` of several arrays: name, shape and numbers of each.
 ///
 /// # Errors
-/// As [`atomic_write`], and when values do not fill their shape.
+/// As [`atomic_write`](crate::atomic_write), and when values do not fill their shape.
 pub fn write_npz(
     path: &Path,
     arrays: &[(&str, &[usize], ArrayValues<'_>)],
@@ -196,7 +196,7 @@ pub fn write_npz(
 /// Writes a matrix as `scipy.sparse.load_npz` reads it.
 ///
 /// # Errors
-/// As [`atomic_write`].
+/// As [`atomic_write`](crate::atomic_write).
 pub fn write_sparse_npz(
     path: &Path,
     matrix: &SparseRows<'_>,
