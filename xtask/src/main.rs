@@ -55,10 +55,10 @@ fn test() -> Outcome {
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(&["test", "--workspace", "--locked", "--quiet"], &[])?;
-    // The tests have built the command already.
-    cargo(&["build", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
+    // Of the whole workspace, whose libraries the tests have built with the same features.
+    cargo(&["build", "--workspace", "--locked", "--quiet", "--bin", "adwave", "--bin", "adwave-fuzz"], &[])?;
     compare_with_scipy(&target().join("debug/adwave"), "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
-    fuzz(&[])?;
+    run(Command::new(target().join("debug/adwave-fuzz")).current_dir(root()))?;
     dependencies()
 }
 
