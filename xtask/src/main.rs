@@ -55,8 +55,8 @@ fn test() -> Outcome {
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(&["test", "--workspace", "--locked", "--quiet"], &[])?;
-    // Of the whole workspace, whose libraries the tests have built with the same features.
-    cargo(&["build", "--workspace", "--locked", "--quiet", "--bin", "adwave", "--bin", "adwave-fuzz"], &[])?;
+    // With the tests, so that the libraries are those that the tests have built, with the same features.
+    cargo(&["build", "--workspace", "--locked", "--quiet", "--bins", "--tests"], &[])?;
     compare_with_scipy(&target().join("debug/adwave"), "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
     run(Command::new(target().join("debug/adwave-fuzz")).current_dir(root()))?;
     dependencies()
