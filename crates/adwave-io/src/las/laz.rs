@@ -115,13 +115,14 @@ fn check(bytes: &[u8], header: &Header, description: &[u8]) -> Result<(), &'stat
     if u16_at(description, 0) < 2 {
         return Ok(());
     }
-    check_chunk_table(bytes, header.points_start)?;
-    if items.iter().any(|i| i.version >= 3) { check_layers(bytes, header, &items) } else { Ok(()) }
+    let table = check_chunk_table(bytes, header.points_start)?;
+    if items.iter().any(|i| i.version >= 3) { check_layers(bytes, header, &items, table) } else { Ok(()) }
 }
 
-/// The table of chunks may not have more entries than the file has bytes.
-fn check_chunk_table(bytes: &[u8], start: usize) -> Result<(), &'static str> {
+/// The table of chunks may not have more entries than the file has bytes. Where it starts, if the file says so.
+fn check_chunk_table(bytes: &[u8], start: usize) -> Result<Option<usize>, &'static str> {
     let end = bytes.len();
+    let mut found = None;
     for at in [Some(start), end.checked_sub(8)].into_iter().flatten() {
         let Some(table) = i64_at(bytes, at).and_then(|t| usize::try_from(t).ok()) else { continue };
         if table <= start {
@@ -130,12 +131,21 @@ fn check_chunk_table(bytes: &[u8], start: usize) -> Result<(), &'static str> {
         if table < end && u32_at(bytes, table + 4).is_some_and(|n| n > (end - start) as u64) {
             return Err("its table has more chunks than the file has bytes");
         }
+        found = found.or(Some(table));
     }
-    Ok(())
+    Ok(found)
 }
 
 /// In formats 6 to 10 each chunk states the sizes of its layers, and buffers of that size would be made.
-fn check_layers(bytes: &[u8], header: &Header, items: &[Item]) -> Result<(), &'static str> {
+///
+/// The chunks up to the table are looked at, whatever numbers of points they claim: the library goes by the numbers of the
+/// description or of the table.
+fn check_layers(
+    bytes: &[u8],
+    header: &Header,
+    items: &[Item],
+    table: Option<usize>,
+) -> Result<(), &'static str> {
     let layers = |item: &Item| match item.kind {
         10 => 9,
         12 => 2,
@@ -145,7 +155,7 @@ fn check_layers(bytes: &[u8], header: &Header, items: &[Item]) -> Result<(), &'s
     let n_layers: usize = items.iter().map(layers).sum();
     let mut at = header.points_start + 8;
     let mut n_points = 0;
-    while n_points < header.n_points {
+    while n_points < header.n_points || table.is_some_and(|table| at < table) {
         at += header.record_bytes;
         let Some(count) = u32_at(bytes, at).filter(|&n| n > 0) else {
             return Err("a chunk is missing or empty");
