@@ -11,13 +11,10 @@ pub(crate) const MAX_CHANNELS: usize = 4;
 
 /// Own vertices of a tile of a large operator: with its rings, its vectors and its part of the operator it fills a
 /// second-level cache.
-const OWN: usize = 16_384;
+const OWN: usize = 8192;
 
 /// No tile is to be larger than this many times its own vertices, for the memory that it takes.
-const MAX_SHARE: f64 = 1.4;
-
-/// The same where there are too few vertices for tiles of [`OWN`], and for the memory to matter.
-const MAX_SMALL_SHARE: f64 = 1.6;
+const MAX_SHARE: f64 = 1.6;
 
 /// A diffusion operator cut into tiles, with the memory that its products need. Shared by reference: any number of threads
 /// may use it at a time.
@@ -45,8 +42,7 @@ impl TiledDiffusion {
         let n = diffusion.n_vertices();
         let own = OWN.min(n / 16).max(512);
         let shares = halo_shares(&diffusion, own, MAX_DEPTH, progress)?;
-        let max_share = if own < OWN { MAX_SMALL_SHARE } else { MAX_SHARE };
-        Self::cut(diffusion, own, best_depth(&shares, max_share), progress)
+        Self::cut(diffusion, own, best_depth(&shares), progress)
     }
 
     fn cut(
@@ -182,8 +178,8 @@ fn difference_rows<const D: usize>(diffusion: &Diffusion, signal: &[f64], first:
 }
 
 /// How many steps a tile should take in a pass, where `shares[r]` is the size of a tile with r rings and that of its
-/// rows at most `max_share`.
-fn best_depth(shares: &[f64], max_share: f64) -> usize {
+/// rows at most [`MAX_SHARE`].
+fn best_depth(shares: &[f64]) -> usize {
     /// What one pass costs besides its steps, in steps: reading and writing the vectors and the bands.
     const PASS: f64 = 6.0;
     let cost = |depth: usize| {
@@ -191,7 +187,7 @@ fn best_depth(shares: &[f64], max_share: f64) -> usize {
         (steps + PASS * shares[depth - 1]) / depth as f64
     };
     (1..shares.len())
-        .take_while(|&depth| depth == 1 || shares[depth - 1] <= max_share)
+        .take_while(|&depth| depth == 1 || shares[depth - 1] <= MAX_SHARE)
         .min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
         .unwrap_or(1)
 }

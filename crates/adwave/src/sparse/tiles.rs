@@ -3,7 +3,7 @@
 //! A tile carries several steps of a recurrence on its own: for `depth` steps of its own vertices it needs the values
 //! of `depth` rings around them, and step i recomputes what `depth − i` rings need. So the vectors between the steps
 //! stay in the processor's cache, and memory is read and written once in `depth` steps (the matrix-powers kernel).
-//! The weights of a tile's own rows are read where the operator has them; those of its rings it keeps in their order.
+//! A pass reads the weights of a tile where the operator has them, once.
 //!
 //! Source: `demmel2008`.
 
@@ -39,7 +39,7 @@ pub(super) struct Run {
 
 /// Own rows that are put in the order of their degrees among themselves: their weights, which lie in the order of the
 /// vertices, are still in the nearest cache when their turn comes.
-const ROWS_SORTED: usize = 512;
+const ROWS_SORTED: usize = 128;
 
 /// A block of vertices and the rings around it. Vertices are numbered with the own ones first, in their order, then ring
 /// by ring, within a ring but for the outermost by rising degree.
@@ -57,8 +57,6 @@ pub(super) struct Tile<I> {
     runs_within: Vec<usize>,
     /// The vertex of each own row, in the order of the runs. The rows of the rings are in the order of their vertices.
     rows: Vec<I>,
-    /// The weights of the rows of the rings: in the operator they lie on strands of memory that no hardware follows.
-    ring_weights: Vec<f64>,
     /// The neighbours of each row.
     columns: Vec<I>,
 }
@@ -115,11 +113,6 @@ impl<'a, I: Index> View<'a, I> {
         &self.tile.rows
     }
 
-    /// `Φ₁(x,y)` of the rows of the rings, row after row.
-    pub(super) fn ring_weights(self) -> &'a [f64] {
-        &self.tile.ring_weights
-    }
-
     pub(super) fn columns(self) -> &'a [I] {
         &self.tile.columns
     }
@@ -139,7 +132,7 @@ impl<I: Index> Tile<I> {
     fn bytes(&self) -> usize {
         size_of::<Self>()
             + size_of::<I>() * (self.rows.len() + self.columns.len())
-            + 8 * (self.within.len() + self.runs_within.len() + self.ring_weights.len())
+            + 8 * (self.within.len() + self.runs_within.len())
             + 4 * self.halo.len()
             + size_of::<Run>() * self.runs.len()
     }
@@ -157,7 +150,7 @@ impl<I: Index> Tile<I> {
         assert_eq!(self.within[depth], self.within[0] + self.halo.len());
         assert_eq!(self.rows.len(), self.within[0]);
         let degree = |x: usize| diffusion.row(x).0.len();
-        let (mut n_rows, mut n_entries, mut n_runs, mut n_own_entries) = (0, 0, 0, 0);
+        let (mut n_rows, mut n_entries, mut n_runs) = (0, 0, 0);
         for ring in 0..depth {
             for run in &self.runs[n_runs..self.runs_within[ring]] {
                 let rows = n_rows..n_rows + run.n_rows as usize;
@@ -177,12 +170,8 @@ impl<I: Index> Tile<I> {
             }
             n_runs = self.runs_within[ring];
             assert_eq!(n_rows, self.within[ring]);
-            if ring == 0 {
-                n_own_entries = n_entries;
-            }
         }
         assert_eq!(n_entries, self.columns.len());
-        assert_eq!(n_entries - n_own_entries, self.ring_weights.len());
         assert!(self.first + self.within[0] <= diffusion.n_vertices());
         assert!(self.halo.iter().all(|&x| (x as usize) < diffusion.n_vertices()));
     }
@@ -407,11 +396,6 @@ fn number<I: Index>(
     let rows = order.iter().map(|&x| index(x - own.start)).collect::<Option<Vec<I>>>()?;
     // All rows in their order.
     order.extend(halo[..within[depth - 1] - n_own].iter().map(|&x| x as usize));
-    let ring_entries = order[n_own..].iter().map(|&x| degree(x)).sum();
-    let mut ring_weights = Vec::with_capacity(ring_entries);
-    for &x in &order[n_own..] {
-        ring_weights.extend_from_slice(diffusion.row(x).1);
-    }
     let (mut runs, mut runs_within) = (Vec::new(), Vec::with_capacity(depth));
     let mut columns = Vec::with_capacity(order.iter().map(|&x| degree(x)).sum());
     for ring in 0..depth {
@@ -428,7 +412,7 @@ fn number<I: Index>(
         }
     }
     runs.shrink_to_fit();
-    Some(Tile { first: own.start, within, halo: Vec::new(), runs, runs_within, rows, ring_weights, columns })
+    Some(Tile { first: own.start, within, halo: Vec::new(), runs, runs_within, rows, columns })
 }
 
 impl<I: Index> Tile<I> {

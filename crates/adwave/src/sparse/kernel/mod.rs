@@ -88,9 +88,8 @@ fn range<T, const CHECKED: bool>(slice: &[T], start: usize, len: usize) -> &[T] 
         &slice[start..][..len]
     } else {
         debug_assert!(start + len <= slice.len());
-        // SAFETY: as in `get`: an own row's entries in the operator are as many as its run says, and the weights of the
-        // rings as many as their runs say, which `Tile::checked` has compared; a `View` is of a tile and the operator that
-        // it was compared with.
+        // SAFETY: as in `get`: a row's entries in the operator are as many as its run says, which `Tile::checked` has
+        // compared; a `View` is of a tile and the operator that it was compared with.
         unsafe { slice.get_unchecked(start..start + len) }
     }
 }
@@ -114,52 +113,96 @@ struct Vectors<'a, const L: usize> {
     next: &'a mut [[f64; L]],
 }
 
-/// Where rows of a tile are: in the tile, and their weights in the operator.
-trait Place: Copy {
-    /// The rows without the first `n`, of `degree` entries each.
-    fn after(self, n: usize, degree: usize) -> Self;
-    /// The number of row `r`, of `degree` entries as all before, in the tile and the start of its weights.
-    fn get<const CHECKED: bool>(self, r: usize, degree: usize) -> (usize, usize);
+/// Rows of a tile, in the order of its runs.
+trait TileRows: Copy {
+    /// The rows without the first `n`.
+    fn after(self, n: usize) -> Self;
+    /// The number of row `r` in the tile.
+    fn get<const CHECKED: bool>(self, r: usize) -> usize;
+    /// The vertex of row `r` in the operator.
+    fn vertex<const CHECKED: bool>(self, r: usize) -> usize;
 }
 
 /// Own rows, in any order.
 #[derive(Clone, Copy)]
 struct OwnRows<'a, I> {
     rows: &'a [I],
-    /// From the first own vertex on.
-    offsets: &'a [usize],
+    /// The vertex of row 0.
+    first: usize,
 }
 
-impl<I: Index> Place for OwnRows<'_, I> {
+impl<I: Index> TileRows for OwnRows<'_, I> {
     #[inline(always)]
-    fn after(self, n: usize, _: usize) -> Self {
+    fn after(self, n: usize) -> Self {
         Self { rows: &self.rows[n..], ..self }
     }
 
     #[inline(always)]
-    fn get<const CHECKED: bool>(self, r: usize, _: usize) -> (usize, usize) {
-        let row = get::<_, CHECKED>(self.rows, r).get();
-        (row, *get::<_, CHECKED>(self.offsets, row))
+    fn get<const CHECKED: bool>(self, r: usize) -> usize {
+        get::<_, CHECKED>(self.rows, r).get()
+    }
+
+    #[inline(always)]
+    fn vertex<const CHECKED: bool>(self, r: usize) -> usize {
+        self.first + self.get::<CHECKED>(r)
     }
 }
 
-/// Rows of rings, in the order of the tile, as are their weights.
+/// Rows of rings, in the order of the tile.
 #[derive(Clone, Copy)]
-struct RingRows {
+struct RingRows<'a> {
     first: usize,
-    /// Entries of the rows before and of each row.
-    start: usize,
+    /// The vertices from row `first` on.
+    halo: &'a [u32],
 }
 
-impl Place for RingRows {
+impl TileRows for RingRows<'_> {
     #[inline(always)]
-    fn after(self, n: usize, degree: usize) -> Self {
-        Self { first: self.first + n, start: self.start + n * degree }
+    fn after(self, n: usize) -> Self {
+        Self { first: self.first + n, halo: &self.halo[n..] }
     }
 
     #[inline(always)]
-    fn get<const CHECKED: bool>(self, r: usize, degree: usize) -> (usize, usize) {
-        (self.first + r, self.start + r * degree)
+    fn get<const CHECKED: bool>(self, r: usize) -> usize {
+        self.first + r
+    }
+
+    #[inline(always)]
+    fn vertex<const CHECKED: bool>(self, r: usize) -> usize {
+        *get::<_, CHECKED>(self.halo, r) as usize
+    }
+}
+
+/// Copies the weights of the rows of `runs` to `to`, in the order of the runs: in the operator they lie in the order of its
+/// vertices, and those of the rings on strands of memory that no hardware follows.
+#[inline(always)]
+fn gather<const CHECKED: bool>(
+    mut rows: impl TileRows,
+    runs: &[Run],
+    (offsets, weights): (&[usize], &[f64]),
+    mut to: &mut [f64],
+) {
+    for run in runs {
+        let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
+        let these;
+        (these, to) = to.split_at_mut(n_rows * degree);
+        macro_rules! unrolled {
+            ($($degree:literal)*) => {
+                match degree {
+                    $($degree => for (r, to) in these.as_chunks_mut::<$degree>().0.iter_mut().enumerate() {
+                        let start = *get::<_, CHECKED>(offsets, rows.vertex::<CHECKED>(r));
+                        let row = range::<_, CHECKED>(weights, start, $degree);
+                        *to = *row.first_chunk().expect("a row of this degree");
+                    },)*
+                    _ => for r in 0..n_rows {
+                        let start = *get::<_, CHECKED>(offsets, rows.vertex::<CHECKED>(r));
+                        these[r * degree..][..degree].copy_from_slice(range::<_, CHECKED>(weights, start, degree));
+                    },
+                }
+            };
+        }
+        unrolled!(2 3 4 5 6 7 8 9 10);
+        rows = rows.after(n_rows);
     }
 }
 
@@ -169,42 +212,42 @@ impl Place for RingRows {
 /// factor 4 goes to the sum's other part and to the scale; a power of two rounds nothing.
 #[inline(always)]
 fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
-    (mut place, runs): (impl Place, &[Run]),
+    (mut rows, runs): (impl TileRows, &[Run]),
     mut columns: &[I],
-    weights: &[f64],
+    mut weights: &[f64],
     vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
     for run in runs {
         let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
-        let (these, others) = columns.split_at(n_rows * degree);
+        let (these_columns, these_weights);
+        (these_columns, columns) = columns.split_at(n_rows * degree);
+        (these_weights, weights) = weights.split_at(n_rows * degree);
+        let entries = (these_columns, these_weights);
         macro_rules! unrolled {
             ($($degree:literal)*) => {
                 match degree {
-                    $($degree => fixed::<I, $degree, L, FMA, CHECKED>(place, these, weights, vectors, scale),)*
-                    _ => any::<I, L, FMA, CHECKED>((place, n_rows, degree), these, weights, vectors, scale),
+                    $($degree => fixed::<I, $degree, L, FMA, CHECKED>(rows, entries, vectors, scale),)*
+                    _ => any::<I, L, FMA, CHECKED>((rows, n_rows, degree), entries, vectors, scale),
                 }
             };
         }
         unrolled!(2 3 4 5 6 7 8 9 10);
-        place = place.after(n_rows, degree);
-        columns = others;
+        rows = rows.after(n_rows);
     }
 }
 
 #[inline(always)]
 fn fixed<I: Index, const DEGREE: usize, const L: usize, const FMA: bool, const CHECKED: bool>(
-    place: impl Place,
-    columns: &[I],
-    weights: &[f64],
+    rows: impl TileRows,
+    (columns, weights): (&[I], &[f64]),
     vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
     let Vectors { before, now, next } = vectors;
-    for (r, columns) in columns.as_chunks::<DEGREE>().0.iter().enumerate() {
-        let (row, start) = place.get::<CHECKED>(r, DEGREE);
-        let weights: &[f64; DEGREE] =
-            range::<_, CHECKED>(weights, start, DEGREE).first_chunk().expect("a row");
+    let entries = columns.as_chunks::<DEGREE>().0.iter().zip(weights.as_chunks::<DEGREE>().0);
+    for (r, (columns, weights)) in entries.enumerate() {
+        let row = rows.get::<CHECKED>(r);
         let mut sum = get::<_, CHECKED>(before, row).map(|v| -0.25 * v);
         for e in 0..DEGREE {
             let there = get::<_, CHECKED>(now, columns[e].get());
@@ -218,18 +261,16 @@ fn fixed<I: Index, const DEGREE: usize, const L: usize, const FMA: bool, const C
 
 #[inline(always)]
 fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
-    (place, n_rows, degree): (impl Place, usize, usize),
-    columns: &[I],
-    weights: &[f64],
+    (rows, n_rows, degree): (impl TileRows, usize, usize),
+    (columns, weights): (&[I], &[f64]),
     vectors: &mut Vectors<'_, L>,
     scale: f64,
 ) {
     let Vectors { before, now, next } = vectors;
     for r in 0..n_rows {
-        let (row, start) = place.get::<CHECKED>(r, degree);
-        let weights = range::<_, CHECKED>(weights, start, degree);
+        let row = rows.get::<CHECKED>(r);
         let mut sum = get::<_, CHECKED>(before, row).map(|v| -0.25 * v);
-        for (column, &w) in columns[r * degree..][..degree].iter().zip(weights) {
+        for (column, &w) in columns[r * degree..][..degree].iter().zip(&weights[r * degree..][..degree]) {
             let there = get::<_, CHECKED>(now, column.get());
             for c in 0..L {
                 sum[c] = fma::<FMA>(w, there[c], sum[c]);
@@ -239,22 +280,23 @@ fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
     }
 }
 
-/// `out = Σ_i coefficients[i]·vectors[first + i]`, added to what is there unless the band is new, for the own vertices;
-/// `Σ_x μ(x)|out(x)|²` where it is asked for.
+/// Vertices whose vectors stay in the nearest cache while one band after the other is added up.
+const COMBINED_TOGETHER: usize = 64;
+
+/// `out = Σ_i coefficients[i]·vectors[first + i]`, added to what is there unless the band is new, for the own vertices
+/// `from ..`, as many as `weights` has; `Σ_x μ(x)|out(x)|²` is added to `square` where it is asked for.
 #[inline(always)]
 fn combine<const N: usize, const L: usize, const D: usize, const FMA: bool>(
     term: &Term<'_>,
     vectors: &[&[[f64; L]]],
-    out: &mut [f64],
-    (stride, at): (usize, usize),
-    weights: &[f64],
-) -> f64 {
+    (out, stride, at): (&mut [f64], usize, usize),
+    (from, weights): (usize, &[f64]),
+    square: &mut f64,
+) {
     let a: [f64; N] = std::array::from_fn(|i| term.coefficients[i]);
-    let n = out.len() / stride;
-    let v: [&[[f64; L]]; N] = std::array::from_fn(|i| &vectors[term.first + i][..n]);
-    let weights = &weights[..n];
-    let mut square = 0.0;
-    for (x, out) in out.chunks_exact_mut(stride).enumerate() {
+    let n = weights.len();
+    let v: [&[[f64; L]]; N] = std::array::from_fn(|i| &vectors[term.first + i][from..][..n]);
+    for (x, out) in out.chunks_exact_mut(stride).enumerate().take(n) {
         let out: &mut [f64] = &mut out[at..at + D];
         let mut sum = [0.0; L];
         if !term.is_new {
@@ -268,30 +310,35 @@ fn combine<const N: usize, const L: usize, const D: usize, const FMA: bool>(
         out.copy_from_slice(&sum[..D]);
         if term.is_weighed {
             let own: f64 = sum[..D].iter().map(|s| s * s).sum();
-            square += weights[x] * own;
+            *square += weights[x] * own;
         }
     }
-    square
 }
 
 #[inline(always)]
 fn combine_all<const L: usize, const D: usize, const FMA: bool>(
     pass: &mut Pass<'_, '_>,
     vectors: &[&[[f64; L]]],
+    n_own: usize,
 ) -> Vec<f64> {
-    let (place, weights) = ((pass.stride, pass.at), pass.weights);
-    let mut squares = Vec::with_capacity(pass.terms.len());
-    // A loop and no closure: a closure would be compiled without the instructions of the function around it.
-    for (term, out) in pass.terms.iter().zip(&mut *pass.outs) {
-        macro_rules! unrolled {
-            ($($n:literal)*) => {
-                match term.coefficients.len() {
-                    $($n => combine::<$n, L, D, FMA>(term, vectors, out, place, weights),)*
-                    n => unreachable!("{n} terms in one pass"),
-                }
-            };
+    let (stride, at) = (pass.stride, pass.at);
+    let mut squares = vec![0.0; pass.terms.len()];
+    // Loops and no closures: a closure would be compiled without the instructions of the function around it.
+    for from in (0..n_own).step_by(COMBINED_TOGETHER) {
+        let to = (from + COMBINED_TOGETHER).min(n_own);
+        let own = (from, &pass.weights[from..to]);
+        for ((term, out), square) in pass.terms.iter().zip(&mut *pass.outs).zip(&mut squares) {
+            let out = (&mut out[from * stride..to * stride], stride, at);
+            macro_rules! unrolled {
+                ($($n:literal)*) => {
+                    match term.coefficients.len() {
+                        $($n => combine::<$n, L, D, FMA>(term, vectors, out, own, square),)*
+                        n => unreachable!("{n} terms in one pass"),
+                    }
+                };
+            }
+            unrolled!(1 2 3 4 5 6 7 8 9 10 11 12 13);
         }
-        squares.push(unrolled!(1 2 3 4 5 6 7 8 9 10 11 12 13));
     }
     squares
 }
@@ -327,7 +374,13 @@ pub(super) struct Pass<'a, 'b> {
 
 /// Values that a pass over `tile` keeps at hand, in f64.
 pub(super) fn scratch_len<I: Index>(tile: View<'_, I>, n_steps: usize, lanes: usize) -> usize {
-    (0..n_steps + 2).map(|i| n_rows(tile, n_steps, i)).sum::<usize>() * lanes + ALIGNMENT
+    let vectors = (0..n_steps + 2).map(|i| n_rows(tile, n_steps, i)).sum::<usize>() * lanes;
+    let weights = n_entries(tile.own_runs()) + n_entries(tile.ring_runs(n_steps.saturating_sub(1)));
+    vectors + weights.next_multiple_of(lanes) + ALIGNMENT
+}
+
+fn n_entries(runs: &[Run]) -> usize {
+    runs.iter().map(|run| run.degree as usize * run.n_rows as usize).sum()
 }
 
 /// Vertices of the tile whose `T_{k−1+i}` is needed in a pass of `n_steps`.
@@ -372,11 +425,16 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
             fill::<I, L, D>(tile, &own_before[..own], halo_before, vectors[0]);
         }
     }
-    let own_rows = OwnRows { rows: tile.rows(), offsets: &tile.offsets()[tile.first()..] };
-    let ring_rows = RingRows { first: tile.n_own(), start: 0 };
-    let (columns, weights, ring_weights) = (tile.columns(), tile.weights(), tile.ring_weights());
-    let n_own_entries = tile.own_runs().iter().map(|run| run.degree as usize * run.n_rows as usize).sum();
-    let (own_columns, ring_columns) = columns.split_at(n_own_entries);
+    let own_rows = OwnRows { rows: tile.rows(), first: tile.first() };
+    let ring_rows = RingRows { first: tile.n_own(), halo: tile.halo() };
+    let n_own_entries = n_entries(tile.own_runs());
+    let (own_columns, ring_columns) = tile.columns().split_at(n_own_entries);
+    let (own_weights, ring_weights) = rest.as_flattened_mut().split_at_mut(n_own_entries);
+    if n_steps > 0 {
+        let rows = (tile.offsets(), tile.weights());
+        gather::<CHECKED>(own_rows, tile.own_runs(), rows, own_weights);
+        gather::<CHECKED>(ring_rows, tile.ring_runs(n_steps - 1), rows, ring_weights);
+    }
     for i in 1..=n_steps {
         let (old, new) = vectors.split_at_mut(i + 1);
         let scale = if pass.is_first && i == 1 { 2.0 } else { 4.0 };
@@ -387,12 +445,12 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
         );
         assert!(vectors.now.len() == tile.n_within(n_steps + 1 - i));
         let own = (own_rows, tile.own_runs());
-        step::<I, L, FMA, CHECKED>(own, own_columns, weights, &mut vectors, scale);
+        step::<I, L, FMA, CHECKED>(own, own_columns, own_weights, &mut vectors, scale);
         let rings = (ring_rows, tile.ring_runs(n_steps - i));
         step::<I, L, FMA, CHECKED>(rings, ring_columns, ring_weights, &mut vectors, scale);
     }
     let read: [&[[f64; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
-    let squares = combine_all::<L, D, FMA>(&mut pass, &read);
+    let squares = combine_all::<L, D, FMA>(&mut pass, &read, tile.n_own());
     if !pass.next_now.is_empty() && n_steps > 0 {
         for (out, v) in pass.next_now.as_chunks_mut::<D>().0.iter_mut().zip(read[n_steps]) {
             out.copy_from_slice(&v[..D]);
