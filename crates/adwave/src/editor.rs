@@ -4,6 +4,7 @@ use crate::bands::{BandsError, Wavelets};
 use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
 use crate::mask::Mask;
 use crate::region::RegionWeights;
+use crate::sparse::zeros;
 use crate::{BandsRequest, Decomposer};
 
 /// Which welded vertices an edit changed.
@@ -61,7 +62,9 @@ impl BandsRequest<'_> {
 impl Editor {
     fn new(decomposer: Decomposer, signal: Vec<f64>, wavelets: Wavelets, mean: Vec<f64>) -> Self {
         let (first_member, members) = decomposer.geometry().vertex_map().members().into_parts();
-        let (edited, change, layers) = (signal.clone(), Vec::new(), Vec::new());
+        let mut edited = zeros(signal.len());
+        edited.copy_from_slice(&signal);
+        let (change, layers) = (Vec::new(), Vec::new());
         Self { decomposer, signal, wavelets, mean, layers, first_member, members, edited, change }
     }
 

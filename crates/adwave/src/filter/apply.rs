@@ -7,6 +7,7 @@ use super::layers::{LayerSlot, excess_at};
 use crate::bands::Wavelets;
 use crate::parallel;
 use crate::shape::VertexMap;
+use crate::sparse::zeros;
 
 /// Vertices that a thread treats at a time: their rows of one band stay in the first-level cache.
 const VERTICES_AT_A_TIME: usize = 1 << 10;
@@ -26,8 +27,10 @@ pub(crate) struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn n_channels(&self) -> usize {
-        self.wavelets.n_channels
+    /// The number of channels: D itself, so that loops over them are unrolled, or what it is where D is 0.
+    #[inline]
+    fn n_channels<const D: usize>(&self) -> usize {
+        if D == 0 { self.wavelets.n_channels } else { D }
     }
 
     fn is_welded(&self) -> bool {
@@ -36,23 +39,38 @@ impl Source<'_> {
 
     /// The edited signal at all vertices into `edited`, with `change` of n_welded × n_channels values as scratch.
     pub(crate) fn apply(&self, layers: &[LayerSlot], change: &mut Vec<f64>, edited: &mut [f64]) {
-        if layers.iter().any(LayerSlot::is_by_vertex) {
-            return self.apply_by_vertex(layers, edited);
+        match self.wavelets.n_channels {
+            1 => self.apply_channels::<1>(layers, change, edited),
+            3 => self.apply_channels::<3>(layers, change, edited),
+            _ => self.apply_channels::<0>(layers, change, edited),
         }
-        let (d, n_levels) = (self.n_channels(), self.wavelets.n_levels());
-        change.resize(self.vertex_map.n_welded() * d, 0.0);
+    }
+
+    fn apply_channels<const D: usize>(
+        &self,
+        layers: &[LayerSlot],
+        change: &mut Vec<f64>,
+        edited: &mut [f64],
+    ) {
+        if layers.iter().any(LayerSlot::is_by_vertex) {
+            return self.apply_by_vertex::<D>(layers, edited);
+        }
+        let (d, n_levels) = (self.n_channels::<D>(), self.wavelets.n_levels());
+        if change.is_empty() {
+            *change = zeros(self.vertex_map.n_welded() * d);
+        }
         if layers.iter().all(LayerSlot::is_everywhere) {
             let mut excess = vec![0.0; n_levels];
             excess_at(layers, 0, 0, &mut excess);
-            self.same_everywhere(&excess, change);
-            self.add(change, |_| excess[0], edited);
+            self.same_everywhere::<D>(&excess, change);
+            self.add::<D>(change, |_| excess[0], edited);
             return;
         }
         parallel::for_rows(change, d, VERTICES_AT_A_TIME, |first, rows| {
             let mut excess = vec![0.0; n_levels];
             for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
                 excess_at(layers, x, 0, &mut excess);
-                self.change(x, &excess, row);
+                self.change::<D>(x, &excess, row);
             }
         });
         let mut finest = vec![0.0; if self.is_welded() { self.vertex_map.n_welded() } else { 0 }];
@@ -63,12 +81,12 @@ impl Source<'_> {
                 *finest = excess[0];
             }
         });
-        self.add(change, |x| finest[x], edited);
+        self.add::<D>(change, |x| finest[x], edited);
     }
 
     /// `Σ_j excess[j−1]·W_f(j)`, one factor for all vertices.
-    fn same_everywhere(&self, excess: &[f64], change: &mut [f64]) {
-        let d = self.n_channels();
+    fn same_everywhere<const D: usize>(&self, excess: &[f64], change: &mut [f64]) {
+        let d = self.n_channels::<D>();
         parallel::for_rows(change, d, VERTICES_AT_A_TIME, |first, change| {
             change.fill(0.0);
             for (excess, level) in excess.iter().zip(&self.wavelets.levels).filter(|(e, _)| **e != 0.0) {
@@ -81,33 +99,39 @@ impl Source<'_> {
 
     /// `Σ_j excess[j−1]·W_f(j,x)`.
     #[inline]
-    fn change(&self, x: usize, excess: &[f64], change: &mut [f64]) {
+    fn change<const D: usize>(&self, x: usize, excess: &[f64], change: &mut [f64]) {
+        let d = self.n_channels::<D>();
+        let change = &mut change[..d];
         change.fill(0.0);
-        let d = change.len();
         for (excess, level) in excess.iter().zip(&self.wavelets.levels).filter(|(e, _)| **e != 0.0) {
-            for (sum, w) in change.iter_mut().zip(&level[x * d..]) {
+            for (sum, w) in change.iter_mut().zip(&level[x * d..][..d]) {
                 *sum += excess * w;
             }
         }
     }
 
     /// The signal and the change of its welded vertex; `finest(x)` is Γ(1,x) − 1.
-    fn add(&self, change: &[f64], finest: impl Fn(usize) -> f64 + Sync + Send, edited: &mut [f64]) {
-        let (d, welded) = (self.n_channels(), self.vertex_map.as_slice());
+    fn add<const D: usize>(
+        &self,
+        change: &[f64],
+        finest: impl Fn(usize) -> f64 + Sync + Send,
+        edited: &mut [f64],
+    ) {
+        let (d, welded, is_welded) = (self.n_channels::<D>(), self.vertex_map.as_slice(), self.is_welded());
         parallel::for_rows(edited, d, VERTICES_AT_A_TIME, |first, rows| {
-            for (vertex, row) in (first..).zip(rows.chunks_exact_mut(d)) {
-                let x = welded[vertex] as usize;
-                let finest = if self.is_welded() { finest(x) } else { 0.0 };
-                self.edit(vertex, &change[x * d..][..d], finest, row);
+            for ((vertex, &x), row) in (first..).zip(&welded[first..]).zip(rows.chunks_exact_mut(d)) {
+                let x = x as usize;
+                let finest = if is_welded { finest(x) } else { 0.0 };
+                self.edit::<D>(vertex, &change[x * d..][..d], finest, row);
             }
         });
     }
 
     /// The edited values of one vertex.
     #[inline]
-    fn edit(&self, vertex: usize, change: &[f64], finest: f64, row: &mut [f64]) {
-        let d = row.len();
-        let signal = &self.signal[vertex * d..][..d];
+    fn edit<const D: usize>(&self, vertex: usize, change: &[f64], finest: f64, row: &mut [f64]) {
+        let d = self.n_channels::<D>();
+        let (signal, row) = (&self.signal[vertex * d..][..d], &mut row[..d]);
         // f′(x) = f(x) + Σ_j (Γ(j,x) − 1)·W_f(j,x) (eq. 18)
         row.copy_from_slice(signal);
         if self.masked.is_some_and(|masked| masked[vertex]) {
@@ -128,15 +152,15 @@ impl Source<'_> {
         }
     }
 
-    fn apply_by_vertex(&self, layers: &[LayerSlot], edited: &mut [f64]) {
-        let d = self.n_channels();
+    fn apply_by_vertex<const D: usize>(&self, layers: &[LayerSlot], edited: &mut [f64]) {
+        let d = self.n_channels::<D>();
         parallel::for_rows(edited, d, VERTICES_AT_A_TIME, |first, rows| {
             let (mut excess, mut change) = (vec![0.0; self.wavelets.n_levels()], vec![0.0; d]);
             for (vertex, row) in (first..).zip(rows.chunks_exact_mut(d)) {
                 let x = self.vertex_map.welded(vertex);
                 excess_at(layers, x, vertex, &mut excess);
-                self.change(x, &excess, &mut change);
-                self.edit(vertex, &change, excess[0], row);
+                self.change::<D>(x, &excess, &mut change);
+                self.edit::<D>(vertex, &change, excess[0], row);
             }
         });
     }
@@ -146,21 +170,36 @@ impl Source<'_> {
         &self,
         layers: &[LayerSlot],
         touched: &[u32],
+        members: (&[usize], &[u32]),
+        edited: &mut [f64],
+    ) {
+        match self.wavelets.n_channels {
+            1 => self.apply_channels_at::<1>(layers, touched, members, edited),
+            3 => self.apply_channels_at::<3>(layers, touched, members, edited),
+            _ => self.apply_channels_at::<0>(layers, touched, members, edited),
+        }
+    }
+
+    fn apply_channels_at<const D: usize>(
+        &self,
+        layers: &[LayerSlot],
+        touched: &[u32],
         (first_member, members): (&[usize], &[u32]),
         edited: &mut [f64],
     ) {
-        let d = self.n_channels();
+        let (d, is_welded) = (self.n_channels::<D>(), self.is_welded());
+        let is_by_vertex = layers.iter().any(LayerSlot::is_by_vertex);
         let (mut excess, mut change) = (vec![0.0; self.wavelets.n_levels()], vec![0.0; d]);
         for &x in touched {
             let x = x as usize;
             for (k, &vertex) in members[first_member[x]..first_member[x + 1]].iter().enumerate() {
                 let vertex = vertex as usize;
-                if k == 0 || layers.iter().any(LayerSlot::is_by_vertex) {
+                if k == 0 || is_by_vertex {
                     excess_at(layers, x, vertex, &mut excess);
-                    self.change(x, &excess, &mut change);
+                    self.change::<D>(x, &excess, &mut change);
                 }
-                let finest = if self.is_welded() { excess[0] } else { 0.0 };
-                self.edit(vertex, &change, finest, &mut edited[vertex * d..][..d]);
+                let finest = if is_welded { excess[0] } else { 0.0 };
+                self.edit::<D>(vertex, &change, finest, &mut edited[vertex * d..][..d]);
             }
         }
     }
