@@ -1,26 +1,33 @@
-//! Prints how long reading and writing take to stop, from the flag to the error, told to at moments spread over the whole
-//! call: `cargo run --release -p adwave-io --example cancel_time -- [--vertices N] [--tries N] [FORMAT…]`.
+//! Prints how long calls take to stop, from the flag to the error, told to at moments spread over the whole call:
+//! `cargo run --release -p adwave-bench-helpers --bin cancel_time -- [--vertices N] [--tries N] [FORMAT… | work]`. `work` is
+//! preparing a shape, its bands, an edit of them, saliency and features.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use adwave::Progress;
-use adwave::shape::Polygons;
+use adwave::bands::Schedule;
+use adwave::features::{FeatureParams, features};
+use adwave::operator::OperatorParams;
+use adwave::saliency::{SaliencyParams, saliency};
+use adwave::shape::{Polygons, Shape};
+use adwave::{Decomposer, Progress};
 use adwave_io::{Format, ReadLimits, ShapeFile, read_path_with, write_path_with};
 
 fn main() {
-    let (mut n, mut n_tries, mut formats) = (10_000_000_u32, 20, Vec::new());
+    let (mut n, mut n_tries, mut formats, mut is_work) = (10_000_000_u32, 20, Vec::new(), false);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut number = || arguments.next().and_then(|n| n.parse().ok()).expect("a number");
         match argument.as_str() {
             "--vertices" => n = number(),
             "--tries" => n_tries = number(),
+            "work" => is_work = true,
             name => formats.push(Format::from_name(name).expect("the name of a format")),
         }
     }
-    if formats.is_empty() {
+    if formats.is_empty() && !is_work {
+        is_work = true;
         formats = vec![Format::Ply, Format::Obj, Format::Stl];
     }
     let side = f64::from(n).sqrt() as u32;
@@ -29,6 +36,9 @@ fn main() {
         (0..n - side - 1).flat_map(|v| [[v, v + 1, v + side], [v + 1, v + side + 1, v + side]]).collect();
     let shape = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
     drop(triangles);
+    if is_work {
+        work(&shape.to_shape().expect("triangles"), n_tries);
+    }
     let folder = tempfile::tempdir().expect("a folder for temporary files");
     for format in formats {
         let path = folder.path().join(format!("a.{}", format.extensions().first().unwrap_or(&"ply")));
@@ -55,6 +65,33 @@ fn main() {
         );
         std::fs::remove_file(&path).expect("the file that was written");
     }
+}
+
+/// What a shape is asked for, call by call.
+fn work(shape: &Shape, n_tries: u32) {
+    let params = OperatorParams::default();
+    let prepare = |progress: Progress<'_>| Decomposer::with_params(shape, &params, progress);
+    measure("preparing", n_tries, |progress| prepare(progress).is_err());
+    let decomposer = prepare(Progress::none()).expect("nobody stops it");
+    let (coords, schedule) =
+        (shape.points().expect("a mesh").as_flattened(), Schedule::dyadic(8).expect("levels"));
+    let request = || decomposer.request(coords, 3, &schedule);
+    measure("bands", n_tries, |progress| request().progress(progress).bands().is_err());
+    measure("editor", n_tries, |progress| request().progress(progress).editor().is_err());
+    let norms = request().norms().expect("nobody stops it");
+    measure("saliency", n_tries, |progress| {
+        saliency(&decomposer, &norms, &SaliencyParams::default(), progress).is_err()
+    });
+    measure("features", n_tries, |progress| {
+        features(&decomposer, &norms, &FeatureParams::default(), progress).is_err()
+    });
+}
+
+fn measure(what: &str, n_tries: u32, call: impl Fn(Progress<'_>) -> bool) {
+    let whole = Instant::now();
+    assert!(!call(Progress::none()), "{what} fails");
+    let took = whole.elapsed();
+    println!("{what} takes {:.2} s, {}", took.as_secs_f64(), stops(n_tries, took, call));
 }
 
 /// Whether reading ends in an error.

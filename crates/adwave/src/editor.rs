@@ -3,8 +3,8 @@
 use crate::bands::{BandsError, Wavelets};
 use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
 use crate::mask::Mask;
+use crate::pages::zeros;
 use crate::region::RegionWeights;
-use crate::sparse::zeros;
 use crate::{BandsRequest, Decomposer};
 
 /// Which welded vertices an edit changed.

@@ -53,6 +53,7 @@ pub mod filter;
 pub mod mask;
 pub mod measure;
 pub mod operator;
+mod pages;
 mod parallel;
 mod population;
 mod progress;

@@ -4,6 +4,7 @@
 //! number, and partial results are put together in the order of the chunks. Up to [`SERIAL`] rows no thread pool is asked or
 //! started. Every loop asks its [`Progress`] before each chunk, so that a call stops within the time of one.
 
+use crate::pages::zeros;
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -118,7 +119,7 @@ pub(crate) fn collect<T: Clone + Default + Send>(
     n: usize,
     value: impl Fn(usize) -> T + Sync + Send,
 ) -> Vec<T> {
-    let mut values = vec![T::default(); n];
+    let mut values = zeros(n);
     for_rows(&mut values, 1, SERIAL, |first, rows| {
         for (x, slot) in (first..).zip(rows) {
             *slot = value(x);
@@ -145,7 +146,7 @@ pub(crate) fn try_collect<T: Clone + Default + Send>(
     progress: Progress<'_>,
     value: impl Fn(usize) -> T + Sync + Send,
 ) -> Result<Vec<T>, Cancelled> {
-    let mut values = vec![T::default(); n];
+    let mut values = zeros(n);
     try_for_rows(&mut values, 1, SERIAL, progress, |first, rows| {
         for (x, slot) in (first..).zip(rows) {
             *slot = value(x);

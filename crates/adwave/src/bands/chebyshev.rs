@@ -2,8 +2,9 @@
 
 use super::series::{Growth, Rest, Series};
 use crate::operator::Diffusion;
+use crate::pages::zeros;
 use crate::parallel::{self, SERIAL};
-use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, copied, zeros};
+use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, copied};
 use crate::{Cancelled, Progress};
 use std::sync::Arc;
 

@@ -1,7 +1,8 @@
 //! S_f by repeated products with Φ₁: exact to rounding, one product a step.
 
 use crate::operator::Diffusion;
-use crate::sparse::{copied, try_apply, zeros};
+use crate::pages::zeros;
+use crate::sparse::{copied, try_apply};
 use crate::{Cancelled, Progress};
 
 /// `Φ₁ⁿ f` for each `n` of `steps` (increasing), n_vertices × n_channels each. O(entries × channels × last n).

@@ -2,8 +2,8 @@
 
 use super::error::{check_buffer, check_factors, check_signal};
 use super::{Bands, BandsError, BandsInfo, Schedule, Transform};
+use crate::pages::zeros;
 use crate::shape::VertexMap;
-use crate::sparse::zeros;
 use crate::{Progress, parallel};
 
 /// Vertices that a thread treats at a time.

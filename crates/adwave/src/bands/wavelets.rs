@@ -2,8 +2,8 @@
 
 use super::error::check_signal;
 use super::{Bands, BandsError, BandsInfo, Schedule, Transform};
+use crate::pages::zeros;
 use crate::shape::VertexMap;
-use crate::sparse::zeros;
 use crate::{Progress, parallel};
 use std::borrow::Cow;
 

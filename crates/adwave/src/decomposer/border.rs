@@ -2,8 +2,8 @@
 
 use super::Decomposer;
 use crate::parallel;
-use crate::region::surface_distance;
-use crate::shape::one_ring;
+use crate::region::SurfaceSearch;
+use crate::shape::{triangles_at_vertices, try_one_ring};
 use crate::signal::cloud_border;
 use crate::{Cancelled, Progress};
 
@@ -24,7 +24,8 @@ impl Decomposer {
         let mut border: Vec<usize> =
             single.flat_map(|same| [same[0].0 as usize, same[0].1 as usize]).collect();
         if let Some(masked) = self.mask_flags() {
-            let whole = one_ring(geometry.n_vertices(), geometry.triangles());
+            let at_vertex = triangles_at_vertices(geometry.n_vertices(), geometry.triangles(), progress)?;
+            let whole = try_one_ring(geometry.triangles(), &at_vertex, progress)?;
             border.extend((0..masked.len()).filter(|&x| whole.of(x).iter().any(|&y| masked[y as usize])));
             border.retain(|&x| !masked[x]);
         }
@@ -41,6 +42,9 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Vec<f64>, Cancelled> {
         let sources: Vec<(usize, f64)> = self.border(progress)?.into_iter().map(|x| (x, 0.0)).collect();
-        Ok(surface_distance(&self.ring(), self.geometry().points(), &sources, radius))
+        let mut search = SurfaceSearch::default();
+        let ring = self.ring(progress)?;
+        search.run(&ring, self.geometry().points(), &sources, radius, progress)?;
+        Ok(search.into_distances())
     }
 }

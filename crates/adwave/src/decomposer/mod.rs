@@ -11,7 +11,8 @@ use crate::mask::{Mask, MaskError};
 use crate::operator::{Diffusion, OperatorParams, local_operator};
 use crate::parallel::unstopped;
 use crate::region::SurfaceMetric;
-use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, one_ring, squared_distance};
+use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, squared_distance};
+use crate::shape::{triangles_at_vertices, try_one_ring};
 use crate::{Cancelled, Progress};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -144,15 +145,16 @@ impl Decomposer {
     }
 
     /// The one-ring of a mesh without the masked vertices; of a cloud or graph what one step takes in.
-    pub(crate) fn ring(&self) -> Cow<'_, Adjacency> {
-        if self.rings == 1 || self.geometry.triangles().is_empty() {
-            return Cow::Borrowed(self.neighbours());
+    pub(crate) fn ring(&self, progress: Progress<'_>) -> Result<Cow<'_, Adjacency>, Cancelled> {
+        let (n, triangles) = (self.geometry.n_vertices(), self.geometry.triangles());
+        if self.rings == 1 || triangles.is_empty() {
+            return Ok(Cow::Borrowed(self.neighbours()));
         }
-        let ring = one_ring(self.geometry.n_vertices(), self.geometry.triangles());
-        Cow::Owned(match self.mask_flags() {
-            Some(masked) => unstopped(ring.without(masked, Progress::none())),
+        let ring = try_one_ring(triangles, &triangles_at_vertices(n, triangles, progress)?, progress)?;
+        Ok(Cow::Owned(match self.mask_flags() {
+            Some(masked) => ring.without(masked, progress)?,
             None => ring,
-        })
+        }))
     }
 
     /// The welded vertices and how they belong to those of the shape.

@@ -3,9 +3,10 @@
 use super::Feature;
 use super::response::{Level, layers};
 use crate::Decomposer;
+use crate::Progress;
 use crate::bands::Wavelets;
 use crate::features::Response;
-use crate::parallel;
+use crate::parallel::{self, unstopped};
 use crate::population::Population;
 use crate::shape::squared_distance;
 use std::collections::HashSet;
@@ -36,7 +37,8 @@ pub type Descriptor = [f64; DESCRIPTOR_LENGTH];
 /// # Panics
 /// When the features or the bands are not those of the shape.
 pub fn describe(decomposer: &Decomposer, wavelets: &Wavelets, features: &[Feature]) -> Vec<Descriptor> {
-    let layers = layers(&Population::new(decomposer), wavelets, Response::Normalised);
+    let layers =
+        unstopped(layers(&Population::new(decomposer), wavelets, Response::Normalised, Progress::none()));
     let levels = &layers[0].levels;
     let areas = decomposer.welded_areas();
     parallel::map_items(decomposer.n_vertices(), features.len(), |k| {

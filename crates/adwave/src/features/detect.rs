@@ -58,11 +58,11 @@ pub fn features(
         return Err(FeatureError::OtherShape { n_bands, n_vertices });
     }
     let population = Population::new(decomposer);
-    let ring = decomposer.ring();
+    let ring = decomposer.ring(progress)?;
     let neighbourhood = Neighbourhood { ring: &ring, rings: if decomposer.is_cloud() { 1 } else { 2 } };
     let means = Means::new(&ring, params.scope, progress)?;
     let mut found: Vec<(usize, Feature)> = Vec::new();
-    for layer in layers(&population, wavelets, params.response) {
+    for layer in layers(&population, wavelets, params.response, progress)? {
         for j in 2..n_levels {
             progress.step(j as u64 - 2, n_levels as u64 - 2)?;
             let level = &layer.levels[j - 1];

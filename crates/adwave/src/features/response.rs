@@ -3,6 +3,7 @@
 use super::Response;
 use crate::bands::Wavelets;
 use crate::population::Population;
+use crate::{Cancelled, Progress};
 use std::borrow::Cow;
 
 /// R at the welded vertices, for each level; NaN at masked vertices.
@@ -31,24 +32,27 @@ impl Level<'_> {
     }
 }
 
-/// All layers of a response.
+/// All layers of a response. Asks before each level whether to go on.
 pub(super) fn layers<'a>(
     population: &Population<'_>,
     wavelets: &'a Wavelets,
     response: Response,
-) -> Vec<Layer<'a>> {
+    progress: Progress<'_>,
+) -> Result<Vec<Layer<'a>>, Cancelled> {
     let levels = |values: &dyn Fn(usize) -> Cow<'a, [f64]>, scale: &dyn Fn(usize, &[f64]) -> f64| {
         let level = |j: usize| {
+            progress.check()?;
             let values = values(j);
             let scale = scale(j, &values);
             // A level without any response stays 0.
-            Level { values, scale: if scale > 0.0 { scale } else { 1.0 } }
+            Ok(Level { values, scale: if scale > 0.0 { scale } else { 1.0 } })
         };
-        (1..=wavelets.n_levels()).map(level).collect()
+        (1..=wavelets.n_levels()).map(level).collect::<Result<Vec<_>, Cancelled>>()
     };
     if response == Response::Channels {
-        let layer =
-            |c: usize| Layer { channel: Some(c), levels: levels(&|j| wavelets.channel(j, c), &|_, _| 1.0) };
+        let layer = |c: usize| {
+            Ok(Layer { channel: Some(c), levels: levels(&|j| wavelets.channel(j, c), &|_, _| 1.0)? })
+        };
         return (0..wavelets.n_channels).map(layer).collect();
     }
     let scale = |j: usize, values: &[f64]| match response {
@@ -56,5 +60,5 @@ pub(super) fn layers<'a>(
         Response::Sigma => wavelets.sigma[j],
         Response::Literal | Response::Channels => 1.0,
     };
-    vec![Layer { channel: None, levels: levels(&|j| wavelets.norms_of(j), &scale) }]
+    Ok(vec![Layer { channel: None, levels: levels(&|j| wavelets.norms_of(j), &scale)? }])
 }

@@ -5,9 +5,9 @@
 
 use super::layers::{LayerSlot, excess_at};
 use crate::bands::Wavelets;
+use crate::pages::zeros;
 use crate::parallel;
 use crate::shape::VertexMap;
-use crate::sparse::zeros;
 
 /// Vertices that a thread treats at a time: their rows of one band stay in the first-level cache.
 const VERTICES_AT_A_TIME: usize = 1 << 10;

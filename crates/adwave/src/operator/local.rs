@@ -172,7 +172,7 @@ impl Kernel<'_> {
             })
         };
         scaled(&mut self.areas, unit / area_unit)?;
-        let mut values = crate::sparse::zeros(neighbours.nnz());
+        let mut values = crate::pages::zeros(neighbours.nnz());
         let mut per_row = vec![(0.0, 0.0); n];
         try_for_entries(&neighbours, &mut values, &mut per_row, progress, |range, mut values, per_row| {
             for (x, kept) in range.zip(per_row) {

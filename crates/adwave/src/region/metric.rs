@@ -1,7 +1,9 @@
 //! What regions are measured by: positions, neighbours and distances along a shape.
 
 use super::{SurfaceSearch, stroke};
+use crate::Progress;
 use crate::operator::Diffusion;
+use crate::parallel::unstopped;
 use crate::shape::{PreparedGeometry, vertex_normals};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -100,7 +102,8 @@ impl SurfaceMetric {
     pub(super) fn within(&self, sources: &[(usize, f64)], radius: f64) -> Within {
         let mut search =
             self.searches.lock().map_or_else(|_| None, |mut kept| kept.pop()).unwrap_or_default();
-        let reached = search.run(self.diffusion.neighbours(), self.geometry.points(), sources, radius);
+        let (neighbours, points) = (self.diffusion.neighbours(), self.geometry.points());
+        let reached = unstopped(search.run(neighbours, points, sources, radius, Progress::none()));
         let mut vertices = reached.to_vec();
         vertices.sort_unstable();
         let distances = vertices.iter().map(|&x| search.distance(x as usize)).collect();

@@ -41,9 +41,9 @@ impl<V: Copy + Default + Send + Sync> CompressedRows<V> {
         })?;
         let nnz = chunks.iter().map(|chunk| chunk.columns.len()).sum();
         let mut offsets: Vec<usize> = vec![0; n_rows + 1];
-        let mut columns: Vec<u32> = crate::sparse::zeros(nnz);
+        let mut columns: Vec<u32> = crate::pages::zeros(nnz);
         // A pattern has no values; nor has the vector of its zero-sized ones any bytes.
-        let mut values: Vec<V> = crate::sparse::zeros(nnz);
+        let mut values: Vec<V> = crate::pages::zeros(nnz);
         let (mut free_ends, mut free_columns, mut free_values) =
             (&mut offsets[1..], columns.as_mut_slice(), values.as_mut_slice());
         let mut places = Vec::with_capacity(chunks.len());

@@ -32,7 +32,7 @@ pub(crate) fn incidence<'a>(
         offsets[x + 1] += offsets[x];
     }
     progress.check()?;
-    let mut items: Vec<u32> = crate::sparse::zeros(offsets[n_rows]);
+    let mut items: Vec<u32> = crate::pages::zeros(offsets[n_rows]);
     let mut rest = items.as_mut_slice();
     let mut filling: Vec<(usize, &mut [u32])> = Vec::with_capacity(n_parts);
     for first in (0..n_rows).step_by(rows_a_part) {

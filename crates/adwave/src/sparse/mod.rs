@@ -6,7 +6,6 @@ mod recurrence;
 mod tiled_diffusion;
 mod tiles;
 
-pub(crate) use kernel::zeros;
 pub use product::apply;
 pub(crate) use product::{copied, try_apply};
 pub(crate) use recurrence::{Next, Recurrence, Sum, Weighing};

@@ -1,7 +1,8 @@
 //! One step of the diffusion operator applied to a block of channels.
 
-use super::kernel::{Rows, Target, apply_rows, zeros};
+use super::kernel::{Rows, Target, apply_rows};
 use crate::operator::Diffusion;
+use crate::pages::zeros;
 use crate::parallel::try_for_rows;
 use crate::{Cancelled, Progress};
 

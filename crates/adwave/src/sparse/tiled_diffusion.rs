@@ -1,8 +1,9 @@
 //! The diffusion operator prepared for many products.
 
-use super::kernel::{MAX_DEPTH, Target, zeros};
+use super::kernel::{MAX_DEPTH, Target};
 use super::tiles::{Tiles, halo_shares};
 use crate::operator::Diffusion;
+use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
 use std::sync::{Arc, Mutex};
 

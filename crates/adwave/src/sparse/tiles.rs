@@ -290,7 +290,7 @@ impl ScratchPool {
 
     fn with<R>(&self, work: impl FnOnce(&mut Scratch) -> R) -> R {
         let free = self.free.lock().expect("nobody panics with the lock").pop();
-        let mut scratch = free.unwrap_or_else(|| Scratch { local: super::zeros(self.n) });
+        let mut scratch = free.unwrap_or_else(|| Scratch { local: crate::pages::zeros(self.n) });
         let result = work(&mut scratch);
         self.free.lock().expect("nobody panics with the lock").push(scratch);
         result
@@ -363,7 +363,7 @@ pub(super) fn halo_shares(
     const SAMPLES: usize = 8;
     let n = diffusion.n_vertices();
     let n_blocks = n.div_ceil(own).max(1);
-    let mut scratch = Scratch { local: super::zeros(n) };
+    let mut scratch = Scratch { local: crate::pages::zeros(n) };
     let mut sums = vec![0_usize; depth + 1];
     for sample in 0..SAMPLES.min(n_blocks) {
         progress.check()?;

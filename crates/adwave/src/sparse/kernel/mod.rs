@@ -7,12 +7,10 @@
 // What is not inlined into a function that has AVX is compiled without AVX.
 #![allow(clippy::inline_always)]
 
-mod pages;
 mod rows;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use pages::zeros;
 pub(crate) use rows::{Rows, apply_rows};
 
 use super::tiles::{Index, Run, View};

@@ -1,4 +1,5 @@
 //! Large vectors in large pages.
+#![allow(unsafe_code)]
 
 /// `len` zeros. Where the system has them, in pages of 2 MiB: the first touch of a gigabyte in pages of 4 KiB costs more
 /// time than all products of a transform, and looking such pages up takes as long as reading what is in them.
