@@ -9,6 +9,7 @@ use adwave::region::{RegionWeights, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape};
 use adwave::{Decomposer, Editor, Progress};
+use adwave_bench_helpers::triad;
 use std::time::Instant;
 
 type Failure = Box<dyn std::error::Error>;
@@ -78,6 +79,10 @@ fn measure(n: usize) -> Result<(), Failure> {
 
     let mut editor = request.editor()?;
     editor.set_layers(vec![WeightedLayer::everywhere(vec![0.5; LEVELS])])?;
+    // What the memory allows at this moment: an edit reads the levels and the signal and writes the result.
+    let bytes = (8 * (LEVELS + 2) * coords.len()) as f64;
+    let bound = bytes / triad();
+    print("bound of an edit everywhere, by the bandwidth of a = b + s·c", n, (bound, bound));
     let mut gain = 0.5;
     print(
         "edit everywhere",

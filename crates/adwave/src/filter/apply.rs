@@ -26,7 +26,7 @@ pub(crate) struct Source<'a> {
     pub(crate) masked: Option<&'a [bool]>,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
     /// The number of channels: D itself, so that loops over them are unrolled, or what it is where D is 0.
     #[inline]
     fn n_channels<const D: usize>(&self) -> usize {
@@ -87,10 +87,22 @@ impl Source<'_> {
     /// `Σ_j excess[j−1]·W_f(j)`, one factor for all vertices.
     fn same_everywhere<const D: usize>(&self, excess: &[f64], change: &mut [f64]) {
         let d = self.n_channels::<D>();
+        let levels = excess.iter().zip(&self.wavelets.levels).filter(|(e, _)| **e != 0.0);
+        let levels: Vec<(f64, &'a [f64])> = levels.map(|(e, level)| (*e, level.as_slice())).collect();
         parallel::for_rows(change, d, VERTICES_AT_A_TIME, |first, change| {
             change.fill(0.0);
-            for (excess, level) in excess.iter().zip(&self.wavelets.levels).filter(|(e, _)| **e != 0.0) {
-                for (sum, w) in change.iter_mut().zip(&level[first * d..]) {
+            let len = change.len();
+            let part = |level: &'a [f64]| &level[first * d..][..len];
+            // Four levels for each look at the sum, added one after the other.
+            let (fours, others) = levels.as_chunks::<4>();
+            for four in fours {
+                let [(a, v), (b, w), (c, x), (e, y)] = four.map(|(excess, level)| (excess, part(level)));
+                for ((((sum, v), w), x), y) in change.iter_mut().zip(v).zip(w).zip(x).zip(y) {
+                    *sum = *sum + a * v + b * w + c * x + e * y;
+                }
+            }
+            for (excess, level) in others {
+                for (sum, w) in change.iter_mut().zip(part(level)) {
                     *sum += excess * w;
                 }
             }
