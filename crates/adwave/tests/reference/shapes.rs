@@ -54,6 +54,7 @@ pub(crate) fn cases() -> Vec<Case> {
         case("mesh with a seam, mixed Voronoi areas", &seam, default.with_mesh_area(MeshArea::MixedVoronoi)),
         case("cloud", &cloud, default),
         case("cloud, areas of 1", &cloud, default.with_cloud_area(CloudArea::Unit)),
+        case("cloud, Voronoi areas", &cloud, default.with_cloud_area(CloudArea::TangentVoronoi)),
         case("cloud, 4 neighbours", &cloud, default.with_neighbours(4)),
         case("directed cloud", &cloud, default.with_cloud_graph(CloudGraph::Directed)),
         case(
