@@ -94,7 +94,7 @@ fn saliency_fades_from_one_to_two_times_the_width_of_each_level() {
                 level
             })
             .collect();
-        for sigmas in [0.3, 1.0, 1.6, 2.0, 9.0] {
+        for sigmas in [0.0, 0.3, 0.9, 1.0, 1.6, 2.0, 9.0] {
             for weighting in [
                 Weighting::PerLevel,
                 Weighting::AsPrinted,
@@ -131,12 +131,28 @@ fn features_within_the_width_of_their_level_are_rejected_the_one_at_that_distanc
                     levels.iter_mut().for_each(|level| level[middle()] = f64::NAN);
                 }
                 assert_eq!(fast.features_of(&levels, &SIGMA, &params).len(), 1);
-                for sigmas in [0.0, 0.5, 1.0, 4.0 / 3.0, 2.0, 3.0] {
+                for sigmas in [0.0, 0.5, 0.95, 1.0, 4.0 / 3.0, 2.0, 3.0] {
                     let found = fast.features_of(&levels, &SIGMA, &params.with_border_sigmas(sigmas)).len();
                     let is_far = distance[x] > sigmas * SIGMA[j];
                     assert_eq!(found, usize::from(is_far), "vertex {x} at {}, level {j}", distance[x]);
                 }
             }
         }
+    }
+}
+
+#[test]
+fn every_feature_is_judged_by_its_own_width() {
+    let case = square();
+    let fast = Fast::new(&case);
+    let at = |place: (i32, i32)| places().position(|other| other == place).unwrap();
+    let mut levels = vec![vec![0.0; case.parts.n_vertices()]; LEVELS];
+    // At a distance of 1 with σ = 0.75, and of 3 with σ = 1.
+    levels[1][at((3, 0))] = 1.0;
+    levels[2][at((-1, 0))] = 1.0;
+    let params = FeatureParams::default().with_response(Response::Literal).with_theta(0.1);
+    for (sigmas, expected) in [(1.3, vec![2, 3]), (1.4, vec![3]), (2.9, vec![3]), (3.1, vec![])] {
+        let found = fast.features_of(&levels, &SIGMA, &params.with_border_sigmas(sigmas));
+        assert_eq!(found.iter().map(|f| f.level).collect::<Vec<_>>(), expected, "within {sigmas} σ");
     }
 }

@@ -203,6 +203,8 @@ fn seam_mesh() -> Parts {
     // Exactly no area: two corners are at one position, by a second vertex at the place of vertex 0.
     points.push(p);
     triangles.push([0, flat + 1, flat]);
+    // A third vertex there, which no face names.
+    points.push(p);
     Parts::Mesh { points, triangles }
 }
 
