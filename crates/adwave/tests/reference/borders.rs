@@ -128,7 +128,9 @@ fn features_within_the_width_of_their_level_are_rejected_the_one_at_that_distanc
                 let mut levels = vec![vec![0.0; distance.len()]; LEVELS];
                 levels[j - 1][x] = 1.0;
                 if has_hole {
-                    levels.iter_mut().for_each(|level| level[middle()] = f64::NAN);
+                    for level in &mut levels {
+                        level[middle()] = f64::NAN;
+                    }
                 }
                 assert_eq!(fast.features_of(&levels, &SIGMA, &params).len(), 1);
                 for sigmas in [0.0, 0.5, 0.95, 1.0, 4.0 / 3.0, 2.0, 3.0] {
