@@ -29,7 +29,7 @@ pub(crate) struct Analysis {
 /// How long it took.
 pub(crate) struct Seconds {
     pub(crate) read: f64,
-    pub(crate) walk: f64,
+    pub(crate) diffusion: f64,
     pub(crate) bands: f64,
 }
 
@@ -67,7 +67,7 @@ impl Analysis {
         let walk = prepare(global, &input.shape, &shape.operator())?;
         let walk = signal::mask(walk, &signal, &field.field, global)?;
         let (schedule, why) = schedule_reaching(share, levels, &walk)?;
-        let seconds = Seconds { read, walk: watch.lap(), bands: 0.0 };
+        let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
         Ok(Self { input, walk, signal, schedule, params, why, seconds })
     }
 
@@ -124,9 +124,9 @@ impl Analysis {
 
     /// How long it took, in words.
     pub(crate) fn timing(&self, what: &str, took: Duration) -> String {
-        let Seconds { read, walk, bands } = self.seconds;
+        let Seconds { read, diffusion, bands } = self.seconds;
         format!(
-            "read {read:.3} s, walk {walk:.3} s, bands {bands:.3} s, {what} {:.2} ms\n",
+            "read {read:.3} s, diffusion {diffusion:.3} s, bands {bands:.3} s, {what} {:.2} ms\n",
             1e3 * took.as_secs_f64()
         )
     }

@@ -169,8 +169,8 @@ pub(crate) fn write_shape(
     path: &Path,
 ) -> Result<WriteReport, CliError> {
     let report = adwave_io::write_path(file, path, None).map_err(write_error)?;
-    if !report.masked.is_empty() {
-        note(global, &format!("{} cannot hold {}", path.display(), report.masked.join(", ")));
+    if !report.not_written.is_empty() {
+        note(global, &format!("{} cannot hold {}", path.display(), report.not_written.join(", ")));
     }
     Ok(report)
 }

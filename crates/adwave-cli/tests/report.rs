@@ -91,7 +91,7 @@ fn a_mesh_gets_every_section_and_the_numbers_that_are_printed() {
         made["presets"].as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["suppress", "enhance", "band1", "band2"]);
     assert!(made["presets"][0]["volume_ratio"].as_f64().unwrap() < 1.0, "smoothing shrinks");
-    for part in ["reading", "walk", "bands", "saliency", "features", "presets", "pictures"] {
+    for part in ["reading", "diffusion", "bands", "saliency", "features", "presets", "pictures"] {
         assert!(made["seconds"]["parts"][part].is_number(), "{part}");
         assert!(page.contains(&format!("<td class=\"s\">{part}</td>")), "{part}");
     }

@@ -12,15 +12,16 @@ use crate::{Format, ShapeFile, WriteError, atomic_write_with};
 /// What is not in the written file because the format cannot hold it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WriteReport {
-    /// One phrase each, such as ``vertex field `gaze` ``.
-    pub masked: Vec<String>,
+    /// What the shape has and the format cannot hold, so that the file is without it: one phrase each, such as
+    /// ``vertex field `gaze` ``; empty where all was written.
+    pub not_written: Vec<String>,
 }
 
 impl WriteReport {
     pub(crate) fn leave_out(&mut self, what: impl Into<String>) {
         let what = what.into();
-        if !self.masked.contains(&what) {
-            self.masked.push(what);
+        if !self.not_written.contains(&what) {
+            self.not_written.push(what);
         }
     }
 

@@ -176,7 +176,7 @@ fn an_unchanged_shape_is_written_byte_for_byte() {
         }
         let mut bytes = Vec::new();
         let report = write_bytes(&shape, format, &mut bytes).unwrap();
-        assert_eq!(report.masked, [""; 0], "{}", name.display());
+        assert_eq!(report.not_written, [""; 0], "{}", name.display());
         if bytes != std::fs::read(&path).unwrap() {
             // Only a PLY without an element of vertices has no rows to keep.
             assert!(shape.n_vertices() == 0, "{} changed", name.display());

@@ -208,10 +208,10 @@ fn what_a_format_cannot_hold_is_reported() {
     let mut bytes = Vec::new();
     let report = write_bytes(&shape, Format::Stl, &mut bytes).unwrap();
     for what in ["groups", "vertex field `gaze`", "polygons", "digits of coordinates"] {
-        assert!(report.masked.iter().any(|l| l.contains(what)), "{what}: {:?}", report.masked);
+        assert!(report.not_written.iter().any(|l| l.contains(what)), "{what}: {:?}", report.not_written);
     }
     let report = write_bytes(&shape, Format::Obj, &mut bytes).unwrap();
-    assert_eq!(report.masked, ["vertex field `gaze`"]);
+    assert_eq!(report.not_written, ["vertex field `gaze`"]);
     let cloud = ShapeFile::from_cloud(vec![[0.0; 3]]);
     assert!(write_bytes(&cloud, Format::Stl, &mut bytes).unwrap_err().to_string().contains("cannot hold"));
     assert!(

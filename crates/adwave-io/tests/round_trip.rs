@@ -106,7 +106,7 @@ fn same(a: f64, b: f64) -> bool {
 }
 
 fn held<'a>(fields: &'a [Field], report: &'a WriteReport, kind: &'a str) -> impl Iterator<Item = &'a Field> {
-    fields.iter().filter(move |f| !report.masked.contains(&format!("{kind} field `{}`", f.name)))
+    fields.iter().filter(move |f| !report.not_written.contains(&format!("{kind} field `{}`", f.name)))
 }
 
 fn check_fields(
@@ -143,7 +143,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
     let again = read_bytes(bytes.clone(), None, &ReadLimits::default())
         .unwrap_or_else(|e| panic!("{format}: {e}\n{}", String::from_utf8_lossy(&bytes)));
     let what = format.to_string();
-    let left = |name: &str| report.masked.iter().any(|l| l == name);
+    let left = |name: &str| report.not_written.iter().any(|l| l == name);
     if matches!(format, Format::Stl | Format::StlAscii) {
         let triangles: usize = shape.faces().iter().map(|f| f.len() - 2).sum();
         assert_eq!(again.faces().len(), triangles);

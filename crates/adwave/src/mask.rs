@@ -2,6 +2,7 @@
 
 use crate::bands::BandsError;
 use crate::shape::VertexMap;
+use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
 /// Why vertices cannot be masked.
@@ -21,6 +22,12 @@ pub enum MaskError {
         /// Vertices of the shape.
         n_vertices: usize,
     },
+}
+
+impl ClassifiedError for MaskError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
 }
 
 /// Flags the vertices where a channel of the signal (n_vertices × n_channels, row-major) is NaN; `None` where none is.

@@ -43,7 +43,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
 
     let start = Instant::now();
     let decomposer = Decomposer::new(&shape);
-    let walk_ms = start.elapsed().as_secs_f64() * 1e3;
+    let diffusion_ms = start.elapsed().as_secs_f64() * 1e3;
     let (n_levels, why) = decomposer.default_levels();
     let schedule = Schedule::dyadic(n_levels)?;
     let coords = file.points().as_flattened();
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
     let html = page.page.html();
     atomic_write(&index, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;
 
-    let text = report(args, &file, &decomposer, &bands, &energy, &level_ms, walk_ms, &why, &edits);
+    let text = report(args, &file, &decomposer, &bands, &energy, &level_ms, diffusion_ms, &why, &edits);
     let json = json!({
         "output": args.output.display().to_string(),
         "index": index.display().to_string(),
@@ -117,7 +117,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "steps": steps_json(&bands.steps),
         "sigma": bands.sigma,
         "energy": energy,
-        "milliseconds": {"walk": walk_ms, "levels": level_ms},
+        "milliseconds": {"diffusion": diffusion_ms, "levels": level_ms},
         "edits": edits.iter().map(|&(name, rms, max, volume_percent, ms)| json!({
             "name": name, "rms": rms, "max": max, "volume_change_percent": volume_percent, "milliseconds": ms,
         })).collect::<Vec<Value>>(),
@@ -176,13 +176,13 @@ fn report(
     bands: &Bands,
     energy: &[f64],
     level_ms: &[f64],
-    walk_ms: f64,
+    diffusion_ms: f64,
     why: &str,
     edits: &[(&str, f64, f64, f64, f64)],
 ) -> String {
     let diagonal = decomposer.diagonal();
     let mut text = format!(
-        "A creature of {} vertices and {} faces, its diffusion operator built in {walk_ms:.1} ms, split into {} bands\n({why}):\n\n",
+        "A creature of {} vertices and {} faces, its diffusion operator built in {diffusion_ms:.1} ms, split into {} bands\n({why}):\n\n",
         file.n_vertices(),
         file.faces().len(),
         bands.n_levels(),

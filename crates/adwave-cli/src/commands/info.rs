@@ -46,7 +46,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     }
     let _ = writeln!(
         text,
-        "  walk          {} entries, mean edge {}, step {}",
+        "  diffusion     {} entries, mean edge {}, step {}",
         decomposer.diffusion().nnz(),
         number(decomposer.mean_length()),
         number(decomposer.diffusion().step_length()),
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "bounding_box": bounds.map(|(min, max)| json!({"min": min, "max": max})),
         "diagonal": diagonal,
         "health": health_json(&health),
-        "walk": {
+        "diffusion": {
             "vertices": decomposer.diffusion().n_vertices(),
             "entries": decomposer.diffusion().nnz(),
             "mean_length": decomposer.mean_length(),

@@ -131,7 +131,7 @@ fn report(
         "largest_vertex": most.map(|m| m.0),
         "largest": most.map(|m| m.1),
         "seconds": {
-            "read": analysis.seconds.read, "walk": analysis.seconds.walk, "bands": analysis.seconds.bands,
+            "read": analysis.seconds.read, "diffusion": analysis.seconds.diffusion, "bands": analysis.seconds.bands,
             "map": took.as_secs_f64(),
         },
     });

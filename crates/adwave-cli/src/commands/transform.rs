@@ -95,7 +95,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         }),
     );
     text += &format!(
-        "\nread {read:.3} s, walk {prepared:.3} s, bands {split:.3} s, written {written:.3} s{}\n{}\n",
+        "\nread {read:.3} s, diffusion {prepared:.3} s, bands {split:.3} s, written {written:.3} s{}\n{}\n",
         peak_memory().map_or(String::new(), |bytes| format!(", peak memory {} MB", bytes / 1_000_000)),
         args.output.display(),
     );
@@ -113,7 +113,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         "products": bands.info.products,
         "error_bound": bands.info.error_bound,
         "diagonal": diagonal,
-        "seconds": {"read": read, "walk": prepared, "bands": split, "write": written},
+        "seconds": {"read": read, "diffusion": prepared, "bands": split, "write": written},
         "peak_memory_bytes": peak_memory(),
     });
     print(global, &text, &json)

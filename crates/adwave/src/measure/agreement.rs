@@ -1,6 +1,7 @@
 //! How well a map agrees with where people looked.
 
 use crate::shape::distance;
+use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
 /// How well a map predicts fixations.
@@ -36,6 +37,12 @@ pub enum AgreementError {
     /// Nothing to compare.
     #[error("no vertex has both a finite map value and a finite fixation time")]
     NothingShared,
+}
+
+impl ClassifiedError for AgreementError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
 }
 
 /// Compares a map with fixations (in seconds, say): a vertex was looked at when its fixation time is above `threshold`. Vertices

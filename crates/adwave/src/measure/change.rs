@@ -1,9 +1,9 @@
 //! Changes of a shape that features should survive.
 
-use crate::Decomposer;
 use crate::sample::add_noise;
 use crate::shape::{Mesh, PointCloud, Polygons, PreparedGeometry, Shape, nearest_neighbours, vertex_normals};
 use crate::signal::{FIT_NEIGHBOURS, cloud_normals};
+use crate::{ClassifiedError, Decomposer, ErrorKind};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -59,6 +59,12 @@ pub enum ChangeError {
     /// The result has a vertex more than can be indexed, or a coordinate that is too large.
     #[error("the changed shape is too large")]
     TooLarge,
+}
+
+impl ClassifiedError for ChangeError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
 }
 
 /// A changed shape, and the way back.

@@ -8,6 +8,7 @@
 //! Coordinates are separated by blanks, places of a stroke by `;`.
 
 use super::{Length, Place, Region};
+use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
 /// Why a text is no region.
@@ -61,6 +62,12 @@ pub enum RegionSyntaxError {
     /// More brackets than can be meant.
     #[error("the region is nested more than {0} deep")]
     TooDeep(usize),
+}
+
+impl ClassifiedError for RegionSyntaxError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
 }
 
 /// A part of the text for a message, control characters escaped, so that the message stays one line.

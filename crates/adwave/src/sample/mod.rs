@@ -22,6 +22,7 @@ mod torus;
 pub use noise::{NoiseSigma, add_noise};
 
 use crate::shape::Polygons;
+use crate::{ClassifiedError, ErrorKind};
 use implicit::V3;
 
 /// No sample has more vertices than this.
@@ -121,6 +122,12 @@ pub enum SampleError {
         /// The value given.
         sigma: f64,
     },
+}
+
+impl ClassifiedError for SampleError {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
 }
 
 fn names() -> String {

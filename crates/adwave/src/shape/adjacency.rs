@@ -90,33 +90,71 @@ pub(crate) fn try_k_rings(
     )
 }
 
-/// Number of connected components, a vertex without neighbours being one by itself. O(neighbours).
+/// Number of connected components, whichever way edges point, a vertex without edges being one by itself.
+/// O(neighbours log n).
+///
+/// ```
+/// use adwave::shape::{Adjacency, n_components};
+/// // 1 → 0 and 2 → 0; 3 has no edges.
+/// let towards_0 = Adjacency::new(vec![0, 0, 1, 2, 2], vec![0, 0], 4)?;
+/// assert_eq!(n_components(&towards_0), 2);
+/// # Ok::<(), adwave::rows::RowsError>(())
+/// ```
 pub fn n_components(adjacency: &Adjacency) -> usize {
     unstopped(try_n_components(adjacency, Progress::none()))
 }
 
 /// [`n_components`], stopped when the call is.
 pub(crate) fn try_n_components(adjacency: &Adjacency, progress: Progress<'_>) -> Result<usize, Cancelled> {
-    let mut seen = vec![false; adjacency.n_rows()];
-    let mut stack = Vec::new();
-    let (mut count, mut n_visited) = (0, 0_usize);
-    for start in 0..seen.len() {
-        if std::mem::replace(&mut seen[start], true) {
-            continue;
+    let n = adjacency.n_rows();
+    // Towards the smallest vertex of the component so far.
+    let mut parent: Vec<u32> = (0..n as u32).collect();
+    let mut count = n;
+    for x in 0..n {
+        if x.is_multiple_of(VERTICES_AT_A_TIME) {
+            progress.check()?;
         }
-        count += 1;
-        stack.push(start as u32);
-        while let Some(x) = stack.pop() {
-            n_visited += 1;
-            if n_visited.is_multiple_of(VERTICES_AT_A_TIME) {
-                progress.check()?;
-            }
-            for &y in adjacency.of(x as usize) {
-                if !std::mem::replace(&mut seen[y as usize], true) {
-                    stack.push(y);
-                }
+        for &y in adjacency.of(x) {
+            let (a, b) = (root(&mut parent, x as u32), root(&mut parent, y));
+            if a != b {
+                parent[a.max(b) as usize] = a.min(b);
+                count -= 1;
             }
         }
     }
     Ok(count)
+}
+
+/// The end of the way from `x`, which is halved for the next who goes it.
+fn root(parent: &mut [u32], mut x: u32) -> u32 {
+    while parent[x as usize] != x {
+        let next = parent[parent[x as usize] as usize];
+        parent[x as usize] = next;
+        x = next;
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_hang_together_whichever_way_edges_point_and_vertices_are_numbered() {
+        // 1 → 0 ← 2 ← 3 and 4 → 5; 6 has no edges.
+        const EDGES: [(usize, usize); 4] = [(1, 0), (2, 0), (3, 2), (4, 5)];
+        const N: usize = 7;
+        for step in 1..N {
+            for first in 0..N {
+                let number = |x: usize| (first + step * x) % N;
+                let mut rows = vec![Vec::new(); N];
+                for (x, y) in EDGES {
+                    rows[number(x)].push(number(y) as u32);
+                }
+                let offsets = (0..=N).map(|x| rows[..x].iter().map(Vec::len).sum()).collect();
+                let edges = Adjacency::new(offsets, rows.concat(), N).unwrap();
+                assert_eq!(n_components(&edges), 3, "{first} + {step}x");
+            }
+        }
+    }
 }

@@ -18,7 +18,7 @@ pub struct Health {
     pub n_polygons: usize,
     /// Distinct undirected edges of faces, of the neighbour graph, or of the graph.
     pub n_edges: usize,
-    /// Connected components of these edges, a vertex without edges being one by itself.
+    /// Connected components of these edges, whichever way they point, a vertex without edges being one by itself.
     pub n_components: usize,
     /// Edges of one face only.
     pub n_boundary_edges: usize,

@@ -1,7 +1,7 @@
 //! Eq. 3–11 and 15, and Algorithm 1: scaling functions, wavelets, coefficients, reconstruction.
 
 use crate::dense::{
-    Bands, LocalOperator, Matrix, Mutant, algorithm_1, apply, bands, identity, local_operator,
+    Bands, LocalOperator, Matrix, Mutant, algorithm_1, apply, bands, fill, identity, local_operator,
     mean_of_welded, minus, normalised_rows, product, real_power, restricted, scaling_functions, stationary,
     step_length, weld, within,
 };
@@ -139,17 +139,7 @@ fn masked_vertices_take_no_part_and_have_no_bands() {
             .collect();
         let phi = scaling_functions(&restricted(&operator(&case), &is_masked).t, LEVELS);
         let mut f = signal(n, 2, 8);
-        // A vertex that is masked by itself has what the others at its position have on average.
-        for x in (0..n).filter(|&x| flags[x]) {
-            for c in 0..2 {
-                let others: Vec<f64> = (0..n)
-                    .filter(|&y| welded.class[y] == welded.class[x] && !flags[y])
-                    .map(|y| f[2 * y + c])
-                    .collect();
-                f[2 * x + c] =
-                    if others.is_empty() { 0.0 } else { others.iter().sum::<f64>() / others.len() as f64 };
-            }
-        }
+        fill(&welded, &flags, &mut f, 2);
         let mut expected = bands(&phi, &welded, &f, 2);
         for x in (0..n).filter(|&x| flags[x]) {
             f[2 * x..2 * x + 2].fill(f64::NAN);
@@ -160,6 +150,30 @@ fn masked_vertices_take_no_part_and_have_no_bands() {
         let fast = Fast::masked(&case, &flags);
         let found = fast.bands(&f, 2, &dyadic(LEVELS), Method::Default);
         assert_same_bands(&case, "masked", &found, &expected, BANDS);
+    }
+}
+
+#[test]
+fn the_energy_of_a_band_is_its_weighted_mean_square() {
+    for case in cases() {
+        let (fast, n) = (Fast::new(&case), case.parts.n_vertices());
+        let phi = scaling_functions(&operator(&case).t, LEVELS);
+        for n_channels in [1, 3] {
+            let f = signal(n, n_channels, 50);
+            let expected = bands(&phi, &weld(&case.parts), &f, n_channels).wavelet;
+            let uneven: Vec<f64> = (0..n).map(|x| 2.5 * (x % 4) as f64).collect();
+            // Weights that are all 0 are as good as equal ones.
+            for (weights, meant) in
+                [(&uneven, &uneven), (&vec![0.3; n], &vec![1.0; n]), (&vec![0.0; n], &vec![1.0; n])]
+            {
+                let mean_square = |band: &Vec<f64>| {
+                    let squares = band.chunks(n_channels).map(|w| w.iter().map(|w| w.powi(2)).sum::<f64>());
+                    squares.zip(meant).map(|(s, m)| s * m).sum::<f64>() / meant.iter().sum::<f64>()
+                };
+                let expected: Vec<f64> = expected.iter().map(mean_square).collect();
+                assert_close(&fast.energy(&f, n_channels, LEVELS, weights), &expected, BANDS, case.name);
+            }
+        }
     }
 }
 

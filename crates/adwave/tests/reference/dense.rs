@@ -5,6 +5,7 @@
 use crate::shapes::{Case, Parts};
 use adwave::operator::{CloudGraph, OperatorParams};
 use adwave::shape::{CloudArea, MeshArea};
+use nalgebra::{DMatrix, Vector2, Vector3};
 use std::f64::consts::PI;
 
 pub(crate) type Matrix = Vec<Vec<f64>>;
@@ -115,7 +116,7 @@ pub(crate) fn local_operator(case: &Case, mutant: Mutant) -> LocalOperator {
         Parts::Cloud { points } => {
             let points: Vec<[f64; 3]> = welded.first.iter().map(|&x| points[x]).collect();
             length = distances(&points);
-            (is_neighbour, areas, mean_length) = cloud(&length, &case.params);
+            (is_neighbour, areas, mean_length) = cloud(&points, &length, &case.params);
             is_next = is_neighbour.clone();
         }
     }
@@ -228,8 +229,8 @@ fn mesh_areas(points: &[[f64; 3]], triangles: &[[usize; 3]], kind: MeshArea) -> 
     areas
 }
 
-/// Neighbours, areas `π·r_k²/k` and E of a cloud.
-fn cloud(length: &Matrix, params: &OperatorParams) -> (Vec<Vec<bool>>, Vec<f64>, f64) {
+/// Neighbours, areas and E of a cloud.
+fn cloud(points: &[[f64; 3]], length: &Matrix, params: &OperatorParams) -> (Vec<Vec<bool>>, Vec<f64>, f64) {
     let n = length.len();
     let k = params.neighbours.min(n - 1);
     let radius: Vec<f64> = (0..n)
@@ -243,6 +244,14 @@ fn cloud(length: &Matrix, params: &OperatorParams) -> (Vec<Vec<bool>>, Vec<f64>,
         (0..n).map(|x| (0..n).map(|y| y != x && length[x][y] <= radius[x] * (1.0 + TIE)).collect()).collect();
     let pairs = (0..n).flat_map(|x| (0..n).map(move |y| (x, y))).filter(|&(x, y)| near[x][y]);
     let mean_length = mean(pairs.map(|(x, y)| length[x][y]));
+    let areas = match params.cloud_area {
+        CloudArea::Unit => vec![1.0; n],
+        CloudArea::KthNeighbour => radius.iter().map(|r| PI * r * r / k as f64).collect(),
+        CloudArea::TangentVoronoi => {
+            let others = |x: usize| (0..n).filter(|&y| near[x][y]).map(|y| points[y]).collect::<Vec<_>>();
+            (0..n).map(|x| voronoi_area(points[x], &others(x), radius[x])).collect()
+        }
+    };
     if params.cloud_graph == CloudGraph::Union {
         let directed = near.clone();
         for x in 0..n {
@@ -251,12 +260,53 @@ fn cloud(length: &Matrix, params: &OperatorParams) -> (Vec<Vec<bool>>, Vec<f64>,
             }
         }
     }
-    let areas = match params.cloud_area {
-        CloudArea::Unit => vec![1.0; n],
-        CloudArea::KthNeighbour => radius.iter().map(|r| PI * r * r / k as f64).collect(),
-        CloudArea::TangentVoronoi => unimplemented!("no case asks for it"),
-    };
     (near, areas, mean_length)
+}
+
+/// The directions in which points spread, the widest first, each with length 1.
+pub(crate) fn spread(points: &[[f64; 3]]) -> [Vector3<f64>; 3] {
+    let middle = points.iter().map(|&p| Vector3::from(p)).sum::<Vector3<f64>>() / points.len() as f64;
+    // Three rows at least, so that there are three directions.
+    let offset = |k: usize, c: usize| points.get(k).map_or(0.0, |p| p[c] - middle[c]);
+    let offsets = DMatrix::from_fn(points.len().max(3), 3, offset);
+    let directions = offsets.svd(false, true).v_t.expect("asked for");
+    [0, 1, 2].map(|k| Vector3::new(directions[(k, 0)], directions[(k, 1)], directions[(k, 2)]))
+}
+
+/// The area of what is nearer to `p` than to any of the others, in the plane of the others, within the regular polygon of 24
+/// corners that stands for the disc of that radius, the first on the axis of their widest spread.
+///
+/// All half-planes at once: its corners are where two of their edges meet that lie in all the others.
+fn voronoi_area(p: [f64; 3], others: &[[f64; 3]], radius: f64) -> f64 {
+    const CORNERS: usize = 24;
+    /// What a corner may be outside of an edge that it lies on, in units of the radius.
+    const ON_IT: f64 = 1e-12;
+    let [u, v, _] = spread(others);
+    // (n, h) is where n·q ≤ h. The sides of the polygon are half-way between its corners.
+    let side = |k: usize| {
+        let angle = (k as f64 + 0.5) * 2.0 * PI / CORNERS as f64;
+        (Vector2::new(angle.cos(), angle.sin()), (PI / CORNERS as f64).cos())
+    };
+    let bisector = |q: &[f64; 3]| {
+        let d = (Vector3::from(*q) - Vector3::from(p)) / radius;
+        let q = Vector2::new(d.dot(&u), d.dot(&v));
+        (q, q.norm_squared() / 2.0)
+    };
+    let halves: Vec<(Vector2<f64>, f64)> =
+        (0..CORNERS).map(side).chain(others.iter().map(bisector)).collect();
+    let mut corners = Vec::new();
+    for (k, (n, h)) in halves.iter().enumerate() {
+        for (m, g) in &halves[..k] {
+            let det = n.perp(m);
+            let corner = Vector2::new(h * m.y - g * n.y, g * n.x - h * m.x) / det;
+            if det != 0.0 && halves.iter().all(|(n, h)| n.dot(&corner) <= h + ON_IT) {
+                corners.push(corner);
+            }
+        }
+    }
+    corners.sort_by(|a, b| a.y.atan2(a.x).total_cmp(&b.y.atan2(b.x)));
+    let after = corners.iter().cycle().skip(1);
+    corners.iter().zip(after).map(|(a, b)| a.perp(b)).sum::<f64>() / 2.0 * radius * radius
 }
 
 /// `[·]_r` (eq. 5): every row divided by its ‖·‖₁; a row of zeros becomes one of the identity.
@@ -314,12 +364,11 @@ pub(crate) fn real_power(phi: &Matrix, stationary: &[f64], n: f64) -> Matrix {
     let size = phi.len();
     // What no step leaves or enters may have any weight but 0.
     let root: Vec<f64> = stationary.iter().map(|&p| if p > 0.0 { p.sqrt() } else { 1.0 }).collect();
-    let symmetric = nalgebra::DMatrix::from_fn(size, size, |x, y| root[x] * phi[x][y] / root[y]);
+    let symmetric = DMatrix::from_fn(size, size, |x, y| root[x] * phi[x][y] / root[y]);
     let symmetric = 0.5 * (&symmetric + symmetric.transpose());
     let eigen = symmetric.symmetric_eigen();
     let powers = eigen.eigenvalues.map(|l| l.max(0.0).powf(n));
-    let power =
-        &eigen.eigenvectors * nalgebra::DMatrix::from_diagonal(&powers) * eigen.eigenvectors.transpose();
+    let power = &eigen.eigenvectors * DMatrix::from_diagonal(&powers) * eigen.eigenvectors.transpose();
     (0..size).map(|x| (0..size).map(|y| power[(x, y)] / root[x] * root[y]).collect()).collect()
 }
 
@@ -380,6 +429,20 @@ pub(crate) fn mean_of_welded(welded: &Welded, signal: &[f64], n_channels: usize)
         }
     }
     out
+}
+
+/// Gives the masked vertices of the file what the others at their position have on average, or 0.
+pub(crate) fn fill(welded: &Welded, flags: &[bool], signal: &mut [f64], n_channels: usize) {
+    for x in (0..flags.len()).filter(|&x| flags[x]) {
+        for c in 0..n_channels {
+            let others: Vec<f64> = (0..flags.len())
+                .filter(|&y| welded.class[y] == welded.class[x] && !flags[y])
+                .map(|y| signal[n_channels * y + c])
+                .collect();
+            signal[n_channels * x + c] =
+                if others.is_empty() { 0.0 } else { others.iter().sum::<f64>() / others.len() as f64 };
+        }
+    }
 }
 
 /// S_f and W_f of eq. 11 in the order of the file.

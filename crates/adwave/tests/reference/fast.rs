@@ -12,7 +12,7 @@ use adwave::saliency::{Saliency, saliency, saliency_per_level};
 use adwave::shape::PreparedGeometry;
 use adwave::{Decomposer, Progress};
 
-pub(crate) use adwave::features::{FeatureParams, Response, ThresholdScope};
+pub(crate) use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope};
 pub(crate) use adwave::saliency::{SaliencyParams, Weighting};
 
 /// The smallest error that can be asked for.
@@ -266,6 +266,54 @@ impl<'a> Fast<'a> {
     ) -> Vec<Feature> {
         let wavelets = self.wavelets(signal, n_channels, n_levels);
         features(&self.decomposer, &wavelets, params, Progress::none()).unwrap()
+    }
+
+    /// Bands of given values in place of a signal's: W(j) of the welded vertices at index j − 1, and σ_0 … σ_J.
+    fn given(&self, levels: &[Vec<f64>], sigma: &[f64]) -> adwave::bands::Wavelets {
+        let mut wavelets = self.wavelets(&vec![0.0; self.decomposer.n_vertices()], 1, levels.len());
+        for (there, level) in wavelets.levels.iter_mut().zip(levels) {
+            for (&place, value) in self.place.iter().zip(level) {
+                there[place] = *value;
+            }
+        }
+        wavelets.sigma = sigma.to_vec();
+        wavelets
+    }
+
+    /// Algorithm 2 on bands of given values.
+    pub(crate) fn features_of(
+        &self,
+        levels: &[Vec<f64>],
+        sigma: &[f64],
+        params: &FeatureParams,
+    ) -> Vec<Feature> {
+        features(&self.decomposer, &self.given(levels, sigma), params, Progress::none()).unwrap()
+    }
+
+    /// Eq. 17 on bands of given values.
+    pub(crate) fn saliency_of(
+        &self,
+        levels: &[Vec<f64>],
+        sigma: &[f64],
+        params: &SaliencyParams,
+    ) -> Saliency {
+        saliency(&self.decomposer, &self.given(levels, sigma), params, Progress::none()).unwrap()
+    }
+
+    /// Whether the analysis has the welded vertex `x` before `y`.
+    pub(crate) fn comes_first(&self, x: usize, y: usize) -> bool {
+        self.place[x] < self.place[y]
+    }
+
+    /// Mean square of each band on dyadic levels, weighted.
+    pub(crate) fn energy(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        n_levels: usize,
+        weights: &[f64],
+    ) -> Vec<f64> {
+        self.split(signal, n_channels, &dyadic(n_levels), &accurate()).energy(weights).unwrap()
     }
 }
 

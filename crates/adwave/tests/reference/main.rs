@@ -4,13 +4,16 @@
 //! Each group of tests ends in one that changes the formula a little and asserts that the difference would be seen.
 
 mod bands;
+mod borders;
 mod dense;
 mod fast;
 mod features;
 mod filter;
 mod operator;
+mod refinement;
 mod saliency;
 mod shapes;
+mod ties;
 
 /// Sums and products of some hundred numbers in double precision, relative to the largest.
 const ROUNDING: f64 = 1e-12;

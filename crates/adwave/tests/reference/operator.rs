@@ -6,6 +6,7 @@ use crate::dense::{
 use crate::fast::Fast;
 use crate::shapes::{Case, Parts, cases};
 use crate::{ROUNDING, SEEN, assert_close, assert_same_matrix, difference};
+use adwave::operator::{CloudGraph, OperatorParams};
 use std::f64::consts::PI;
 
 fn off_diagonal(t: &Matrix) -> Matrix {
@@ -49,6 +50,18 @@ fn the_local_operator_is_that_of_equation_1() {
             })
             .collect();
         assert_close(&fast.mean_square, &mean_square, ROUNDING, case.name);
+    }
+}
+
+#[test]
+fn the_mean_length_of_a_cloud_counts_every_neighbour_of_a_tie() {
+    // One neighbour each, but two of the point 1, equally far: (1 + 1 + 1 + 1 + 3) / 5. The neighbourhood is what is directed,
+    // so that the edge from 2 to 3 is none of them.
+    let points = [0.0, 1.0, 2.0, 5.0].map(|x| [x, 0.0, 0.0]).to_vec();
+    for graph in [CloudGraph::Union, CloudGraph::Directed] {
+        let params = OperatorParams::default().with_neighbours(1).with_cloud_graph(graph);
+        let case = Case { name: "tie", parts: Parts::Cloud { points: points.clone() }, params };
+        assert_close(&[Fast::new(&case).local_operator().mean_length], &[1.4], ROUNDING, "E");
     }
 }
 

@@ -54,6 +54,7 @@ pub(crate) fn cases() -> Vec<Case> {
         case("mesh with a seam, mixed Voronoi areas", &seam, default.with_mesh_area(MeshArea::MixedVoronoi)),
         case("cloud", &cloud, default),
         case("cloud, areas of 1", &cloud, default.with_cloud_area(CloudArea::Unit)),
+        case("cloud, Voronoi areas", &cloud, default.with_cloud_area(CloudArea::TangentVoronoi)),
         case("cloud, 4 neighbours", &cloud, default.with_neighbours(4)),
         case("directed cloud", &cloud, default.with_cloud_graph(CloudGraph::Directed)),
         case(
@@ -202,6 +203,8 @@ fn seam_mesh() -> Parts {
     // Exactly no area: two corners are at one position, by a second vertex at the place of vertex 0.
     points.push(p);
     triangles.push([0, flat + 1, flat]);
+    // A third vertex there, which no face names.
+    points.push(p);
     Parts::Mesh { points, triangles }
 }
 

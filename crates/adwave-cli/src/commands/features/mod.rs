@@ -184,7 +184,7 @@ fn report(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>
                 json
             }).collect::<Vec<_>>(),
             "seconds": {
-                "read": found.analysis.seconds.read, "walk": found.analysis.seconds.walk,
+                "read": found.analysis.seconds.read, "diffusion": found.analysis.seconds.diffusion,
                 "bands": found.analysis.seconds.bands, "features": found.seconds,
             },
         })

@@ -75,7 +75,7 @@ fn report(
         bands,
         levels_reason: &analysis.why,
         command: &command_line(global.arguments),
-        seconds: &[("reading", seconds.read), ("walk", seconds.walk), ("bands", seconds.bands)],
+        seconds: &[("reading", seconds.read), ("diffusion", seconds.diffusion), ("bands", seconds.bands)],
     };
     let looks = Looks { view: Some(args.view), up: args.up.unwrap_or(up) };
     with_progress(global, "measuring and drawing", |progress| shape_report(&subject, looks, progress))
