@@ -157,7 +157,7 @@ def waiting_table(r):
         [f"filter of 8 bands, {harmonics['n']:,} vertices", seconds(harmonics["operator_seconds"]), times(harmonics["filter"])],
         [f"Φ₁ … Φ₆, {basis['n']:,} vertices, first call", seconds(harmonics["operator_seconds"]), seconds(basis["first_seconds"])],
     ]
-    return table(["work", "the walk from the mesh", "one call, min / median"], rows)
+    return table(["work", "Φ₁ from the mesh", "one call, min / median"], rows)
 
 
 def cost_tables(r):
@@ -175,7 +175,7 @@ def cost_tables(r):
     first, last = cost["against_n"][0], cost["against_n"][-1]
     slope = math.log(last["median"] / first["median"]) / math.log(last["n"] / first["n"])
     return (f"All eight bands of xyz on a torus; the time grows as n to the power {slope:.2f} from the first line to the last.\n\n"
-            + table(["vertices", "min / median", "a vertex", "the walk from the mesh"], by_n)
+            + table(["vertices", "min / median", "a vertex", "Φ₁ from the mesh"], by_n)
             + f"\n\nAll bands of xyz on {cost['n']:,} vertices; from J = 14 to J = 20 a level more costs {mean:.2f} times as much "
             + "(√2 = 1.41 for the products alone). Powers are one product times the steps.\n\n"
             + table(["J", "steps", "products", "min / median", "over J − 1", "powers"], rows))

@@ -37,8 +37,8 @@ pub(super) struct Run {
     pub(super) n_rows: u32,
 }
 
-/// Own rows that are put in the order of their degrees among themselves: their weights, which lie in the order of the
-/// vertices, are still in the nearest cache when their turn comes.
+/// Own rows that are put in the order of their degrees among themselves: their weights and values, which lie in the order of
+/// the vertices, are still in the nearest cache when their turn comes.
 const ROWS_SORTED: usize = 128;
 
 /// A block of vertices and the rings around it. Vertices are numbered with the own ones first, in their order, then ring
