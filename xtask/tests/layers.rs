@@ -59,12 +59,13 @@ fn the_method_knows_no_files_and_no_terminal() {
 }
 
 /// The modules of `adwave` from the bottom up; those of one line may not use each other. A module that moves moves here.
-const LAYERS: [&[&str]; 16] = [
+const LAYERS: [&[&str]; 17] = [
     &["error", "pages", "vector"],
     &["progress"],
     &["parallel"],
     &["rows"],
     &["shape"],
+    &["laplacian"],
     &["operator"],
     &["sparse"],
     &["bands"],

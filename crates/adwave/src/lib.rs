@@ -50,6 +50,7 @@ mod editor;
 mod error;
 pub mod features;
 pub mod filter;
+pub mod laplacian;
 pub mod mask;
 pub mod measure;
 pub mod operator;

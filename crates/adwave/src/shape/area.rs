@@ -127,14 +127,10 @@ fn tangent_voronoi(points: &[[f64; 3]], near: &Adjacency, x: usize, r: f64) -> f
     if r == 0.0 {
         return 0.0;
     }
+    let (u, v) = tangent_plane(points, near.of(x), x, r);
+    let (u, v) = (Vector3::from(u), Vector3::from(v));
     let origin = Vector3::from(points[x]);
     let offsets = near.of(x).iter().map(|&y| (Vector3::from(points[y as usize]) - origin) / r);
-    let mean = offsets.clone().sum::<Vector3<f64>>() / near.of(x).len().max(1) as f64;
-    let covariance = offsets.clone().fold(Matrix3::zeros(), |m, d| m + (d - mean) * (d - mean).transpose());
-    let eigen = covariance.symmetric_eigen();
-    let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-    let across = eigen.eigenvectors.column(eigen.eigenvalues.imax());
-    let (u, v) = (across.into_owned(), normal.cross(&across));
     let mut cell: Vec<[f64; 2]> = (0..DISC_CORNERS)
         .map(|k| {
             let angle = 2.0 * PI * k as f64 / DISC_CORNERS as f64;
@@ -155,6 +151,19 @@ fn tangent_voronoi(points: &[[f64; 3]], near: &Adjacency, x: usize, r: f64) -> f
         })
         .sum();
     0.5 * doubled.abs() * r * r
+}
+
+/// Two orthogonal directions of unit length in the plane that fits the points `near` best, `r` being of the order of their
+/// distances from `x`.
+pub(crate) fn tangent_plane(points: &[[f64; 3]], near: &[u32], x: usize, r: f64) -> ([f64; 3], [f64; 3]) {
+    let origin = Vector3::from(points[x]);
+    let offsets = near.iter().map(|&y| (Vector3::from(points[y as usize]) - origin) / r);
+    let mean = offsets.clone().sum::<Vector3<f64>>() / near.len().max(1) as f64;
+    let covariance = offsets.fold(Matrix3::zeros(), |m, d| m + (d - mean) * (d - mean).transpose());
+    let eigen = covariance.symmetric_eigen();
+    let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+    let across = eigen.eigenvectors.column(eigen.eigenvalues.imax());
+    (across.into_owned().into(), normal.cross(&across).into())
 }
 
 /// The part of a convex polygon where p·q ≤ half.

@@ -21,7 +21,7 @@ mod vertex_map;
 pub use adjacency::{Adjacency, k_rings, n_components, one_ring};
 pub(crate) use adjacency::{triangles_at_vertices, try_k_rings, try_one_ring};
 pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
-pub(crate) use area::{mean_edge_length, try_cloud_areas, try_mesh_areas};
+pub(crate) use area::{mean_edge_length, tangent_plane, try_cloud_areas, try_mesh_areas};
 pub use cloud::PointCloud;
 pub use graph::{Graph, GraphError};
 pub use health::{Health, health};

@@ -1,0 +1,216 @@
+//! The Laplace–Beltrami operator of a surface: weights of edges and masses of vertices that depend on the surface, and as
+//! little as they can on its mesh.
+//!
+//! `(M⁻¹L f)(x) = (1/M(x))·Σ_y w(x,y)·(f(x) − f(y))` with w ≥ 0. On a mesh w are the cotangent weights (`pinkall1993`) of the
+//! intrinsic Delaunay triangulation (`bobenko2007`) of its surface, and M a third of its triangles' areas; on a mesh that is
+//! no surface those of its double cover (`sharp2020`); on a cloud those of Voronoi cells in tangent planes.
+
+mod cloud;
+mod gluing;
+mod triangulation;
+
+use crate::parallel;
+use crate::rows::{CompressedRows, Pattern, rows_at_a_time};
+use crate::shape::{Graph, PreparedGeometry, Shape, VertexMap, try_nearest_neighbours};
+use crate::{Cancelled, Progress};
+use gluing::{cover, glue_sheet};
+use triangulation::{Triangulation, next};
+
+/// Weights at most this large, beside cotangents of about 1, are rounding: the diagonal of a rectangle has weight 0.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// A cell of a cloud is closed by about so many times as many neighbours as it has: those of the diffusion, twice over.
+const NEIGHBOURS_FOR_A_CELL: usize = 2;
+
+/// Weights and masses of the welded vertices of a shape, in the analysis order.
+///
+/// ```
+/// use adwave::{Progress, laplacian::Laplacian, shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode}};
+/// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(square, Polygons::from_triangles(&[[0, 1, 2], [0, 2, 3]]))?;
+/// let geometry = PreparedGeometry::new(&Shape::Mesh(mesh), WeldMode::default(), Progress::none())?;
+/// let laplacian = Laplacian::new(&geometry, 10, Progress::none())?;
+/// assert!((laplacian.areas().iter().sum::<f64>() - 1.0).abs() < 1e-14);
+/// assert_eq!(laplacian.weights().row(0).1.len(), 2); // the sides, and no diagonal: its angles are right
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Laplacian {
+    weights: CompressedRows<f64>,
+    /// In squares of `unit`.
+    mass: Vec<f64>,
+    /// Mean length of the edges, in units of `unit`.
+    mean_length: f64,
+    n_flips: usize,
+    is_covered: bool,
+    lengthened: f64,
+}
+
+impl Laplacian {
+    /// The Laplacian of a prepared shape; of a graph `D − W` with masses of 1. `neighbours` is the number of nearest points
+    /// that a point of a cloud has. O(n log n).
+    ///
+    /// Everything is finite, whatever the shape: vertices of no triangle have no weight and no mass.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(
+        geometry: &PreparedGeometry,
+        neighbours: usize,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        if let Shape::Graph(graph) = geometry.shape() {
+            return of_graph(graph, geometry.vertex_map(), progress);
+        }
+        let (points, unit) = geometry.unit_points(progress)?;
+        let mut laplacian = match geometry.shape() {
+            Shape::Cloud(_) => {
+                let near = try_nearest_neighbours(&points, NEIGHBOURS_FOR_A_CELL * neighbours, progress)?;
+                cloud::laplacian(&points, &near, progress)?
+            }
+            _ => of_mesh(&points, geometry.triangles(), progress)?,
+        };
+        for length in [&mut laplacian.mean_length, &mut laplacian.lengthened] {
+            *length *= unit;
+        }
+        parallel::try_for_rows(&mut laplacian.mass, 1, 1 << 14, progress, |_, masses| {
+            for m in masses {
+                *m = *m * unit * unit;
+            }
+        })?;
+        Ok(laplacian)
+    }
+
+    /// w, n × n: symmetric, > 0, without diagonal. Without unit on a surface.
+    pub fn weights(&self) -> &CompressedRows<f64> {
+        &self.weights
+    }
+
+    /// The diagonal of M in squared model units (1 for a graph): ≥ 0, and the area of the surface in sum.
+    pub fn areas(&self) -> &[f64] {
+        &self.mass
+    }
+
+    /// Mean length of the mesh's edges, or of those between the points of a cloud, in model units (1 for a graph).
+    pub fn mean_length(&self) -> f64 {
+        self.mean_length
+    }
+
+    /// Edges that were flipped to reach the Delaunay triangulation.
+    pub fn n_flips(&self) -> usize {
+        self.n_flips
+    }
+
+    /// Whether the mesh was covered twice, because it is no oriented surface or has obtuse angles at its border.
+    pub fn is_covered(&self) -> bool {
+        self.is_covered
+    }
+
+    /// By how much every edge was lengthened to make degenerate triangles proper, in model units.
+    pub fn lengthened(&self) -> f64 {
+        self.lengthened
+    }
+
+    /// The weights and the masses.
+    pub fn into_parts(self) -> (CompressedRows<f64>, Vec<f64>) {
+        (self.weights, self.mass)
+    }
+}
+
+fn of_graph(
+    graph: &Graph,
+    vertex_map: &VertexMap,
+    progress: Progress<'_>,
+) -> Result<Laplacian, Cancelled> {
+    let n = graph.n_nodes();
+    let (node_at, place) = (vertex_map.last_members(), vertex_map.as_slice());
+    let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
+        row.clear();
+        row.extend(graph.neighbours(node_at[x] as usize).map(|(y, w)| (place[y as usize], w)));
+        row.sort_unstable_by_key(|entry| entry.0);
+        columns.extend(row.iter().map(|entry| entry.0));
+        weights.extend(row.iter().map(|entry| entry.1));
+    };
+    let weights = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)?;
+    Ok(Laplacian {
+        weights,
+        mass: vec![1.0; n],
+        mean_length: 1.0,
+        n_flips: 0,
+        is_covered: false,
+        lengthened: 0.0,
+    })
+}
+
+fn of_mesh(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    progress: Progress<'_>,
+) -> Result<Laplacian, Cancelled> {
+    let n = points.len();
+    let mut surface = Triangulation::new(points, triangles, progress)?;
+    let at_vertex = surface.at_vertices(n, progress)?;
+    let edges = glue_sheet(&mut surface, &at_vertex, progress)?;
+    if !edges.is_manifold {
+        surface.twin.fill(triangulation::NONE);
+        surface = cover(surface, points, &at_vertex, progress)?;
+    }
+    drop(at_vertex);
+    let lengthened = surface.mollify(progress)?;
+    let mut n_flips = surface.flip_to_delaunay(progress)?;
+    let mut is_covered = !edges.is_manifold;
+    // A border edge that sees an obtuse angle would have a negative weight. Over the border lies the back of the same
+    // triangle; inside, the triangulation stays as it is.
+    if edges.is_manifold && edges.has_border && surface.has_obtuse_border(progress)? {
+        surface = surface.doubled();
+        n_flips += surface.flip_to_delaunay(progress)?;
+        is_covered = true;
+    }
+    let at_vertex = surface.at_vertices(n, progress)?;
+    let share = if is_covered { 0.5 } else { 1.0 };
+    let weights = weights(&surface, &at_vertex, n, share, progress)?;
+    let mass = parallel::try_collect(n, progress, |x| {
+        let areas = at_vertex.of(x).iter().map(|&t| surface.area(3 * t as usize));
+        share / 3.0 * areas.sum::<f64>()
+    })?;
+    Ok(Laplacian { weights, mass, mean_length: edges.mean_length, n_flips, is_covered, lengthened })
+}
+
+/// `w(x,y) = ½(cot α + cot β)`, α and β opposite the edge; the edges between two vertices together.
+fn weights(
+    surface: &Triangulation,
+    at_vertex: &Pattern,
+    n: usize,
+    share: f64,
+    progress: Progress<'_>,
+) -> Result<CompressedRows<f64>, Cancelled> {
+    let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
+        row.clear();
+        let mut before = None;
+        for &t in at_vertex.of(x) {
+            // A triangle with two corners at x stands twice.
+            if before.replace(t) == Some(t) {
+                continue;
+            }
+            for h in 3 * t as usize..3 * t as usize + 3 {
+                let (from, to) = (surface.corner[h], surface.corner[next(h)]);
+                if from != to && (from as usize == x || to as usize == x) {
+                    let other = if from as usize == x { to } else { from };
+                    row.push((other, 0.5 * share * surface.cotangent(h)));
+                }
+            }
+        }
+        row.sort_by_key(|entry| entry.0);
+        for edge in row.chunk_by(|a, b| a.0 == b.0) {
+            let weight: f64 = edge.iter().map(|e| e.1).sum();
+            if weight > NEGLIGIBLE {
+                columns.push(edge[0].0);
+                weights.push(weight);
+            }
+        }
+    };
+    CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)
+}
+
+#[cfg(test)]
+mod tests;
