@@ -2,7 +2,7 @@
 
 use super::named::named;
 use adwave::bands::BandsParams;
-use adwave::operator::{CloudGraph, OperatorParams};
+use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
 use clap::{Args, ValueEnum};
 use std::num::NonZeroUsize;
@@ -25,6 +25,9 @@ pub(crate) struct ShapeArgs {
     /// Seed of the noise
     #[arg(long, value_name = "K", default_value_t = 1, help_heading = "Shape")]
     pub(crate) seed: u64,
+    /// By what a signal is smoothed [default: surface where levels are given by --lengths, else walk]
+    #[arg(long, value_name = "KIND", value_enum, help_heading = "Diffusion operator")]
+    pub(crate) operator: Option<OperatorArg>,
     /// Take vertices at exactly equal positions as different vertices
     #[arg(long, help_heading = "Diffusion operator")]
     pub(crate) no_weld: bool,
@@ -51,9 +54,20 @@ fn count(n: usize) -> NonZeroUsize {
 }
 
 impl ShapeArgs {
-    /// How the diffusion operator is built.
+    /// How the diffusion operator is built, by itself.
     pub(crate) fn operator(&self) -> OperatorParams {
+        self.operator_or(OperatorKind::Walk)
+    }
+
+    /// How the diffusion operator is built for these levels: widths should mean the same on every mesh.
+    pub(crate) fn operator_for(&self, levels: &LevelArgs) -> OperatorParams {
+        self.operator_or(if levels.lengths.is_some() { OperatorKind::Surface } else { OperatorKind::Walk })
+    }
+
+    /// How the diffusion operator is built, of this kind where none is asked for.
+    pub(crate) fn operator_or(&self, kind: OperatorKind) -> OperatorParams {
         OperatorParams::default()
+            .with_kind(self.operator.map_or(kind, Into::into))
             .with_weld(if self.no_weld { WeldMode::Off } else { WeldMode::EqualPositions })
             .with_rings(self.rings.get())
             .with_mesh_area(self.mesh_area.into())
@@ -69,6 +83,16 @@ pub(crate) enum Kind {
     Mesh,
     Cloud,
     Graph,
+}
+
+named! {
+    /// `adwave::operator::OperatorKind` by its names here.
+    OperatorArg for OperatorKind {
+        /// The paper's lazy random walk over the mesh
+        Walk = Walk,
+        /// Heat on the surface: widths that hardly depend on the mesh
+        Surface = Surface,
+    }
 }
 
 named! {

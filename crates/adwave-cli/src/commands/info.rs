@@ -27,7 +27,7 @@ pub(crate) struct InfoArgs {
 pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
     let (input, decomposer, health) = with_spinner(global, "reading", || {
         let input = load(&args.shape)?;
-        let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
+        let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels))?;
         let health = decomposer.health();
         Ok::<_, CliError>((input, decomposer, health))
     })?;

@@ -7,6 +7,7 @@
 mod bands;
 mod chebyshev;
 mod error;
+mod heat_series;
 mod params;
 mod powers;
 mod real_series;

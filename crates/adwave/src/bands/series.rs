@@ -9,7 +9,7 @@
 //! Source: `carne1985`, for the coefficients of λⁿ.
 
 /// Probabilities below this are no longer computed: far below the rounding of any sum they enter.
-const NEGLIGIBLE: f64 = 1e-40;
+pub(super) const NEGLIGIBLE: f64 = 1e-40;
 
 /// Bands of at most so many steps are summed power by power, because tails of nearly equal powers cancel.
 const SUMMED_DIRECTLY: u64 = 64;
@@ -66,7 +66,7 @@ pub(crate) struct Series {
 }
 
 impl Series {
-    fn new(mut coefficients: Vec<f64>, growth: Growth) -> Self {
+    pub(super) fn new(mut coefficients: Vec<f64>, growth: Growth) -> Self {
         let total: f64 = coefficients.iter().rev().map(|a| a.abs()).sum();
         let mut tail = vec![0.0; coefficients.len()];
         for k in (1..coefficients.len()).rev() {
@@ -192,7 +192,7 @@ fn walk_law(n: f64) -> Vec<f64> {
 }
 
 /// `Σ_{m>k} (m − k)·law[m]` for each k.
-fn double_tails(law: &[f64]) -> Vec<f64> {
+pub(super) fn double_tails(law: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; law.len()];
     let (mut tail, mut double) = (0.0, 0.0);
     for k in (0..law.len() - 1).rev() {

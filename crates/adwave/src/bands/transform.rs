@@ -4,8 +4,8 @@ use super::chebyshev::{Outcome, Prepared};
 use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, LADDER, Rung};
 use super::series::{Growth, Series};
-use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule};
-use crate::operator::Diffusion;
+use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule, heat_series};
+use crate::operator::{Diffusion, Semigroup};
 use crate::parallel;
 use crate::sparse::{apply, difference};
 use crate::{Cancelled, Progress};
@@ -172,7 +172,10 @@ impl Transform {
     /// The series of the band between two numbers of steps; that of fractional powers interpolates, and its remainder is bounded
     /// as in `trefethen2013`, chapter 11.
     fn band(&self, pair: &[f64], rung: Rung, growth: Growth) -> Series {
-        real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth)
+        match self.diffusion.semigroup() {
+            Semigroup::Steps => real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth),
+            Semigroup::Heat { rate } => heat_series::band(rate * pair[0], rate * pair[1], growth),
+        }
     }
 
     /// `series(i, rung)(Φ₁)·(I − Φ₁)·signal` into `outs[i]`, by degree escalation: the first degree that is good enough for each.
@@ -285,7 +288,8 @@ impl Transform {
 
 /// The method that is used where `params` leave the choice.
 fn engine(diffusion: &Diffusion, params: &BandsParams) -> Engine {
-    if diffusion.is_reversible() && params.engine != Engine::Powers {
+    let is_heat = diffusion.semigroup() != Semigroup::Steps;
+    if is_heat || diffusion.is_reversible() && params.engine != Engine::Powers {
         Engine::Chebyshev
     } else {
         Engine::Powers

@@ -5,7 +5,7 @@ use super::local_columns::{LANES, LocalColumns};
 use super::pack::{PackedRows, pack};
 use super::sweep::{BlockSweep, Next};
 use super::transpose::Transpose;
-use super::{Basis, BasisError, BasisInfo, BasisParams};
+use super::{Basis, BasisError, BasisInfo, BasisParams, check_steps};
 use crate::Progress;
 use crate::operator::Diffusion;
 use crate::rows::{CompressedRows, Pattern};
@@ -99,6 +99,7 @@ pub fn basis(
     progress: Progress<'_>,
 ) -> Result<Basis, BasisError> {
     params.check()?;
+    check_steps(diffusion)?;
     let n = diffusion.n_vertices();
     let n_blocks = n.div_ceil(LANES);
     progress.step(0, n_blocks as u64)?;

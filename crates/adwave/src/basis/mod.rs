@@ -33,6 +33,7 @@ pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
 pub use squaring::basis_by_squaring;
 
 use crate::bands::Schedule;
+use crate::operator::{Diffusion, Semigroup};
 use crate::parallel::unstopped;
 use crate::rows::subtract;
 use crate::shape::VertexMap;
@@ -92,6 +93,14 @@ pub(crate) fn check_whole(schedule: &Schedule) -> Result<(), BasisError> {
     }
 }
 
+/// Heat has no sparse functions.
+fn check_steps(diffusion: &Diffusion) -> Result<(), BasisError> {
+    match diffusion.semigroup() {
+        Semigroup::Steps => Ok(()),
+        Semigroup::Heat { .. } => Err(BasisError::Heat),
+    }
+}
+
 fn check_tolerance(tolerance: f64) -> Result<(), BasisError> {
     if (0.0..1.0).contains(&tolerance) { Ok(()) } else { Err(BasisError::BadTolerance(tolerance)) }
 }
@@ -122,6 +131,11 @@ pub enum BasisError {
         /// Its steps.
         steps: f64,
     },
+    /// Heat reaches every vertex at once.
+    #[error(
+        "the functions of heat on a surface reach every vertex, and have no sparse matrices; take the operator `walk`, or the functions of single vertices"
+    )]
+    Heat,
     /// The matrices would not fit.
     #[error(
         "level {n_levels} of {n_vertices} vertices needs about {needed} bytes with all levels before it, more than the limit of {limit}; ask for fewer levels, for single vertices, for bands of a signal in place of the functions, or raise the limit"

@@ -5,7 +5,7 @@
 //! of degree k reach k rings. Otherwise it is applied step by step.
 
 use super::binomial::chebyshev_of_power;
-use super::{BasisError, check_tolerance};
+use super::{BasisError, check_steps, check_tolerance};
 use crate::Progress;
 use crate::bands::MAX_STEPS;
 use crate::operator::Diffusion;
@@ -94,6 +94,7 @@ pub fn one_vertex(
         return Err(BasisError::BadSteps { fine: steps_before, coarse: steps });
     }
     check_tolerance(drop_tolerance)?;
+    check_steps(diffusion)?;
     progress.step(0, steps)?;
     let ([fine, coarse], reached, n_products) =
         match by_chebyshev(diffusion, vertex, [steps_before, steps], progress)? {

@@ -1,6 +1,6 @@
 //! The paper's Algorithm 1, sparse squaring: the reference for the fast method, with which it shares no code.
 
-use super::{Basis, BasisError, BasisInfo, BasisParams};
+use super::{Basis, BasisError, BasisInfo, BasisParams, check_steps};
 use crate::operator::Diffusion;
 use crate::rows::CompressedRows;
 use crate::{Cancelled, Progress};
@@ -25,6 +25,7 @@ pub fn basis_by_squaring(
     progress: Progress<'_>,
 ) -> Result<Basis<f64>, BasisError> {
     params.check()?;
+    check_steps(diffusion)?;
     let steps = params.steps();
     if let Some(j) = (0..steps.len()).find(|&j| steps[j] != 1 << j) {
         return Err(BasisError::NotDyadic { level: j + 1, steps: steps[j] });

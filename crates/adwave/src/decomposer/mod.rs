@@ -8,9 +8,11 @@ pub use request::BandsRequest;
 use crate::bands::{Bands, BandsError, BandsParams, DEFAULT_EXTENT, Schedule, Transform, levels_reaching};
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::mask::{Mask, MaskError};
-use crate::operator::{Diffusion, OperatorParams, local_operator};
+use crate::operator::{
+    Diffusion, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, local_operator, surface_diffusion,
+};
 use crate::parallel::unstopped;
-use crate::region::SurfaceMetric;
+use crate::region::{Edges, SurfaceMetric};
 use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, squared_distance};
 use crate::shape::{triangles_at_vertices, try_one_ring};
 use crate::{Cancelled, Progress};
@@ -53,8 +55,10 @@ pub struct Decomposer {
     diagonal: f64,
     /// Which vertices are masked.
     mask: Option<Arc<Mask>>,
-    /// The rings of a mesh that one step takes in.
+    /// The rings of a mesh that one step takes in; none where steps do not go along its edges.
     rings: usize,
+    /// The one-ring of a mesh, without the masked vertices, where steps are not along its edges.
+    ring: Arc<OnceLock<Arc<Adjacency>>>,
     metric: Arc<OnceLock<SurfaceMetric>>,
 }
 
@@ -74,9 +78,18 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let geometry = PreparedGeometry::new(shape, params.weld, progress)?;
-        let operator = local_operator(&geometry, params, progress)?;
-        let (areas, mean_length) = (operator.areas().into(), operator.mean_length());
-        let diffusion = Diffusion::new(operator, progress)?;
+        let (diffusion, areas, mean_length, rings): (_, Arc<[f64]>, _, _) = match params.kind {
+            OperatorKind::Walk => {
+                let operator = local_operator(&geometry, params, progress)?;
+                let (areas, mean_length) = (operator.areas().into(), operator.mean_length());
+                (Diffusion::new(operator, progress)?, areas, mean_length, params.rings)
+            }
+            OperatorKind::Surface => {
+                let SurfaceDiffusion { diffusion, areas, mean_length, .. } =
+                    surface_diffusion(&geometry, params, progress)?;
+                (diffusion, areas.into(), mean_length, 0)
+            }
+        };
         Ok(Self {
             geometry: Arc::new(geometry),
             transform: transform(diffusion),
@@ -84,7 +97,8 @@ impl Decomposer {
             mean_length,
             diagonal: shape.diagonal(),
             mask: None,
-            rings: params.rings,
+            rings,
+            ring: Arc::default(),
             metric: Arc::default(),
         })
     }
@@ -120,6 +134,7 @@ impl Decomposer {
             transform: transform(diffusion),
             areas: self.areas.iter().enumerate().map(keep).collect(),
             mask: Some(Arc::new(mask)),
+            ring: Arc::default(),
             metric: Arc::default(),
             ..self.clone()
         })
@@ -146,15 +161,35 @@ impl Decomposer {
 
     /// The one-ring of a mesh without the masked vertices; of a cloud or graph what one step takes in.
     pub(crate) fn ring(&self, progress: Progress<'_>) -> Result<Cow<'_, Adjacency>, Cancelled> {
-        let (n, triangles) = (self.geometry.n_vertices(), self.geometry.triangles());
-        if self.rings == 1 || triangles.is_empty() {
-            return Ok(Cow::Borrowed(self.neighbours()));
+        match self.rings {
+            1 => Ok(Cow::Borrowed(self.neighbours())),
+            _ if self.geometry.triangles().is_empty() => Ok(Cow::Borrowed(self.neighbours())),
+            0 => Ok(Cow::Borrowed(self.mesh_ring(progress)?)),
+            _ => Ok(Cow::Owned(self.new_ring(progress)?)),
         }
+    }
+
+    fn new_ring(&self, progress: Progress<'_>) -> Result<Adjacency, Cancelled> {
+        let (n, triangles) = (self.geometry.n_vertices(), self.geometry.triangles());
         let ring = try_one_ring(triangles, &triangles_at_vertices(n, triangles, progress)?, progress)?;
-        Ok(Cow::Owned(match self.mask_flags() {
-            Some(masked) => ring.without(masked, progress)?,
-            None => ring,
-        }))
+        match self.mask_flags() {
+            Some(masked) => ring.without(masked, progress),
+            None => Ok(ring),
+        }
+    }
+
+    /// The one-ring that is kept where steps are not along the edges of the mesh.
+    fn mesh_ring(&self, progress: Progress<'_>) -> Result<&Arc<Adjacency>, Cancelled> {
+        if let Some(ring) = self.ring.get() {
+            return Ok(ring);
+        }
+        let ring = Arc::new(self.new_ring(progress)?);
+        Ok(self.ring.get_or_init(|| ring))
+    }
+
+    /// Whether steps go along other edges than those of the mesh.
+    fn has_own_ring(&self) -> bool {
+        self.rings == 0 && !self.geometry.triangles().is_empty()
     }
 
     /// The welded vertices and how they belong to those of the shape.
@@ -173,20 +208,24 @@ impl Decomposer {
         &self.transform
     }
 
-    /// The vertices that one step of the diffusion takes in, in the numbering of [`geometry`](Self::geometry).
+    /// The vertices that one step of the diffusion takes in, in the numbering of [`geometry`](Self::geometry); of heat on a mesh
+    /// those at its edges, while heat flows along those of another triangulation.
     pub fn neighbours(&self) -> &Adjacency {
+        if self.has_own_ring() {
+            return unstopped(self.mesh_ring(Progress::none())).as_ref();
+        }
         self.diffusion().neighbours()
     }
 
     /// Distances along the shape, for regions.
     pub fn metric(&self) -> &SurfaceMetric {
         self.metric.get_or_init(|| {
-            SurfaceMetric::new(
-                Arc::clone(&self.geometry),
-                Arc::clone(self.diffusion()),
-                self.diagonal,
-                self.mean_length,
-            )
+            let edges = if self.has_own_ring() {
+                Edges::Mesh(Arc::clone(unstopped(self.mesh_ring(Progress::none()))))
+            } else {
+                Edges::Diffusion(Arc::clone(self.diffusion()))
+            };
+            SurfaceMetric::new(Arc::clone(&self.geometry), edges, self.diagonal, self.mean_length)
         })
     }
 
@@ -284,6 +323,9 @@ impl Decomposer {
             return Err(BasisError::NoVertex { vertex, n_vertices });
         }
         let x = self.geometry.vertex_map().welded(vertex);
+        if self.diffusion().semigroup() != Semigroup::Steps {
+            return self.heat_of_vertex(x, schedule, progress);
+        }
         check_whole(schedule)?;
         let [.., before, last] = schedule.steps_from_zero()[..] else {
             unreachable!("a schedule has a level")
@@ -298,6 +340,42 @@ impl Decomposer {
             wavelet: dense(&functions.wavelet),
             support: functions.scaling.columns.len(),
         })
+    }
+
+    /// The functions of heat from one welded vertex: `φ_x(y) = P(x,y) = π(y)·P(y,x)/π(x)`, P being self-adjoint, so that the bands of
+    /// the unit vector at x give them.
+    fn heat_of_vertex(
+        &self,
+        x: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<VertexFunctions, BasisError> {
+        let (n, pi) = (self.geometry.n_vertices(), self.diffusion().stationary());
+        let mut unit = vec![0.0; n];
+        unit[x] = 1.0;
+        let steps = schedule.steps();
+        let last_two = Schedule::real(steps[steps.len().saturating_sub(2)..].to_vec()).expect("part of a schedule");
+        let mut bands = vec![vec![0.0; n]; last_two.n_levels()];
+        let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
+        self.transform.wavelets_into(&unit, 1, &last_two, &mut outs, progress).map_err(|error| match error {
+            BandsError::Cancelled(cancelled) => BasisError::Cancelled(cancelled),
+            other => unreachable!("{other}"),
+        })?;
+        let mut scaling = unit;
+        for band in &bands {
+            scaling.iter_mut().zip(band).for_each(|(s, w)| *s -= w);
+        }
+        let mut wavelet = bands.pop().expect("a schedule has a level");
+        let share = |y: usize| if pi[x] > 0.0 { pi[y] / pi[x] } else { f64::from(u8::from(x == y)) };
+        for (y, (s, w)) in scaling.iter_mut().zip(&mut wavelet).enumerate() {
+            *s = (*s * share(y)).max(0.0); // far away only rounding is left, of either sign
+            *w *= share(y);
+        }
+        let largest = scaling.iter().copied().fold(0.0, f64::max);
+        let floor = self.transform.params().accuracy * largest;
+        let support = scaling.iter().filter(|s| **s > floor).count();
+        let map = self.geometry.vertex_map();
+        Ok(VertexFunctions { scaling_function: map.scatter(&scaling, 1), wavelet: map.scatter(&wavelet, 1), support })
     }
 }
 

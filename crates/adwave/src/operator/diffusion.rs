@@ -71,6 +71,20 @@ impl ClassifiedError for DiffusionError {
     }
 }
 
+/// What n steps are, n whole or not.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Semigroup {
+    /// `Φ₁ⁿ`: n steps of the walk (eq. 6).
+    #[default]
+    Steps,
+    /// `exp(−n·rate·(I − Φ₁))`: heat after n times a step's time. As a walk it is Φ₁ whose steps come at random times, rate of
+    /// them on average in the time of one.
+    Heat {
+        /// How many steps of Φ₁ one step is on average.
+        rate: f64,
+    },
+}
+
 /// One step of a lazy random walk, `Φ₁ = [T]_r = ½I + ½Q` (eq. 4), n_vertices × n_vertices, as its off-diagonal entries; the
 /// diagonal is what is missing from 1.
 ///
@@ -82,6 +96,7 @@ pub struct Diffusion {
     stationary: Vec<f64>,
     step_length: f64,
     is_reversible: bool,
+    semigroup: Semigroup,
 }
 
 impl Diffusion {
@@ -122,7 +137,13 @@ impl Diffusion {
         };
         let step_square = parallel::try_sum(n, progress, |x| stationary[x] * 0.5 * mean_square[x])?;
         let rows = CompressedRows::trusted(pattern, weights);
-        Ok(Self { rows, stationary, step_length: step_square.sqrt(), is_reversible })
+        Ok(Self {
+            rows,
+            stationary,
+            step_length: step_square.sqrt(),
+            is_reversible,
+            semigroup: Semigroup::Steps,
+        })
     }
 
     /// A diffusion operator given by its own matrix: compressed rows with or without their diagonal, every row summing to 1.
@@ -171,7 +192,7 @@ impl Diffusion {
         };
         let rows = CompressedRows::from_rows(n, rows_at_a_time(n), Progress::none(), Vec::new, row)?;
         let stationary = vec![1.0 / n.max(1) as f64; n];
-        Ok(Self { rows, stationary, step_length: 1.0, is_reversible: false })
+        Ok(Self { rows, stationary, step_length: 1.0, is_reversible: false, semigroup: Semigroup::Steps })
     }
 
     /// [`from_rows`](Self::from_rows) of entries in three columns, in any order: entry `e` is `values[e]` at
@@ -234,6 +255,9 @@ impl Diffusion {
         if masked.len() != n {
             return Err(DiffusionError::MaskLength { n_flags: masked.len(), n_vertices: n });
         }
+        if let Semigroup::Heat { .. } = self.semigroup {
+            return Ok(self.heat_restricted(masked, progress)?);
+        }
         let kept_entries = |x: usize| {
             let (columns, values) = self.row(x);
             let entries = columns.iter().copied().zip(values.iter().copied());
@@ -261,7 +285,45 @@ impl Diffusion {
                 columns.iter().zip(values).map(|(&y, w)| w * squared_length(x, y as usize)).sum();
             stationary[x] * square
         })?;
-        Ok(Self { rows, stationary, step_length: step_square.sqrt(), is_reversible: self.is_reversible })
+        Ok(Self {
+            rows,
+            stationary,
+            step_length: step_square.sqrt(),
+            is_reversible: self.is_reversible,
+            semigroup: self.semigroup,
+        })
+    }
+
+    /// Heat that does not flow into or out of the masked vertices: the border of what is left is natural.
+    fn heat_restricted(&self, masked: &[bool], progress: Progress<'_>) -> Result<Self, Cancelled> {
+        let n = self.n_vertices();
+        let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
+            let (others, values) = self.row(x);
+            let kept = others.iter().zip(values).filter(|(y, _)| !masked[x] && !masked[**y as usize]);
+            for (&y, &w) in kept {
+                columns.push(y);
+                weights.push(w);
+            }
+        };
+        let (pattern, weights) =
+            CompressedRows::from_rows(n, rows_at_a_time(n), progress, || (), row)?.into_parts();
+        let mass =
+            parallel::try_collect(n, progress, |x| if masked[x] { 0.0 } else { self.stationary[x] })?;
+        Self::of_heat(pattern, weights, mass, self.step_length, self.semigroup, progress)
+    }
+
+    /// Heat by the off-diagonal entries of Φ₁ and a weight for each vertex that the distribution is proportional to.
+    pub(super) fn of_heat(
+        pattern: Pattern,
+        weights: Vec<f64>,
+        mass: Vec<f64>,
+        step_length: f64,
+        semigroup: Semigroup,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let rows = CompressedRows::trusted(pattern, weights);
+        let stationary = normalised(mass, progress)?;
+        Ok(Self { rows, stationary, step_length, is_reversible: true, semigroup })
     }
 
     /// Φ₁ as a matrix with its diagonal, n_vertices × n_vertices, every row by rising column: what
@@ -321,6 +383,11 @@ impl Diffusion {
     /// `Φ₁(x,x)`: what the off-diagonal entries leave of 1.
     pub fn diagonal(&self, x: usize) -> f64 {
         1.0 - self.row(x).1.iter().sum::<f64>()
+    }
+
+    /// What n steps are.
+    pub fn semigroup(&self) -> Semigroup {
+        self.semigroup
     }
 
     /// The stationary distribution π over all vertices, ≥ 0, Σπ = 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. Rows of Φ₁ⁿ converge to

@@ -3,9 +3,12 @@
 
 mod diffusion;
 mod local;
+mod spectrum;
+mod surface;
 
-pub use diffusion::{Diffusion, DiffusionError};
+pub use diffusion::{Diffusion, DiffusionError, Semigroup};
 pub use local::{LocalOperator, local_operator};
+pub use surface::{SurfaceDiffusion, surface_diffusion};
 
 use crate::shape::{CloudArea, MeshArea, WeldMode};
 
@@ -20,7 +23,17 @@ pub enum CloudGraph {
     Directed,
 }
 
-/// How the local operator is built. The defaults are those of the paper, made precise.
+/// By what a signal is smoothed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OperatorKind {
+    /// The paper's lazy random walk over the mesh (eq. 4): a step goes to neighbours, however far they are.
+    #[default]
+    Walk,
+    /// Heat on the surface, by its Laplace–Beltrami operator: bands that depend on the surface and hardly on its mesh.
+    Surface,
+}
+
+/// How the diffusion operator is built. The defaults are those of the paper, made precise.
 ///
 /// ```
 /// use adwave::operator::OperatorParams;
@@ -29,6 +42,8 @@ pub enum CloudGraph {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OperatorParams {
+    /// By what a signal is smoothed.
+    pub kind: OperatorKind,
     /// Whether vertices at equal positions are one welded vertex.
     pub weld: WeldMode,
     /// Mesh: how many rings of neighbours a step may take in; at least 1.
@@ -46,6 +61,7 @@ pub struct OperatorParams {
 impl Default for OperatorParams {
     fn default() -> Self {
         Self {
+            kind: OperatorKind::default(),
             weld: WeldMode::default(),
             rings: 1,
             mesh_area: MeshArea::default(),
@@ -57,6 +73,12 @@ impl Default for OperatorParams {
 }
 
 impl OperatorParams {
+    /// Sets by what a signal is smoothed.
+    #[must_use]
+    pub fn with_kind(self, kind: OperatorKind) -> Self {
+        Self { kind, ..self }
+    }
+
     /// Sets whether vertices at equal positions are one welded vertex.
     #[must_use]
     pub fn with_weld(self, weld: WeldMode) -> Self {

@@ -4,9 +4,27 @@ use super::{SurfaceSearch, stroke};
 use crate::Progress;
 use crate::operator::Diffusion;
 use crate::parallel::unstopped;
-use crate::shape::{PreparedGeometry, vertex_normals};
+use crate::shape::{Adjacency, PreparedGeometry, vertex_normals};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::sync::{Arc, Mutex, OnceLock};
+
+/// Along which edges distance is measured.
+#[derive(Clone, Debug)]
+pub enum Edges {
+    /// Those between the neighbours of a diffusion operator.
+    Diffusion(Arc<Diffusion>),
+    /// Those of a mesh.
+    Mesh(Arc<Adjacency>),
+}
+
+impl Edges {
+    fn neighbours(&self) -> &Adjacency {
+        match self {
+            Self::Diffusion(diffusion) => diffusion.neighbours(),
+            Self::Mesh(ring) => ring,
+        }
+    }
+}
 
 /// Distances along a shape, prepared for many regions.
 ///
@@ -15,7 +33,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 #[derive(Debug)]
 pub struct SurfaceMetric {
     geometry: Arc<PreparedGeometry>,
-    diffusion: Arc<Diffusion>,
+    edges: Edges,
     diagonal: f64,
     spacing: f64,
     normals: OnceLock<Vec<[f64; 3]>>,
@@ -39,17 +57,17 @@ pub(super) struct Within {
 }
 
 impl SurfaceMetric {
-    /// The metric of a prepared shape over the neighbours of its diffusion operator. `diagonal` is that of the bounding box,
+    /// The metric of a prepared shape over `edges`, in its analysis order. `diagonal` is that of the bounding box,
     /// `spacing` the mean distance of neighbours, both in model units (0 and 1 for a graph). O(1).
     pub fn new(
         geometry: Arc<PreparedGeometry>,
-        diffusion: Arc<Diffusion>,
+        edges: Edges,
         diagonal: f64,
         spacing: f64,
     ) -> Self {
         Self {
             geometry,
-            diffusion,
+            edges,
             diagonal,
             spacing,
             normals: OnceLock::new(),
@@ -94,7 +112,7 @@ impl SurfaceMetric {
 
     /// The vertices within `radius` of a line over the surface from place to place.
     pub(super) fn around_line(&self, path: &[[f64; 3]], radius: f64) -> Within {
-        let sources = stroke::sources(self, self.diffusion.neighbours(), self.spacing, path);
+        let sources = stroke::sources(self, self.edges.neighbours(), self.spacing, path);
         self.within(&sources, radius)
     }
 
@@ -102,7 +120,7 @@ impl SurfaceMetric {
     pub(super) fn within(&self, sources: &[(usize, f64)], radius: f64) -> Within {
         let mut search =
             self.searches.lock().map_or_else(|_| None, |mut kept| kept.pop()).unwrap_or_default();
-        let (neighbours, points) = (self.diffusion.neighbours(), self.geometry.points());
+        let (neighbours, points) = (self.edges.neighbours(), self.geometry.points());
         let reached = unstopped(search.run(neighbours, points, sources, radius, Progress::none()));
         let mut vertices = reached.to_vec();
         vertices.sort_unstable();

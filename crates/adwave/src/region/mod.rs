@@ -10,7 +10,7 @@ mod stroke;
 mod weights;
 
 pub use distance::{SurfaceSearch, surface_distance};
-pub use metric::SurfaceMetric;
+pub use metric::{Edges, SurfaceMetric};
 pub use parse::{RegionSyntaxError, parse_region};
 pub use weights::{FieldLookup, RegionWeights};
 

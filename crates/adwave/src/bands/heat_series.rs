@@ -1,0 +1,162 @@
+//! Chebyshev series of the bands of heat.
+//!
+//! With `x = 1 − λ` and times a < b, counted in steps of Φ₁, a band is `W = q(Φ₁)u`, `u = (I − Φ₁)f`,
+//! `q = (e^(−ax) − e^(−bx))/x = ∫_a^b e^(−sx) ds`. In `y = 2λ − 1` it is `e^(−sx) = e^(−z)(I_0(z) + 2Σ_k I_k(z)T_k(y))`, z = s/2,
+//! with the modified Bessel functions I_k (`abramowitz1964`, 9.6.34). `e^(−z)I_k(z)` are the probabilities of a symmetric walk
+//! whose steps come at random times, so all coefficients of q are positive and sum to b − a, as for whole steps.
+
+use super::series::{Growth, NEGLIGIBLE, Series, double_tails};
+
+/// Bands whose times are nearer to each other than this part of the first are integrated: differences would cancel.
+const CLOSE: f64 = 0.25;
+
+/// Points of Gauss and Legendre's rule, which then err by rounding only.
+const N_NODES: usize = 16;
+
+/// Ratios of Bessel functions are wrong where their recurrence starts; that far below [`NEGLIGIBLE`] it does not matter.
+const MARGIN: f64 = 25.0;
+
+/// The series of the band between the times `a < b`. O(√b) terms.
+pub(crate) fn band(a: f64, b: f64, growth: Growth) -> Series {
+    let mut q: Vec<f64> = Vec::new();
+    if b - a < CLOSE * a {
+        let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+        for (node, weight) in gauss_legendre(N_NODES) {
+            let law = heat_law(middle + half * node);
+            q.resize(q.len().max(law.len()), 0.0);
+            for (q, p) in q.iter_mut().zip(law) {
+                *q += half * weight * p;
+            }
+        }
+    } else {
+        // Dividing by x sums the tails of the law twice.
+        q = double_tails(&heat_law(b));
+        for (q, less) in q.iter_mut().zip(double_tails(&heat_law(a))) {
+            *q -= less;
+        }
+        for q in &mut q {
+            *q *= 4.0;
+        }
+    }
+    for q in q.iter_mut().skip(1) {
+        *q *= 2.0;
+    }
+    Series::new(q, growth)
+}
+
+/// `e^(−z)I_k(z)`, z = s/2, for k = 0, 1, … until it no longer matters. Relative error a few roundings.
+fn heat_law(s: f64) -> Vec<f64> {
+    let z = 0.5 * s;
+    if z == 0.0 {
+        return vec![1.0];
+    }
+    // I_k/I_{k−1} < z/(k − ½ + √((k − ½)² + z²)): how far it matters at most.
+    let bound = |k: f64| z / (k - 0.5 + (k - 0.5).hypot(z));
+    let (mut log, mut last) = (0.0, 0_usize);
+    while log > NEGLIGIBLE.ln() - MARGIN {
+        last += 1;
+        log += bound(last as f64).ln();
+    }
+    // g_k = 1 − I_k/I_{k−1} by I_{k−1} − I_{k+1} = (2k/z)·I_k, downwards, where errors fade. Near k = 0 the ratios are close
+    // to 1, and their distance from it is what counts.
+    let mut less = vec![0.0; last + 1];
+    let mut above = 1.0 - bound(last as f64 + 1.0);
+    for k in (1..=last).rev() {
+        let rise = 2.0 * k as f64 / z - above;
+        less[k] = if rise.is_finite() { rise / (1.0 + rise) } else { 1.0 };
+        above = less[k];
+    }
+    let mut law = vec![1.0];
+    let mut p = 1.0;
+    for g in &less[1..] {
+        p *= 1.0 - g;
+        if p < NEGLIGIBLE {
+            break;
+        }
+        law.push(p);
+    }
+    let one_side: f64 = law[1..].iter().rev().sum();
+    let total = 1.0 + 2.0 * one_side;
+    for p in &mut law {
+        *p /= total;
+    }
+    law
+}
+
+/// Nodes and weights of the rule of `n` points on [−1, 1].
+fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+    let node = |i: usize| {
+        // Newton's method from a start that is good to some digits.
+        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..8 {
+            let (mut before, mut now) = (1.0, x);
+            for k in 2..=n {
+                let k = k as f64;
+                (before, now) = (now, ((2.0 * k - 1.0) * x * now - (k - 1.0) * before) / k);
+            }
+            slope = n as f64 * (x * now - before) / (x * x - 1.0);
+            x -= now / slope;
+        }
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..n).map(node).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(series: &Series, lambda: f64) -> f64 {
+        let theta = (2.0 * lambda - 1.0).clamp(-1.0, 1.0).acos();
+        series.coefficients.iter().zip(0..).map(|(a, k)| a * (f64::from(k) * theta).cos()).sum()
+    }
+
+    fn exact(a: f64, b: f64, lambda: f64) -> f64 {
+        let x = 1.0 - lambda;
+        if x == 0.0 { b - a } else { (-a * x).exp() * -(-(b - a) * x).exp_m1() / x }
+    }
+
+    #[test]
+    fn the_law_is_that_of_bessel_functions() {
+        // e^(−1)·I_0(1), e^(−1)·I_1(1), e^(−1)·I_5(1), from tables.
+        let law = heat_law(2.0);
+        for (k, table) in [(0, 0.465_759_607_593_640_45), (1, 0.207_910_415_349_708_45)] {
+            assert!((law[k] / table - 1.0).abs() < 1e-14, "{k}: {}", law[k]);
+        }
+        assert!((law[5] / 9.987_2e-5 - 1.0).abs() < 1e-4, "{}", law[5]);
+        for s in [1e-12, 1e-3, 0.7, 40.0, 1e4, 1e8, 1e11] {
+            let law = heat_law(s);
+            // The variance of the walk is z.
+            let variance: f64 =
+                2.0 * law.iter().enumerate().rev().map(|(k, p)| (k as f64).powi(2) * p).sum::<f64>();
+            assert!((variance / (0.5 * s) - 1.0).abs() < 1e-11, "{s}: {variance}");
+        }
+    }
+
+    #[test]
+    fn the_series_is_the_integral() {
+        let bands = [
+            (0.0, 1e-3),
+            (0.0, 0.5),
+            (0.5, 0.6),
+            (1.0, 2.0),
+            (3.0, 3.5),
+            (10.0, 12.4999),
+            (10.0, 12.5001),
+            (100.0, 100.001),
+            (100.0, 200.0),
+            (1e4, 2e4),
+            (1e4, 1.1e4),
+        ];
+        for (a, b) in bands {
+            let series = band(a, b, Growth::Bounded);
+            assert!(series.coefficients.iter().all(|&c| c > 0.0), "{a}..{b}");
+            for i in 0..=60 {
+                let lambda = 1.0 - (f64::from(i) / 60.0).powi(3);
+                let (found, exact) = (value(&series, lambda), exact(a, b, lambda));
+                assert!((found - exact).abs() <= 1e-12 * (b - a), "{a}..{b} at {lambda}: {found} {exact}");
+            }
+        }
+    }
+}
