@@ -7,6 +7,7 @@
 mod bands;
 mod chebyshev;
 mod error;
+mod norms;
 mod params;
 mod powers;
 mod real_series;
