@@ -390,6 +390,20 @@ mod tests {
     }
 
     #[test]
+    fn a_second_call_gives_up_where_it_wants_more_than_the_first() {
+        let mut passes = Passes::default();
+        assert_eq!(
+            [passes.aim(0, 0, 30), passes.aim(0, 1, 20), passes.aim(1, 0, 9)],
+            [Some(30), Some(20), Some(9)]
+        );
+        passes.repeat();
+        assert_eq!((passes.aim(0, 0, 12), passes.aim(0, 1, 20)), (Some(30), Some(20)));
+        assert!(!passes.differ());
+        assert_eq!(passes.aim(1, 0, 10), None); // a single call would have aimed at 10
+        assert!(passes.differ());
+    }
+
+    #[test]
     fn what_is_prepared_can_be_shared_between_threads() {
         fn shared<T: Send + Sync + 'static>() {}
         shared::<Prepared>();

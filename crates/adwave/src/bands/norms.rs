@@ -134,11 +134,9 @@ mod tests {
     }
 
     #[test]
-    fn fine_levels_that_need_more_terms_than_coarse_ones_are_left_to_a_single_call() {
-        // Of a signal that one step takes to its mean the coarse levels are 0 but for rounding; of few levels the fine ones end
-        // as late as the coarse ones.
+    fn fractional_powers_are_left_to_a_single_call() {
         let (decomposer, mean) = creature();
-        let schedule = Schedule::real(vec![64.0, 65.0, 66.0]).expect("steps");
+        let schedule = Schedule::voices(3, 2).expect("levels");
         let transform = decomposer.transform();
         let two = transform.norms_in_two_calls(&mean, 3, &schedule, Progress::none()).expect("a signal");
         assert!(two.is_none());
