@@ -203,7 +203,8 @@ impl<'a> BandsRequest<'a> {
     /// # Errors
     /// [`FilterError`] when gains or regions do not fit, or the bands cannot be computed.
     pub fn filter(&self, edit: &Edit<'_>) -> Result<Vec<f64>, FilterError> {
-        self.filter_layers(&edit.resolve(self.schedule.n_levels(), self.decomposer.metric())?)
+        let layers = edit.resolve(self.schedule.n_levels(), self.decomposer.metric(), self.progress)?;
+        self.filter_layers(&layers)
     }
 
     /// [`filter`](Self::filter) by layers that are numbers already.
