@@ -9,7 +9,9 @@ use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave::signal::{SurfaceSignal, degree, lightness, luminance, surface_signal};
 use adwave::{Decomposer, Progress};
 use adwave_io::{Field, FieldValues, ReadLimits, ShapeFile};
+use std::ops::Deref;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The name of the coordinates as a signal.
 pub(crate) const COORDS: &str = "coords";
@@ -24,12 +26,29 @@ pub(crate) fn default_name(input: &Input) -> &'static str {
 /// A signal on the vertices: n_vertices × n_channels, row-major.
 pub(crate) struct Signal {
     pub(crate) n_channels: usize,
-    pub(crate) values: Vec<f64>,
+    pub(crate) values: Values,
+}
+
+/// The values of a signal. The coordinates are the shape's own and not copied.
+pub(crate) enum Values {
+    Coordinates(Arc<Vec<[f64; 3]>>),
+    Other(Vec<f64>),
+}
+
+impl Deref for Values {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        match self {
+            Self::Coordinates(points) => points.as_flattened(),
+            Self::Other(values) => values,
+        }
+    }
 }
 
 impl From<Field> for Signal {
     fn from(field: Field) -> Self {
-        Self { n_channels: field.n_channels, values: field.to_f64() }
+        Self { n_channels: field.n_channels, values: Values::Other(field.to_f64()) }
     }
 }
 
@@ -51,29 +70,28 @@ pub(crate) fn load_with_texture(
         )));
     }
     if name == COORDS {
-        return match input.file.points() {
-            points if !points.is_empty() => {
-                Ok(Signal { n_channels: 3, values: points.as_flattened().to_vec() })
-            }
-            _ => Err(CliError::Input(format!(
+        let points = input.file.shared_points();
+        if points.is_empty() {
+            return Err(CliError::Input(format!(
                 "{}: a graph has no coordinates; name a signal with --field degree or --field FILE.npy",
                 input.name
-            ))),
-        };
+            )));
+        }
+        return Ok(Signal { n_channels: 3, values: Values::Coordinates(points) });
     }
     if let Some((n_channels, values)) = field(&input.file, name) {
-        return Ok(Signal { n_channels, values });
+        return Ok(Signal { n_channels, values: Values::Other(values) });
     }
     if name == DEGREE
         && let Shape::Graph(graph) = &input.shape
     {
-        return Ok(Signal { n_channels: 1, values: degree(graph) });
+        return Ok(Signal { n_channels: 1, values: Values::Other(degree(graph)) });
     }
     if let Some(kind) = SurfaceSignal::from_name(name) {
         let geometry = PreparedGeometry::new(&input.shape, WeldMode::EqualPositions, Progress::none())
             .map_err(CliError::input)?;
         let values = surface_signal(&geometry, kind, Progress::none()).map_err(CliError::input)?;
-        return Ok(Signal { n_channels: kind.n_channels(), values });
+        return Ok(Signal { n_channels: kind.n_channels(), values: Values::Other(values) });
     }
     match name {
         "luminance" | "lightness" => {
@@ -198,7 +216,7 @@ fn brightness(colors: &Field, name: &str) -> Result<Signal, CliError> {
     };
     let bright = if name == "luminance" { luminance } else { lightness };
     let values = (0..colors.len()).map(|i| bright([0, 1, 2].map(|c| colors.get(i, c) / scale))).collect();
-    Ok(Signal { n_channels: 1, values })
+    Ok(Signal { n_channels: 1, values: Values::Other(values) })
 }
 
 /// A field of the file as numbers.

@@ -2,6 +2,7 @@
 
 use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
 use adwave::{ClassifiedError, ErrorKind};
+use std::sync::Arc;
 
 use crate::{Direction, Edges, ShapeFile};
 
@@ -83,7 +84,7 @@ impl ShapeFile {
         }
     }
 
-    /// The shape that the file holds; copies points and faces.
+    /// The shape that the file holds; both share points and faces.
     ///
     /// ```
     /// use adwave::shape::Shape;
@@ -100,20 +101,22 @@ impl ShapeFile {
         self.to_shape_as(self.kind())
     }
 
-    /// The shape that the content is when taken as `kind`; copies points and faces.
+    /// The shape that the content is when taken as `kind`; both share points and faces.
     ///
     /// # Errors
     /// As [`to_shape`](Self::to_shape), and when the file lacks the faces of a mesh or the edges of a graph.
     pub fn to_shape_as(&self, kind: ShapeKind) -> Result<Shape, ShapeFileError> {
         Ok(match kind {
             ShapeKind::Mesh if self.faces.is_empty() => return Err(ShapeFileError::NoFaces),
-            ShapeKind::Mesh => Shape::Mesh(Mesh::new(self.points.clone(), self.faces.clone())?),
-            ShapeKind::Cloud => Shape::Cloud(PointCloud::new(self.points.clone())?),
+            ShapeKind::Mesh => {
+                Shape::Mesh(Mesh::from_shared(Arc::clone(&self.points), Arc::clone(&self.faces))?)
+            }
+            ShapeKind::Cloud => Shape::Cloud(PointCloud::from_shared(Arc::clone(&self.points))?),
             ShapeKind::Graph => Shape::Graph(self.to_graph()?),
         })
     }
 
-    /// [`to_shape`](Self::to_shape) without a copy: the points and faces become the shape's, everything else is dropped.
+    /// [`to_shape`](Self::to_shape) of a file that is of no further use: everything but points and faces is dropped.
     ///
     /// # Errors
     /// As [`to_shape`](Self::to_shape).
@@ -122,17 +125,12 @@ impl ShapeFile {
         self.into_shape_as(kind)
     }
 
-    /// [`to_shape_as`](Self::to_shape_as) without a copy of points and faces.
+    /// [`to_shape_as`](Self::to_shape_as) of a file that is of no further use.
     ///
     /// # Errors
     /// As [`to_shape_as`](Self::to_shape_as).
     pub fn into_shape_as(self, kind: ShapeKind) -> Result<Shape, ShapeFileError> {
-        Ok(match kind {
-            ShapeKind::Mesh if self.faces.is_empty() => return Err(ShapeFileError::NoFaces),
-            ShapeKind::Mesh => Shape::Mesh(Mesh::new(self.points, self.faces)?),
-            ShapeKind::Cloud => Shape::Cloud(PointCloud::new(self.points)?),
-            ShapeKind::Graph => Shape::Graph(self.to_graph()?),
-        })
+        self.to_shape_as(kind)
     }
 
     fn to_graph(&self) -> Result<Graph, ShapeFileError> {
@@ -199,10 +197,13 @@ mod tests {
     }
 
     #[test]
-    fn points_move_into_the_shape() {
-        let file = square();
-        let place = file.points.as_ptr();
-        let shape = file.into_shape().unwrap();
-        assert_eq!(shape.points().unwrap().as_ptr(), place);
+    fn a_file_and_its_shape_share_points_and_faces() {
+        let mut file = square();
+        let Ok(Shape::Mesh(mesh)) = file.to_shape() else { panic!("no mesh") };
+        assert_eq!(mesh.points().as_ptr(), file.points().as_ptr());
+        assert_eq!(mesh.faces().corners().as_ptr(), file.faces().corners().as_ptr());
+        // What is changed in the file stays as it was in the shape.
+        file.set_points(vec![[7.0; 3]; 4]).unwrap();
+        assert_eq!((mesh.points()[2], file.points()[2]), ([1.0, 1.0, 0.0], [7.0; 3]));
     }
 }

@@ -38,7 +38,8 @@ pub struct Edges {
 }
 
 /// A shape with everything its file said of it: vertices and faces in the file's order, every attribute as a named
-/// field, and what is needed to write the same file again with other coordinates.
+/// field, and what is needed to write the same file again with other coordinates. Copies share points, faces and the original
+/// bytes.
 ///
 /// With faces it is a mesh, without a point cloud; a MatrixMarket matrix is a graph that has edges and no points.
 ///
@@ -57,8 +58,8 @@ pub struct Edges {
 #[derive(Clone, Debug)]
 pub struct ShapeFile {
     pub(crate) n_vertices: usize,
-    pub(crate) points: Vec<[f64; 3]>,
-    pub(crate) faces: Polygons,
+    pub(crate) points: Arc<Vec<[f64; 3]>>,
+    pub(crate) faces: Arc<Polygons>,
     pub(crate) edges: Edges,
     pub(crate) vertex_fields: Vec<Field>,
     pub(crate) face_fields: Vec<Field>,
@@ -100,8 +101,8 @@ impl ShapeFile {
     pub(crate) fn empty() -> Self {
         Self {
             n_vertices: 0,
-            points: Vec::new(),
-            faces: Polygons::new(),
+            points: Arc::default(),
+            faces: Arc::default(),
             edges: Edges::default(),
             vertex_fields: Vec::new(),
             face_fields: Vec::new(),
@@ -117,7 +118,7 @@ impl ShapeFile {
 
     /// A mesh that comes from no file.
     pub fn from_mesh(points: Vec<[f64; 3]>, faces: Polygons) -> Self {
-        Self { n_vertices: points.len(), points, faces, ..Self::empty() }
+        Self { n_vertices: points.len(), points: Arc::new(points), faces: Arc::new(faces), ..Self::empty() }
     }
 
     /// A point cloud that comes from no file.
@@ -138,6 +139,11 @@ impl ShapeFile {
     /// The vertices in the file's order; empty for a graph without coordinates. An STL has three for each triangle.
     pub fn points(&self) -> &[[f64; 3]] {
         &self.points
+    }
+
+    /// The vertices, to be used elsewhere without a copy.
+    pub fn shared_points(&self) -> Arc<Vec<[f64; 3]>> {
+        Arc::clone(&self.points)
     }
 
     /// The faces in the file's order, with the corners that the file gives: a face of one or two corners, or with a
@@ -202,7 +208,7 @@ impl ShapeFile {
         if points.len() != self.n_vertices {
             return Err(ShapeFileError::PointCount { found: points.len(), n_vertices: self.n_vertices });
         }
-        self.points = points;
+        self.points = Arc::new(points);
         self.moved = true;
         Ok(())
     }
@@ -238,7 +244,8 @@ impl ShapeFile {
         Ok(())
     }
 
-    /// Gives everything away without a copy; the original bytes are dropped.
+    /// Gives everything away; the original bytes are dropped. Points and faces are copied where a shape or another file uses
+    /// them too.
     ///
     /// ```
     /// use adwave_io::ShapeFile;
@@ -248,8 +255,8 @@ impl ShapeFile {
     pub fn into_parts(self) -> ShapeParts {
         ShapeParts {
             n_vertices: self.n_vertices,
-            points: self.points,
-            faces: self.faces,
+            points: Arc::unwrap_or_clone(self.points),
+            faces: Arc::unwrap_or_clone(self.faces),
             edges: self.edges,
             vertex_fields: self.vertex_fields,
             face_fields: self.face_fields,

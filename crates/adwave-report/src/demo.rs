@@ -5,7 +5,7 @@ use crate::analysis::saliency as map_saliency;
 use crate::page::{Block, Figure, Link, Page, Section};
 use crate::shape_report::drawing::{Frame, Studio};
 use crate::shape_report::presets::words;
-use crate::shape_report::{Looks, Subject, features, saliency};
+use crate::shape_report::{Subject, Viewpoint, features, saliency};
 use crate::table::{Table, grouped};
 use adwave::features::FeatureParams;
 use adwave::saliency::SaliencyParams;
@@ -85,7 +85,7 @@ pub fn demo(
     let saliency_picture = saliency_picture(subject, &triangles, progress)?;
     let features_picture = features_picture(subject, &triangles, progress)?;
     progress.step(2, N_PARTS)?;
-    let mut studio = Studio::new(subject, Looks::default(), progress)?;
+    let mut studio = Studio::new(subject, Viewpoint::default(), progress)?;
     let edits_section = edits_section(subject, edits, text.edits, &mut studio);
     progress.step(3, N_PARTS)?;
     let mut bands = Section::new("bands", "The bands that were edited");

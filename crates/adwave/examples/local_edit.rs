@@ -7,7 +7,7 @@ use adwave::filter::{Preset, WeightedLayer, displacement};
 use adwave::region::{Length, Place, Region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape};
-use adwave::{Decomposer, Touched};
+use adwave::{Decomposer, Progress, Touched};
 use adwave_io::{ReadLimits, read_path};
 use std::error::Error;
 use std::path::Path;
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // A ball along the surface round vertex 0; its weights fall softly to 0.
     let ball =
         Region::Ball { centre: Place::Vertex(0), radius: Length::PercentOfDiagonal(10.0), falloff: None };
-    let weights = ball.weights(decomposer.metric(), &|_| None, &[])?;
+    let weights = ball.weights(decomposer.metric(), &|_| None, &[], Progress::none())?;
     let touched = editor.push_layer(WeightedLayer { gains: Preset::Suppress.gains(8), weights })?;
     if let Touched::Some(touched) = &touched {
         println!("the ball holds {} vertices of {}", touched.len(), points.len());

@@ -5,7 +5,7 @@ use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
 use crate::mask::Mask;
 use crate::pages::zeros;
 use crate::region::RegionWeights;
-use crate::{BandsRequest, Decomposer};
+use crate::{BandsRequest, Decomposer, Progress};
 
 /// Which welded vertices an edit changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -103,12 +103,13 @@ impl Editor {
         &self.members[self.first_member[x]..self.first_member[x + 1]]
     }
 
-    /// Replaces all layers by those of an edit.
+    /// Replaces all layers by those of an edit. To be able to stop it take [`Edit::resolve`] and then
+    /// [`set_layers`](Self::set_layers).
     ///
     /// # Errors
     /// [`FilterError`] when gains or regions do not fit; then nothing has changed.
     pub fn set_edit(&mut self, edit: &Edit<'_>) -> Result<(), FilterError> {
-        let layers = edit.resolve(self.wavelets.n_levels(), self.decomposer.metric())?;
+        let layers = edit.resolve(self.wavelets.n_levels(), self.decomposer.metric(), Progress::none())?;
         self.set_layers(layers)
     }
 

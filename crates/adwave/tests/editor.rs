@@ -5,7 +5,7 @@ use adwave::filter::{FilterError, Gains, Layer, Preset, WeightedLayer};
 use adwave::region::{RegionWeights, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons, Shape};
-use adwave::{BandsRequest, Decomposer, Editor, Touched, filter::Edit};
+use adwave::{BandsRequest, Decomposer, Editor, Progress, Touched, filter::Edit};
 
 /// Bands are accurate to 1e-10 of themselves, and a one-off filter of one layer sums them in another way.
 const ACCURACY: f64 = 1e-9;
@@ -28,7 +28,10 @@ impl Fixture {
     }
 
     fn weights(&self, region: &str) -> RegionWeights {
-        parse_region(region).unwrap().weights(self.decomposer.metric(), &|_| None, &[]).unwrap()
+        parse_region(region)
+            .unwrap()
+            .weights(self.decomposer.metric(), &|_| None, &[], Progress::none())
+            .unwrap()
     }
 
     fn layer(&self, gain: f64, region: &str) -> WeightedLayer {

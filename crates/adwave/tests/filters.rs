@@ -1,11 +1,11 @@
 //! Edits: what is outside a region stays to the last bit, what is inside follows eq. 18.
 
-use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::filter::{Edit, FilterError, Gains, Layer, Preset, displacement};
 use adwave::region::{Length, Place, Region, RegionError, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape, enclosed_volume, triangulate};
+use adwave::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 
 /// What the default accuracy allows each of two ways to the same result, on shapes of about unit size.
 const ACCURACY: f64 = 2e-9;
@@ -48,7 +48,7 @@ impl Fixture {
 
 /// One weight per vertex of the shape.
 fn weights(decomposer: &Decomposer, region: &Region) -> Vec<f64> {
-    let weights = region.weights(decomposer.metric(), &|_| None, &[]).unwrap();
+    let weights = region.weights(decomposer.metric(), &|_| None, &[], Progress::none()).unwrap();
     weights.to_vertices(decomposer.geometry().vertex_map())
 }
 
@@ -184,4 +184,30 @@ fn what_does_not_fit_is_named() {
     assert!(region("field:name=heat").to_string().contains("height"));
     assert!(matches!(region("ball:vertex=1,radius=0"), RegionError::BadNumber { .. }));
     assert!(matches!(region("half-space:point=0 0 0,normal=0 0 0"), RegionError::BadNumber { .. }));
+}
+
+#[test]
+fn the_weights_of_a_region_stop_when_told_to() {
+    let f = fixture("sphere", 20_000);
+    let stop = std::sync::atomic::AtomicBool::new(true);
+    let cancelled = Progress::none().with_cancel(&stop);
+    for region in [
+        "all",
+        "ball:vertex=0,radius=50%",
+        "stroke:path=1 0 0;0 0 1;-1 0 0,radius=0.2",
+        "box:min=-2 0 -2,max=2 2 2",
+        "half-space:point=0 0 0,normal=0 0 1",
+        "vertices:indices=3 5 8,radius=50%",
+        "!(ball:vertex=0,radius=50% | all)",
+    ] {
+        let region = parse_region(region).unwrap();
+        let error = region.weights(f.decomposer.metric(), &|_| None, &[], cancelled).unwrap_err();
+        assert_eq!(error, RegionError::Cancelled(Cancelled), "{region:?}");
+        let layers = [Layer { gains: Gains::Preset(Preset::Suppress), region: region.clone() }];
+        let edit = Edit { layers: &layers, field: &|_| None, field_names: &[] };
+        let error = edit.resolve(4, f.decomposer.metric(), cancelled).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Cancelled);
+        // What was stopped is made by the next call.
+        assert_eq!(weights(&f.decomposer, &region).len(), f.points.len());
+    }
 }

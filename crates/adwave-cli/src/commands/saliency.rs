@@ -75,6 +75,8 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     let params = args.map.params(&args.border);
     params.check().map_err(CliError::input)?;
     let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, DEFAULT_EXTENT, global)?;
+    // The map goes into a new file, and the bytes of the old one would lie beside the bands.
+    analysis.input.file.forget_original();
     let wavelets = analysis.wavelets(global, None)?;
     let start = Instant::now();
     let saliency = saliency(&analysis.walk, &wavelets, &params, global.progress())

@@ -58,7 +58,7 @@ pub(crate) fn read_gifti(
     shape.precision =
         if points.values.value_type() == ValueType::F64 { Precision::F64 } else { Precision::F32 };
     if let Some(at) = arrays.iter().position(|a| a.intent == "triangle") {
-        shape.faces = faces(&arrays.remove(at), shape.n_vertices, progress)?;
+        shape.faces = faces(&arrays.remove(at), shape.n_vertices, progress)?.into();
     }
     for array in arrays {
         if array.rows == shape.n_vertices && !array.values.is_empty() {

@@ -155,8 +155,8 @@ fn join(
     shape.n_vertices = n_vertices;
     shape.format = Some(Format::Obj);
     let edges: Vec<u32> = chunks.iter_mut().flat_map(|p| std::mem::take(&mut p.edges)).collect();
-    let rows;
-    (shape.points, rows, shape.faces) = lists(&mut chunks, [n_vertices, n_faces, n_corners], progress)?;
+    let (points, rows, faces) = lists(&mut chunks, [n_vertices, n_faces, n_corners], progress)?;
+    (shape.points, shape.faces) = (points.into(), faces.into());
     check_faces(&bytes, &shape.faces, n_vertices, progress)?;
     check_edges(&bytes, &edges, n_vertices)?;
     let (pairs, _) = edges.as_chunks::<2>();

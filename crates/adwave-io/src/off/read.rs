@@ -1,5 +1,6 @@
 //! Object file format and its variants: `[ST][C][N][4]OFF`, text.
 
+use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
 
 use crate::lines::{Statement, Statements};
@@ -33,7 +34,7 @@ pub(crate) fn read_off(
     shape.n_vertices = n_vertices as usize;
     shape.format = Some(Format::Off);
     let mut rows = Vec::with_capacity(shape.n_vertices);
-    let mut tails = Tails::default();
+    let (mut points, mut tails) = (Vec::new(), Tails::default());
     for row in 0..n_vertices {
         at_row(progress, row, n_vertices)?;
         let Some(line) = lines.next() else { return Err(ends(&bytes, "vertex", row, n_vertices)) };
@@ -47,13 +48,14 @@ pub(crate) fn read_off(
             })?;
             *x = number(&bytes, &line, word, "vertex", row)?;
         }
-        shape.points.push(xyz);
+        points.push(xyz);
         for word in values {
             let x = number(&bytes, &line, word, "vertex", row)?;
             tails.push(x, word);
         }
         tails.end_row();
     }
+    shape.points = points.into();
     vertex_fields(&mut shape, &layout, &tails, progress)?;
     check_size(&bytes, lines.position, n_faces, 2, "face")?;
     read_faces(&bytes, &mut lines, n_faces, &mut shape, progress)?;
@@ -237,7 +239,7 @@ fn read_faces(
     shape: &mut ShapeFile,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
-    let mut tails = Tails::default();
+    let (mut faces, mut tails) = (Polygons::new(), Tails::default());
     let mut face = Vec::new();
     for row in 0..n_faces {
         at_row(progress, row, n_faces)?;
@@ -267,12 +269,13 @@ fn read_faces(
                 n_vertices: shape.n_vertices as u64,
             })?);
         }
-        shape.faces.push(&face);
+        faces.push(&face);
         for word in values {
             tails.push(number(bytes, &line, word, "face", row)?, word);
         }
         tails.end_row();
     }
+    shape.faces = faces.into();
     match tails.longest {
         0 => {}
         // One value is an index into a table of colours.

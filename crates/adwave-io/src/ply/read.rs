@@ -12,6 +12,7 @@ use crate::progress::{at_row, collect};
 use crate::text::line_of;
 use crate::{Direction, Edges, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 use adwave::Progress;
+use std::sync::Arc;
 
 /// Reads a PLY.
 pub(crate) fn read_ply(
@@ -58,7 +59,7 @@ pub(crate) fn read_ply(
     name_comments(&bytes, &header, &mut shape);
     if let Some(vertex) = vertex {
         let original = PlyOriginal { bytes, header, vertex, rows, field_properties };
-        shape.original = Some(std::sync::Arc::new(Original::Ply(original)));
+        shape.original = Some(Arc::new(Original::Ply(original)));
     }
     Ok(shape)
 }
@@ -97,7 +98,7 @@ fn read_vertices(
     }
     if let Some(vertices) = fixed::read_vertices(body, element)? {
         shape.precision = if vertices.is_single { Precision::F32 } else { Precision::F64 };
-        shape.points = vertices.points;
+        shape.points = vertices.points.into();
         let fields = (&mut shape.vertex_fields, &mut shape.extras);
         return attach_columns(element, vertices.columns, fields, body.progress);
     }
@@ -118,7 +119,7 @@ fn read_vertices(
     let single = xyz.iter().all(|c| c.value_type() == ValueType::F32);
     shape.precision = if single { Precision::F32 } else { Precision::F64 };
     shape.points =
-        collect(shape.n_vertices, body.progress, |i| [xyz[0].get(i), xyz[1].get(i), xyz[2].get(i)])?;
+        collect(shape.n_vertices, body.progress, |i| [xyz[0].get(i), xyz[1].get(i), xyz[2].get(i)])?.into();
     attach_columns(element, columns, (&mut shape.vertex_fields, &mut shape.extras), body.progress)
 }
 
@@ -164,7 +165,7 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
     if let Some(corners) = corners
         && let Some(read) = fixed::read_faces(body, element, corners, shape.n_vertices)?
     {
-        (shape.faces, columns, first) = (read.polygons, read.columns, read.n_rows);
+        (shape.faces, columns, first) = (read.polygons.into(), read.columns, read.n_rows);
     }
     let mut face = Vec::new();
     for row in first..element.n_rows {
@@ -203,7 +204,7 @@ fn push_face(
         return Err(ReadError::Limit { what: "corners of faces", found, limit: u32::MAX.into() });
     }
     let corners: Vec<u32> = face.iter().map(|&v| v as u32).collect();
-    shape.faces.push(&corners);
+    Arc::make_mut(&mut shape.faces).push(&corners);
     Ok(())
 }
 

@@ -3,11 +3,11 @@
 use super::draw::{Frame, Sheet, View};
 use super::numbers::{distance, positions, walk};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
-use adwave::Decomposer;
 use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset};
 use adwave::region::{Length, Place, Region};
 use adwave::shape::{bounding_box, diagonal, vertex_normals};
+use adwave::{Decomposer, Progress};
 use std::f64::consts::TAU;
 
 const SPHERE_VERTICES: usize = 10_242;
@@ -196,7 +196,7 @@ fn measure(
     after: &[[f64; 3]],
     region: &Region,
 ) -> Result<Moved, FigureError> {
-    let weights = region.weights(walk.metric(), &|_| None, &[])?;
+    let weights = region.weights(walk.metric(), &|_| None, &[], Progress::none())?;
     let weights = weights.to_vertices(walk.geometry().vertex_map());
     let normals = vertex_normals(before, &model.triangles);
     let unit = 100.0 / diagonal(model.points());

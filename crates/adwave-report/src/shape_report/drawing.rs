@@ -1,6 +1,6 @@
 //! Pictures of the shape for the page: one camera, and the colours' meaning beside them.
 
-use super::{Looks, Subject};
+use super::{Subject, Viewpoint};
 use crate::page::{Figure, Image, Legend};
 use crate::table::short;
 use adwave::shape::{Shape, triangulate};
@@ -150,7 +150,7 @@ impl FieldLook {
 impl<'a> Studio<'a> {
     pub(crate) fn new(
         subject: &Subject<'a>,
-        looks: Looks,
+        viewpoint: Viewpoint,
         progress: Progress<'a>,
     ) -> Result<Self, Cancelled> {
         let points = subject.shape.points().unwrap_or_default();
@@ -170,8 +170,8 @@ impl<'a> Studio<'a> {
             triangles,
             kept,
             progress: progress.quiet(),
-            view: looks.view.unwrap_or(View::THREE_QUARTER),
-            up: looks.up,
+            view: viewpoint.view.unwrap_or(View::THREE_QUARTER),
+            up: viewpoint.up,
             n_pictures: 0,
             seconds: start.elapsed().as_secs_f64(),
         })

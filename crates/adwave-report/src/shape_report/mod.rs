@@ -119,7 +119,7 @@ impl Subject<'_> {
 
 /// From where the pictures are seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Looks {
+pub struct Viewpoint {
     /// Where the viewer stands; the second picture of a shape is from the opposite side.
     pub view: Option<View>,
     /// Which axis points up.
@@ -155,13 +155,13 @@ pub struct ShapeReport {
 /// [`Cancelled`].
 pub fn shape_report(
     subject: &Subject<'_>,
-    looks: Looks,
+    viewpoint: Viewpoint,
     progress: Progress<'_>,
 ) -> Result<ShapeReport, Cancelled> {
     let mut seconds: Vec<(String, f64)> =
         subject.seconds.iter().map(|&(what, s)| (what.to_owned(), s)).collect();
     progress.step(0, N_SECTIONS)?;
-    let mut studio = Studio::new(subject, looks, progress)?;
+    let mut studio = Studio::new(subject, viewpoint, progress)?;
     let (health_section, health) = health::section(subject);
     let shape_section = scene::section(subject, &mut studio);
     progress.step(1, N_SECTIONS)?;

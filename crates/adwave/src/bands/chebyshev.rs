@@ -24,6 +24,51 @@ pub(crate) struct Outcome {
     pub(crate) missed: Vec<(usize, f64)>,
 }
 
+/// How far each pass of an evaluation aimed. A series is looked at between passes, to find where to cut it: series that are
+/// evaluated in two calls get the bits of a single call where the second takes the passes of the first.
+#[derive(Debug, Default)]
+pub(crate) struct Passes {
+    /// The highest term wanted at each pass, for each block of channels.
+    highest: Vec<Vec<usize>>,
+    call: Call,
+}
+
+/// Which call takes the passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Call {
+    #[default]
+    First,
+    Second,
+    /// The second wants terms that the first did not: a single call would have taken other passes.
+    Differs,
+}
+
+impl Passes {
+    /// The next call is the second.
+    pub(crate) fn repeat(&mut self) {
+        self.call = Call::Second;
+    }
+
+    /// Whether the second call gave up.
+    pub(crate) fn differ(&self) -> bool {
+        self.call == Call::Differs
+    }
+
+    /// How far the pass aims, where the call wants terms up to `own`; `None` where that does not fit the first call.
+    fn aim(&mut self, block: usize, pass: usize, own: usize) -> Option<usize> {
+        if self.call == Call::First {
+            self.highest.resize(self.highest.len().max(block + 1), Vec::new());
+            self.highest[block].push(own);
+            return Some(own);
+        }
+        let first = self.highest[block].get(pass).copied().filter(|&first| own <= first);
+        if first.is_none() {
+            self.call = Call::Differs;
+        }
+        first
+    }
+}
+
 /// A polynomial of real steps may be off by this part of `Σ|a_k|·‖u‖` whatever the accuracy: it is what rounding costs.
 const ROUNDING: f64 = 1e-15;
 
@@ -119,12 +164,12 @@ impl Prepared {
     /// A value that all but vanishes beside u gets all terms that double precision can tell apart.
     ///
     /// `guard` is the polynomial whose norm [`Rest::guarded`](super::series::Rest) is to be multiplied by, where any series has
-    /// such a part.
+    /// such a part. Where the passes differ from those of a first call what is in `outs` is of no use.
     pub(crate) fn evaluate(
         &self,
         signal: &[f64],
         n_channels: usize,
-        (series, guard): (&[Series], &[f64]),
+        (series, guard, passes): (&[Series], &[f64], &mut Passes),
         accuracy: f64,
         outs: &mut [&mut [f64]],
         progress: Progress<'_>,
@@ -134,20 +179,22 @@ impl Prepared {
         let mut worst = vec![Worst::default(); series.len()];
         let mut guarded = zeros(if guard.is_empty() { 0 } else { signal.len() });
         let guard_degree = guard.len().saturating_sub(1);
-        for at in (0..n_channels).step_by(MAX_CHANNELS) {
+        for (block, at) in (0..n_channels).step_by(MAX_CHANNELS).enumerate() {
             let width = MAX_CHANNELS.min(n_channels - at);
             let mut recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width), progress)?;
             let start = recurrence.square().sqrt();
             let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
             let mut guard_norm = 0.0;
-            loop {
+            for pass in 0.. {
                 let highest = cuts.iter().map(|cut| cut.degree).fold(guard_degree, usize::max);
-                let last = if recurrence.moves() { highest } else { 0 };
+                let Some(aim) = passes.aim(block, pass, highest) else { return Ok(outcome) };
+                let [last, aim] = [highest, aim].map(|k| if recurrence.moves() { k } else { 0 });
                 let k = recurrence.k();
                 progress.step(k as u64, last as u64)?;
-                let left = last - k.min(last);
+                let left = aim - k.min(aim);
                 // Passes of equal length: a short last one would cost as much memory traffic as a long one.
-                let n_steps = left.div_ceil(left.div_ceil(walk.steps_per_pass()).max(1));
+                let n_steps =
+                    left.div_ceil(left.div_ceil(walk.steps_per_pass()).max(1)).min(last - k.min(last));
                 let mut sums: Vec<Sum<'_>> = cuts
                     .iter()
                     .zip(&mut *outs)
@@ -289,7 +336,7 @@ mod tests {
             [(0, 1), (8, 16), (64, 128)].map(|(a, b)| Series::band(a, b, Growth::Bounded)).to_vec();
         let mut bands = vec![vec![0.0; signal.len()]; series.len()];
         let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
-        prepared.evaluate(signal, d, (&series, &[]), 0.0, &mut outs, progress)?; // all terms
+        prepared.evaluate(signal, d, (&series, &[], &mut Passes::default()), 0.0, &mut outs, progress)?; // all terms
         Ok(bands)
     }
 
@@ -340,6 +387,20 @@ mod tests {
             });
         }
         assert_eq!(n_stopped, 6);
+    }
+
+    #[test]
+    fn a_second_call_gives_up_where_it_wants_more_than_the_first() {
+        let mut passes = Passes::default();
+        assert_eq!(
+            [passes.aim(0, 0, 30), passes.aim(0, 1, 20), passes.aim(1, 0, 9)],
+            [Some(30), Some(20), Some(9)]
+        );
+        passes.repeat();
+        assert_eq!((passes.aim(0, 0, 12), passes.aim(0, 1, 20)), (Some(30), Some(20)));
+        assert!(!passes.differ());
+        assert_eq!(passes.aim(1, 0, 10), None); // a single call would have aimed at 10
+        assert!(passes.differ());
     }
 
     #[test]

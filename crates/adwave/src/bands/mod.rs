@@ -8,6 +8,7 @@ mod bands;
 mod chebyshev;
 mod error;
 mod heat_series;
+mod norms;
 mod params;
 mod powers;
 mod real_series;

@@ -1,6 +1,6 @@
 //! The diffusion operator prepared once, for the bands of many signals.
 
-use super::chebyshev::{Outcome, Prepared};
+use super::chebyshev::{Outcome, Passes, Prepared};
 use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, LADDER, Rung};
 use super::series::{Growth, Series};
@@ -67,7 +67,7 @@ impl Transform {
         Ok(())
     }
 
-    fn prepared(&self, progress: Progress<'_>) -> Result<&Prepared, Cancelled> {
+    pub(super) fn prepared(&self, progress: Progress<'_>) -> Result<&Prepared, Cancelled> {
         if let Some(prepared) = self.prepared.get() {
             return Ok(prepared);
         }
@@ -79,6 +79,11 @@ impl Transform {
     /// The diffusion operator.
     pub fn diffusion(&self) -> &Arc<Diffusion> {
         &self.diffusion
+    }
+
+    /// The method in use.
+    pub(super) fn engine(&self) -> Engine {
+        self.engine
     }
 
     /// How accurately, and within which memory.
@@ -171,7 +176,7 @@ impl Transform {
 
     /// The series of the band between two numbers of steps; that of fractional powers interpolates, and its remainder is bounded
     /// as in `trefethen2013`, chapter 11.
-    fn band(&self, pair: &[f64], rung: Rung, growth: Growth) -> Series {
+    pub(super) fn band(&self, pair: &[f64], rung: Rung, growth: Growth) -> Series {
         match self.diffusion.semigroup() {
             Semigroup::Steps => real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth),
             Semigroup::Heat { rate } => heat_series::band(rate * pair[0], rate * pair[1], growth),
@@ -208,8 +213,9 @@ impl Transform {
                 .filter(|(i, _)| wanted.next_if_eq(i).is_some())
                 .map(|(_, out)| &mut **out)
                 .collect();
+            let polynomials = (&these[..], &guard[..], &mut Passes::default());
             let outcome =
-                prepared.evaluate(signal, n_channels, (&these, &guard), accuracy, &mut outs, progress)?;
+                prepared.evaluate(signal, n_channels, polynomials, accuracy, &mut outs, progress)?;
             sum.degree = sum.degree.max(outcome.degree);
             sum.products += outcome.products;
             sum.terms += outcome.terms;
@@ -251,7 +257,7 @@ impl Transform {
         Ok(Outcome { degree: total - 1, products: total, terms: total, ..Outcome::default() })
     }
 
-    fn info(&self, outcome: &Outcome, n_channels: usize) -> BandsInfo {
+    pub(super) fn info(&self, outcome: &Outcome, n_channels: usize) -> BandsInfo {
         let &Outcome { degree, products, terms, error_bound, .. } = outcome;
         BandsInfo {
             engine: self.engine,

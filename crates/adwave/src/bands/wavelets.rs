@@ -79,7 +79,7 @@ impl Wavelets {
 }
 
 /// The Euclidean norm of each row of `d` values.
-fn norms(rows: &[f64], d: usize) -> Vec<f64> {
+pub(super) fn norms(rows: &[f64], d: usize) -> Vec<f64> {
     let mut norms = zeros(rows.len() / d);
     parallel::for_rows(&mut norms, 1, VERTICES_AT_A_TIME, |first, norms| {
         for (norm, row) in norms.iter_mut().zip(rows[first * d..].chunks_exact(d)) {
@@ -130,14 +130,31 @@ impl Transform {
         progress: Progress<'_>,
     ) -> Result<Wavelets, BandsError> {
         check_signal(signal, vertex_map.n_vertices(), n_channels)?;
-        let n_levels = schedule.n_levels();
-        let result = (n_levels * self.diffusion().n_vertices() * n_channels * 8) as u64;
-        self.check_memory(result + self.forecast_wavelets(n_channels, schedule, 1))?;
-        let mean = vertex_map.mean(signal, n_channels);
-        let mut levels: Vec<Vec<f64>> = (0..n_levels).map(|_| zeros(mean.len())).collect();
+        self.wavelets_of_mean(&vertex_map.mean(signal, n_channels), n_channels, schedule, progress)
+    }
+
+    /// [`wavelets`](Self::wavelets) of a signal at the welded vertices.
+    pub(crate) fn wavelets_of_mean(
+        &self,
+        mean: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<Wavelets, BandsError> {
+        self.check_memory_of_wavelets(n_channels, schedule)?;
+        let mut levels: Vec<Vec<f64>> = (0..schedule.n_levels()).map(|_| zeros(mean.len())).collect();
         let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
-        let info = self.wavelets_into(&mean, n_channels, schedule, &mut outs, progress)?;
+        let info = self.wavelets_into(mean, n_channels, schedule, &mut outs, progress)?;
         let sigma = schedule.sigma(self.diffusion().step_length());
         Ok(Wavelets { n_channels, steps: schedule.steps_from_zero(), sigma, levels, info })
+    }
+
+    pub(super) fn check_memory_of_wavelets(
+        &self,
+        n_channels: usize,
+        schedule: &Schedule,
+    ) -> Result<(), BandsError> {
+        let result = (schedule.n_levels() * self.diffusion().n_vertices() * n_channels * 8) as u64;
+        self.check_memory(result + self.forecast_wavelets(n_channels, schedule, 1))
     }
 }

@@ -16,7 +16,7 @@ use std::borrow::Cow;
 /// | [`bands`](Self::bands) | W_f(1..J) and S_f(J) | the shape's | (J + 1)·n·d |
 /// | [`bands_into`](Self::bands_into) | the same, into the caller's buffer | the shape's | n·d |
 /// | [`wavelets`](Self::wavelets) | W_f(1..J) | analysis | J·n·d |
-/// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n |
+/// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n; less where that is much |
 /// | [`weighted`](Self::weighted) | Σ_j a_j·W_f(j) by one polynomial | the shape's | 2·n·d |
 /// | [`filter`](Self::filter), [`filter_layers`](Self::filter_layers) | the edited signal (eq. 18), once | the shape's | 2·n·d for one layer |
 /// | [`editor`](Self::editor) | an [`Editor`](crate::Editor) that keeps the bands | both | (J + 3)·n·d |
@@ -127,24 +127,41 @@ impl<'a> BandsRequest<'a> {
     /// As for [`Transform::wavelets`].
     pub fn wavelets(&self) -> Result<Wavelets, BandsError> {
         let mut wavelets = self.whole_wavelets(&self.filled()?)?;
-        if let Some(masked) = self.decomposer.mask_flags() {
-            for level in &mut wavelets.levels {
-                parallel::for_rows(level, self.n_channels, 1 << 12, |first, rows| {
-                    for (row, masked) in rows.chunks_exact_mut(self.n_channels).zip(&masked[first..]) {
-                        if *masked {
-                            row.fill(f64::NAN);
-                        }
-                    }
-                });
-            }
-        }
+        self.clear_masked(&mut wavelets);
         Ok(wavelets)
+    }
+
+    /// Sets what is at masked vertices to NaN.
+    fn clear_masked(&self, wavelets: &mut Wavelets) {
+        let Some(masked) = self.decomposer.mask_flags() else { return };
+        let d = wavelets.n_channels;
+        for level in &mut wavelets.levels {
+            parallel::for_rows(level, d, 1 << 12, |first, rows| {
+                for (row, masked) in rows.chunks_exact_mut(d).zip(&masked[first..]) {
+                    if *masked {
+                        row.fill(f64::NAN);
+                    }
+                }
+            });
+        }
     }
 
     /// Wavelets that are 0 at masked vertices.
     pub(crate) fn whole_wavelets(&self, filled: &[f64]) -> Result<Wavelets, BandsError> {
-        let transform = self.transform()?;
-        transform.wavelets(self.vertex_map(), filled, self.n_channels, self.schedule, self.progress)
+        let (transform, mean) = (self.transform()?, self.mean(filled)?);
+        transform.wavelets_of_mean(&mean, self.n_channels, self.schedule, self.progress)
+    }
+
+    /// The mean of the signal at the welded vertices.
+    fn mean<'s>(&'s self, filled: &'s [f64]) -> Result<Cow<'s, [f64]>, BandsError> {
+        check_signal(filled, self.decomposer.n_vertices(), self.n_channels)?;
+        let geometry = self.decomposer.geometry();
+        // The shape's own coordinates, not equal ones: their means are the positions of the welded vertices, which are there.
+        let own = geometry.shape().points().unwrap_or_default().as_flattened();
+        if std::ptr::eq(filled, own) && self.n_channels == 3 {
+            return Ok(Cow::Borrowed(geometry.points().as_flattened()));
+        }
+        Ok(Cow::Owned(self.vertex_map().mean(filled, self.n_channels)))
     }
 
     /// The Euclidean norms of the wavelet coefficients over the channels, in the analysis order; a signal of one channel
@@ -153,7 +170,11 @@ impl<'a> BandsRequest<'a> {
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
     pub fn norms(&self) -> Result<Wavelets, BandsError> {
-        Ok(self.wavelets()?.into_norms())
+        let (filled, transform) = (self.filled()?, self.transform()?);
+        let mean = self.mean(&filled)?;
+        let mut norms = transform.norms_of_mean(&mean, self.n_channels, self.schedule, self.progress)?;
+        self.clear_masked(&mut norms);
+        Ok(norms)
     }
 
     /// `Σ_j factors[j−1]·W_f(j)` by a single polynomial of Φ₁: [`Transform::weighted`]. NaN at masked vertices.
@@ -182,7 +203,8 @@ impl<'a> BandsRequest<'a> {
     /// # Errors
     /// [`FilterError`] when gains or regions do not fit, or the bands cannot be computed.
     pub fn filter(&self, edit: &Edit<'_>) -> Result<Vec<f64>, FilterError> {
-        self.filter_layers(&edit.resolve(self.schedule.n_levels(), self.decomposer.metric())?)
+        let layers = edit.resolve(self.schedule.n_levels(), self.decomposer.metric(), self.progress)?;
+        self.filter_layers(&layers)
     }
 
     /// [`filter`](Self::filter) by layers that are numbers already.

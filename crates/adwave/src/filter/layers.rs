@@ -1,6 +1,7 @@
 //! Layers made ready to be evaluated at any vertex.
 
 use super::{Edit, FilterError, Layer};
+use crate::Progress;
 use crate::region::{RegionWeights, SurfaceMetric};
 use crate::shape::VertexMap;
 
@@ -33,15 +34,16 @@ impl Edit<'_> {
     /// The layers as numbers, for `n_levels` levels on a shape.
     ///
     /// # Errors
-    /// [`FilterError`] when gains or regions do not fit.
+    /// [`FilterError`] when gains or regions do not fit; cancelled.
     pub fn resolve(
         &self,
         n_levels: usize,
         metric: &SurfaceMetric,
+        progress: Progress<'_>,
     ) -> Result<Vec<WeightedLayer>, FilterError> {
         let resolve = |(k, layer): (usize, &Layer)| {
             let gains = layer.gains.resolve(n_levels)?;
-            let weights = layer.region.weights(metric, self.field, self.field_names);
+            let weights = layer.region.weights(metric, self.field, self.field_names, progress);
             let weights = weights.map_err(|source| FilterError::Region { layer: k + 1, source })?;
             Ok(WeightedLayer { gains, weights })
         };

@@ -1,10 +1,9 @@
 //! What regions are measured by: positions, neighbours and distances along a shape.
 
 use super::{SurfaceSearch, stroke};
-use crate::Progress;
 use crate::operator::Diffusion;
-use crate::parallel::unstopped;
-use crate::shape::{Adjacency, PreparedGeometry, vertex_normals};
+use crate::shape::{Adjacency, PreparedGeometry, triangles_at_vertices, try_vertex_normals};
+use crate::{Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -106,28 +105,47 @@ impl SurfaceMetric {
     }
 
     /// The normals of the vertices; none for a cloud or a graph.
-    pub(super) fn normals(&self) -> &[[f64; 3]] {
-        self.normals.get_or_init(|| vertex_normals(self.geometry.points(), self.geometry.triangles()))
+    pub(super) fn normals(&self, progress: Progress<'_>) -> Result<&[[f64; 3]], Cancelled> {
+        if let Some(normals) = self.normals.get() {
+            return Ok(normals);
+        }
+        let (points, triangles) = (self.geometry.points(), self.geometry.triangles());
+        let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
+        // Of two threads that come here at once one does the work for nothing.
+        let normals = try_vertex_normals(points, triangles, &at_vertex, progress)?;
+        Ok(self.normals.get_or_init(|| normals))
     }
 
     /// The vertices within `radius` of a line over the surface from place to place.
-    pub(super) fn around_line(&self, path: &[[f64; 3]], radius: f64) -> Within {
-        let sources = stroke::sources(self, self.edges.neighbours(), self.spacing, path);
-        self.within(&sources, radius)
+    pub(super) fn around_line(
+        &self,
+        path: &[[f64; 3]],
+        radius: f64,
+        progress: Progress<'_>,
+    ) -> Result<Within, Cancelled> {
+        let sources = stroke::sources(self, self.edges.neighbours(), self.spacing, path, progress)?;
+        self.within(&sources, radius, progress)
     }
 
     /// The vertices within `radius` of the nearest of `sources` (vertex, distance it starts with).
-    pub(super) fn within(&self, sources: &[(usize, f64)], radius: f64) -> Within {
+    pub(super) fn within(
+        &self,
+        sources: &[(usize, f64)],
+        radius: f64,
+        progress: Progress<'_>,
+    ) -> Result<Within, Cancelled> {
         let mut search =
             self.searches.lock().map_or_else(|_| None, |mut kept| kept.pop()).unwrap_or_default();
         let (neighbours, points) = (self.edges.neighbours(), self.geometry.points());
-        let reached = unstopped(search.run(neighbours, points, sources, radius, Progress::none()));
-        let mut vertices = reached.to_vec();
-        vertices.sort_unstable();
-        let distances = vertices.iter().map(|&x| search.distance(x as usize)).collect();
+        let reached = search.run(neighbours, points, sources, radius, progress).map(<[u32]>::to_vec);
+        let within = reached.map(|mut vertices| {
+            vertices.sort_unstable();
+            let distances = vertices.iter().map(|&x| search.distance(x as usize)).collect();
+            Within { vertices, distances }
+        });
         if let Ok(mut kept) = self.searches.lock() {
             kept.push(search);
         }
-        Within { vertices, distances }
+        within
     }
 }

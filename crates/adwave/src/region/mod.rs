@@ -14,7 +14,7 @@ pub use metric::{Edges, SurfaceMetric};
 pub use parse::{RegionSyntaxError, parse_region};
 pub use weights::{FieldLookup, RegionWeights};
 
-use crate::{ClassifiedError, ErrorKind};
+use crate::{Cancelled, ClassifiedError, ErrorKind};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -238,11 +238,14 @@ pub enum RegionError {
     /// A stroke without places.
     #[error("a stroke needs at least one place")]
     EmptyStroke,
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 impl ClassifiedError for RegionError {
     fn kind(&self) -> ErrorKind {
-        ErrorKind::Input
+        if matches!(self, Self::Cancelled(_)) { ErrorKind::Cancelled } else { ErrorKind::Input }
     }
 }
 

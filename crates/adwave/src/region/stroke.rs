@@ -3,6 +3,7 @@
 use super::SurfaceMetric;
 use crate::parallel;
 use crate::shape::{Adjacency, distance, squared_distance};
+use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 
 /// Vertices next to a polyline with their distances from it, to start a search along the surface from.
@@ -14,8 +15,9 @@ pub(super) fn sources(
     neighbours: &Adjacency,
     spacing: f64,
     path: &[[f64; 3]],
-) -> Vec<(usize, f64)> {
-    let (points, normals) = (metric.geometry().points(), metric.normals());
+    progress: Progress<'_>,
+) -> Result<Vec<(usize, f64)>, Cancelled> {
+    let (points, normals) = (metric.geometry().points(), metric.normals(progress)?);
     let on_surface = |p: &[f64; 3]| -> (usize, [f64; 3]) {
         let vertex = metric.nearest(p).expect("a line is drawn over positions");
         let (p, normal) =
@@ -31,7 +33,10 @@ pub(super) fn sources(
         places.extend((1..=segments).map(|k| place(k as f64 / segments as f64)));
     }
     // The place nearest to a point off the surface is one of many that are about as far: each costs some 20 µs.
-    let line = parallel::map_items(points.len(), places.len(), |k| on_surface(&places[k]));
+    let line = parallel::map_items(points.len(), places.len(), |k| {
+        progress.check().map(|()| on_surface(&places[k]))
+    });
+    let line = line.into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut sources = Vec::new();
     for (k, &(vertex, _)) in line.iter().enumerate() {
         let around = &line[k.saturating_sub(1)..(k + 2).min(line.len())];
@@ -46,7 +51,7 @@ pub(super) fn sources(
             sources.push((y, away.sqrt()));
         }
     }
-    sources
+    Ok(sources)
 }
 
 /// Segments that a straight part of a stroke is cut into at the most.

@@ -2,8 +2,8 @@
 
 use super::metric::Within;
 use super::{Length, Place, Region, RegionError, SurfaceMetric, smooth_rise};
-use crate::parallel;
 use crate::shape::VertexMap;
+use crate::{Progress, parallel};
 use nalgebra::Vector3;
 
 /// The width of the fall where none is given, for boxes and half-spaces.
@@ -91,22 +91,26 @@ impl Region {
     /// `field` gives the vertex fields of the shape by name, `field_names` is what an error lists.
     ///
     /// # Errors
-    /// [`RegionError`] when the region names a vertex or field that does not exist, or numbers that make no sense.
+    /// [`RegionError`] when the region names a vertex or field that does not exist, or numbers that make no sense; cancelled.
     pub fn weights(
         &self,
         metric: &SurfaceMetric,
         field: &FieldLookup<'_>,
         field_names: &[String],
+        progress: Progress<'_>,
     ) -> Result<RegionWeights, RegionError> {
+        progress.check()?;
         Ok(match self {
             Self::Everywhere {} => RegionWeights::Everywhere,
             Self::Ball { centre, radius, falloff } => {
-                line_weights(metric, std::slice::from_ref(centre), *radius, *falloff)?
+                line_weights(metric, std::slice::from_ref(centre), *radius, *falloff, progress)?
             }
-            Self::Stroke { path, radius, falloff } => line_weights(metric, path, *radius, *falloff)?,
+            Self::Stroke { path, radius, falloff } => {
+                line_weights(metric, path, *radius, *falloff, progress)?
+            }
             Self::Box { min, max, falloff } => {
                 check_finite("a corner", min.iter().chain(max))?;
-                by_depth(metric, "box", *falloff, |p| {
+                by_depth(metric, "box", *falloff, progress, |p| {
                     (0..3).map(|c| (p[c] - min[c]).min(max[c] - p[c])).fold(f64::INFINITY, f64::min)
                 })?
             }
@@ -117,7 +121,9 @@ impl Region {
                     return Err(RegionError::BadNumber { what, value: 0.0, must });
                 };
                 let origin = Vector3::from(*point);
-                by_depth(metric, "half-space", *falloff, |p| unit.dot(&(Vector3::from(*p) - origin)))?
+                by_depth(metric, "half-space", *falloff, progress, |p| {
+                    unit.dot(&(Vector3::from(*p) - origin))
+                })?
             }
             Self::Field { name, low, high } => {
                 check_finite("a bound", [low, high])?;
@@ -128,11 +134,15 @@ impl Region {
                 let sources = indices.iter().map(source).collect::<Result<Vec<_>, RegionError>>()?;
                 let radius = radius.in_units(metric.diagonal());
                 let rise = |d: f64| if d == 0.0 { 1.0 } else { smooth_rise(1.0 - d / radius) };
-                sparse(metric.within(&sources, radius), rise)
+                sparse(metric.within(&sources, radius, progress)?, rise)
             }
-            Self::Not(region) => invert(region.weights(metric, field, field_names)?, metric),
-            Self::Any(regions) => combine(regions, metric, field, field_names, 0.0, f64::max)?,
-            Self::All(regions) => combine(regions, metric, field, field_names, 1.0, f64::min)?,
+            Self::Not(region) => invert(region.weights(metric, field, field_names, progress)?, metric),
+            Self::Any(regions) => {
+                combine(regions, metric, 0.0, f64::max, |r| r.weights(metric, field, field_names, progress))?
+            }
+            Self::All(regions) => {
+                combine(regions, metric, 1.0, f64::min, |r| r.weights(metric, field, field_names, progress))?
+            }
         })
     }
 }
@@ -154,15 +164,11 @@ fn invert(weights: RegionWeights, metric: &SurfaceMetric) -> RegionWeights {
 fn combine(
     regions: &[Region],
     metric: &SurfaceMetric,
-    field: &FieldLookup<'_>,
-    field_names: &[String],
     start: f64,
     join: impl Fn(f64, f64) -> f64,
+    weights_of: impl Fn(&Region) -> Result<RegionWeights, RegionError>,
 ) -> Result<RegionWeights, RegionError> {
-    let parts = regions
-        .iter()
-        .map(|region| region.weights(metric, field, field_names))
-        .collect::<Result<Vec<_>, _>>()?;
+    let parts = regions.iter().map(weights_of).collect::<Result<Vec<_>, _>>()?;
     let by_vertex = parts.iter().any(|part| matches!(part, RegionWeights::Vertices(_)));
     let (vertex_map, n_welded) = (metric.geometry().vertex_map(), metric.geometry().n_vertices());
     let mut weights = vec![start; if by_vertex { metric.n_vertices() } else { n_welded }];
@@ -195,6 +201,7 @@ fn line_weights(
     path: &[Place],
     radius: Length,
     falloff: Option<Length>,
+    progress: Progress<'_>,
 ) -> Result<RegionWeights, RegionError> {
     let diagonal = metric.diagonal();
     let radius = radius.in_units(diagonal);
@@ -211,13 +218,13 @@ fn line_weights(
             Place::Vertex(v) => Ok((welded(metric, *v)?, 0.0)),
             Place::Point(_) => Err(RegionError::NeedsPositions("point")),
         };
-        metric.within(&path.iter().map(source).collect::<Result<Vec<_>, _>>()?, radius)
+        metric.within(&path.iter().map(source).collect::<Result<Vec<_>, _>>()?, radius, progress)?
     } else {
         let position = |place: &Place| match place {
             Place::Vertex(v) => Ok(points[welded(metric, *v)?]),
             Place::Point(p) => check_finite("a point", p).map(|()| *p),
         };
-        metric.around_line(&path.iter().map(position).collect::<Result<Vec<_>, _>>()?, radius)
+        metric.around_line(&path.iter().map(position).collect::<Result<Vec<_>, _>>()?, radius, progress)?
     };
     let rise = |d: f64| {
         if falloff > 0.0 { smooth_rise((radius - d) / falloff) } else { f64::from(d <= radius) }
@@ -230,6 +237,7 @@ fn by_depth(
     metric: &SurfaceMetric,
     what: &'static str,
     falloff: Option<Length>,
+    progress: Progress<'_>,
     depth: impl Fn(&[f64; 3]) -> f64 + Sync + Send,
 ) -> Result<RegionWeights, RegionError> {
     let points = metric.geometry().points();
@@ -241,7 +249,7 @@ fn by_depth(
         let depth = depth(&points[x]);
         if falloff > 0.0 { smooth_rise(depth / falloff) } else { f64::from(depth >= 0.0) }
     };
-    Ok(RegionWeights::Welded(parallel::collect(points.len(), rise)))
+    Ok(RegionWeights::Welded(parallel::try_collect(points.len(), progress, rise)?))
 }
 
 /// Weights by the values of a field: 0 at the first bound, 1 at the second.

@@ -62,7 +62,7 @@ pub fn health(
         n_vertices: shape.n_vertices(),
         n_faces: 0,
         n_polygons: 0,
-        n_edges: neighbours.nnz() / 2,
+        n_edges: 0,
         n_components: try_n_components(neighbours, progress)?,
         n_boundary_edges: 0,
         n_non_manifold_edges: 0,
@@ -77,10 +77,28 @@ pub fn health(
         euler_characteristic: None,
     };
     progress.check()?;
-    if let Shape::Mesh(mesh) = shape {
-        count_faces(mesh, geometry, &mut health, progress)?;
+    match shape {
+        Shape::Mesh(mesh) => count_faces(mesh, geometry, &mut health, progress)?,
+        _ => health.n_edges = n_pairs(neighbours, progress)?,
     }
     Ok(health)
+}
+
+/// Pairs of vertices that are joined in one direction or in both.
+fn n_pairs(neighbours: &Adjacency, progress: Progress<'_>) -> Result<usize, Cancelled> {
+    let counts_here =
+        |x: usize, y: usize| x < y || (x > y && neighbours.of(y).binary_search(&(x as u32)).is_err());
+    let counts = parallel::try_map_chunks(
+        neighbours.n_rows(),
+        AT_A_TIME,
+        progress,
+        || (),
+        |(), range| {
+            let of = |x: usize| neighbours.of(x).iter().filter(|&&y| counts_here(x, y as usize)).count();
+            range.map(of).sum::<usize>()
+        },
+    )?;
+    Ok(counts.into_iter().sum())
 }
 
 fn count_faces(
@@ -245,5 +263,19 @@ impl Health {
     /// Whether every edge has exactly two faces.
     pub fn is_closed(&self) -> bool {
         self.n_faces > 0 && self.n_boundary_edges == 0 && self.n_non_manifold_edges == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_counts_once_whichever_way_it_points() {
+        // 0 ↔ 1, 1 → 2, 2 → 0; 3 has no edges.
+        let directed = Adjacency::new(vec![0, 1, 3, 4, 4], vec![1, 0, 2, 0], 4).unwrap();
+        assert_eq!(n_pairs(&directed, Progress::none()), Ok(3));
+        let both = Adjacency::new(vec![0, 2, 4, 6], vec![1, 2, 0, 2, 0, 1], 3).unwrap();
+        assert_eq!(n_pairs(&both, Progress::none()), Ok(3));
     }
 }

@@ -45,7 +45,7 @@ fn against(
         if signal.n_channels != 1 {
             return Err(CliError::Input(format!("{name} has {} channels, not one", signal.n_channels)));
         }
-        Ok(signal.values)
+        Ok(signal.values.to_vec())
     };
     let fixations = one_channel(fixations)?;
     let own = saliency(&analysis.walk, &wavelets, &args.map.params(&args.border), global.progress())
@@ -192,9 +192,9 @@ fn find_again(
         let file = ShapeFile::from_cloud(shape.points().unwrap_or_default().to_vec());
         let input = Input { file, shape: shape.clone(), name: analysis.input.name.clone() };
         let signal = signal::load(&input, &args.field.field)?;
-        (signal.n_channels, signal.values)
+        (signal.n_channels, signal.values.to_vec())
     } else if same_vertices {
-        (analysis.signal.n_channels, analysis.signal.values.clone())
+        (analysis.signal.n_channels, analysis.signal.values.to_vec())
     } else {
         // A field of the file is not known at other vertices.
         return Ok(Vec::new());

@@ -62,6 +62,8 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
 fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &Global<'_>) -> Result<Found, CliError> {
     let mut analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_EXTENT, global)?;
     let params = args.detect.params(&args.border);
+    // Spheres go into a new file, and the bytes of the old one would lie beside the bands.
+    analysis.input.file.forget_original();
     let wavelets = analysis.wavelets(global, Some(params.response))?;
     let start = Instant::now();
     let features = features(&analysis.walk, &wavelets, &params, global.progress())

@@ -152,7 +152,7 @@ fn look(args: &RenderArgs, input: &Input, name: &str) -> Result<Look, CliError> 
     let texture = args.texture.as_deref().filter(|_| name.starts_with("texture"));
     let Signal { n_channels, values } = load_with_texture(input, name, texture)?;
     if name == "texture"
-        && let Some(values) = bytes(n_channels, &FieldValues::F64(values.clone()))
+        && let Some(values) = bytes(n_channels, &FieldValues::F64(values.to_vec()))
     {
         return Ok(Look::Colors { values, label });
     }
@@ -160,7 +160,7 @@ fn look(args: &RenderArgs, input: &Input, name: &str) -> Result<Look, CliError> 
     let own = SurfaceSignal::from_name(name).filter(|_| input.file.field(name).is_none());
     let unit = if name == COORDS { Some("model units") } else { own.and_then(SurfaceSignal::unit) };
     if n_channels == 1 {
-        return Ok(Look::Field { values, label, unit });
+        return Ok(Look::Field { values: values.to_vec(), label, unit });
     }
     let length = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>().sqrt();
     Ok(Look::Field {

@@ -16,7 +16,7 @@ use adwave::bands::Bands;
 use adwave::features::FEATURE_EXTENT;
 use adwave_io::{Format, atomic_write};
 use adwave_render::Up;
-use adwave_report::shape_report::{Looks, ShapeReport, Subject, shape_report};
+use adwave_report::shape_report::{ShapeReport, Subject, Viewpoint, shape_report};
 pub(crate) use args::ReportArgs;
 use serde_json::{Value, json};
 use std::ffi::OsString;
@@ -77,8 +77,8 @@ fn report(
         command: &command_line(global.arguments),
         seconds: &[("reading", seconds.read), ("diffusion", seconds.diffusion), ("bands", seconds.bands)],
     };
-    let looks = Looks { view: Some(args.view), up: args.up.unwrap_or(up) };
-    with_progress(global, "measuring and drawing", |progress| shape_report(&subject, looks, progress))
+    let viewpoint = Viewpoint { view: Some(args.view), up: args.up.unwrap_or(up) };
+    with_progress(global, "measuring and drawing", |progress| shape_report(&subject, viewpoint, progress))
         .map_err(|_| CliError::Cancelled)
 }
 

@@ -1,0 +1,147 @@
+//! Norms of the wavelet coefficients over the channels, without all coefficients at a time.
+
+use super::chebyshev::{Outcome, Passes};
+use super::error::check_signal;
+use super::real_series::LADDER;
+use super::series::Series;
+use super::wavelets::norms;
+use super::{BandsError, Engine, Schedule, Transform, Wavelets};
+use crate::pages::zeros;
+use crate::{Cancelled, Progress, parallel};
+use std::ops::Range;
+
+/// Bytes of all wavelets below which there is nothing to gain.
+const LARGE: usize = 64 << 20;
+
+impl Transform {
+    /// [`Wavelets::into_norms`] of the wavelets of a signal at the welded vertices, the same bits.
+    ///
+    /// Of a large signal the coarse levels come first, and the fine ones when of those only the norms are left: three fifths of
+    /// the memory, for the few products that fine levels take.
+    ///
+    /// # Errors
+    /// As for [`wavelets`](Self::wavelets).
+    pub(crate) fn norms_of_mean(
+        &self,
+        mean: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<Wavelets, BandsError> {
+        if n_channels > 1
+            && schedule.n_levels() * size_of_val(mean) >= LARGE
+            && let Some(norms) = self.norms_in_two_calls(mean, n_channels, schedule, progress)?
+        {
+            return Ok(norms);
+        }
+        Ok(self.wavelets_of_mean(mean, n_channels, schedule, progress)?.into_norms())
+    }
+
+    /// Nothing where two calls cannot give the bits of one.
+    fn norms_in_two_calls(
+        &self,
+        mean: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<Option<Wavelets>, BandsError> {
+        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() {
+            return Ok(None);
+        }
+        let (n, n_levels) = (self.diffusion().n_vertices(), schedule.n_levels());
+        check_signal(mean, n, n_channels)?;
+        self.check_memory_of_wavelets(n_channels, schedule)?;
+        let prepared = self.prepared(progress)?;
+        let steps = schedule.steps_from_zero();
+        // Series of whole steps are the same on every rung.
+        let band = |level: usize| self.band(&steps[level..level + 2], LADDER[0], prepared.growth);
+        let series: Vec<Series> = parallel::map_items(n, n_levels, band);
+        let mut passes = Passes::default();
+        let call = |range: Range<usize>,
+                    passes: &mut Passes|
+         -> Result<(Vec<Vec<f64>>, Outcome), Cancelled> {
+            let mut levels: Vec<Vec<f64>> = range.clone().map(|_| zeros(mean.len())).collect();
+            let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
+            let polynomials = (&series[range], &[][..], passes);
+            let accuracy = self.params().accuracy;
+            let outcome = prepared.evaluate(mean, n_channels, polynomials, accuracy, &mut outs, progress)?;
+            for level in &mut levels {
+                *level = norms(level, n_channels);
+            }
+            Ok((levels, outcome))
+        };
+        // Two fifths: where a level has three channels both calls hold about as much.
+        let n_fine = 2 * n_levels / 5;
+        let (coarse, first) = call(n_fine..n_levels, &mut passes)?;
+        passes.repeat();
+        let (mut levels, second) = call(0..n_fine, &mut passes)?;
+        if passes.differ() {
+            return Ok(None);
+        }
+        levels.extend(coarse);
+        let outcome = Outcome {
+            degree: first.degree.max(second.degree),
+            products: first.products + second.products,
+            terms: first.terms + second.terms,
+            error_bound: first.error_bound.max(second.error_bound),
+            missed: Vec::new(),
+        };
+        let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, n_channels));
+        Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::bands::{Schedule, Transform};
+    use crate::sample::Sample;
+    use crate::shape::{Mesh, Shape};
+    use crate::{Decomposer, Progress};
+
+    fn creature() -> (Decomposer, Vec<f64>) {
+        let sample = Sample::by_name("creature", Some(6000)).expect("a built-in shape");
+        let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).expect("a mesh"));
+        let decomposer = Decomposer::new(&shape);
+        let mean = decomposer.geometry().points().as_flattened().to_vec();
+        (decomposer, mean)
+    }
+
+    #[test]
+    fn two_calls_give_the_bits_of_one() {
+        let (decomposer, mean) = creature();
+        let none = Progress::none();
+        let mut n_compared = 0;
+        for accuracy in [1e-3, 1e-9] {
+            let params = decomposer.transform().params().with_accuracy(accuracy);
+            let transform: Transform = decomposer.transform().with_params(&params).expect("an accuracy");
+            for (n_levels, n_channels) in [(3, 3), (6, 3), (9, 3), (12, 3), (8, 2), (8, 6)] {
+                // Of a block of one, two, three channels, or more than one block.
+                let n = mean.len() / 3;
+                let signal: Vec<f64> =
+                    (0..n * n_channels).map(|i| mean[i % mean.len()] + (i % n_channels) as f64).collect();
+                let schedule = Schedule::dyadic(n_levels).expect("levels");
+                let one = transform.wavelets_of_mean(&signal, n_channels, &schedule, none);
+                let one = one.expect("a signal").into_norms();
+                let two = transform.norms_in_two_calls(&signal, n_channels, &schedule, none);
+                let Some(two) = two.expect("a signal") else { continue };
+                assert!(one.levels == two.levels, "{n_levels} levels of {n_channels} channels");
+                assert_eq!((one.steps, one.sigma), (two.steps, two.sigma));
+                assert_eq!(one.info.error_bound, two.info.error_bound);
+                n_compared += 1;
+            }
+        }
+        assert!(n_compared > 6, "{n_compared} of 12 in two calls");
+    }
+
+    #[test]
+    fn fractional_powers_are_left_to_a_single_call() {
+        let (decomposer, mean) = creature();
+        let schedule = Schedule::voices(3, 2).expect("levels");
+        let transform = decomposer.transform();
+        let two = transform.norms_in_two_calls(&mean, 3, &schedule, Progress::none()).expect("a signal");
+        assert!(two.is_none());
+        let norms = transform.norms_of_mean(&mean, 3, &schedule, Progress::none()).expect("a signal");
+        let one = transform.wavelets_of_mean(&mean, 3, &schedule, Progress::none()).expect("a signal");
+        assert!(norms.levels == one.into_norms().levels);
+    }
+}
