@@ -6,6 +6,7 @@ import re
 import subprocess
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
@@ -48,7 +49,8 @@ class Adwave:
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
             out, err = process.communicate()
         if process.returncode:
-            raise Failure(f"adwave {' '.join(command[1:4])}: {err.strip().splitlines()[-1:] or process.returncode}")
+            said = (err.strip().splitlines() or [f"exit code {process.returncode}"])[0]
+            raise Failure(f"adwave {words[0]}: {said.replace(f'{Path(words[1]).parent}{os.sep}', '')}")
         return json.loads(out) if out.strip() else {}
 
     def transform(self, mesh, lengths, operator, *, field=None, kind="mesh", accuracy=ACCURACY):

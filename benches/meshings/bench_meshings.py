@@ -11,8 +11,12 @@ from functools import cached_property
 from pathlib import Path
 
 import cloud
+import cost
+import features
+import gaze
 import remeshing
 import report
+import scipy_peer
 from adwave import Adwave
 from meshings import Meshings
 
@@ -23,7 +27,7 @@ SAMPLES = {"creature": 30000, "knot": 20000, "torus": 20000, "sphere": 10000}
 # The shape that the mesh of many sizes is made from.
 MANY_SIZES_OF = "kitten"
 
-PARTS = {"remeshing": remeshing, "cloud": cloud}
+PARTS = {"remeshing": remeshing, "cloud": cloud, "features": features, "scipy": scipy_peer, "cost": cost, "gaze": gaze}
 
 
 class Bench:
@@ -66,6 +70,7 @@ def main():
     parser.add_argument("--fixations", type=Path, required=True, help="folder with meshes that have a field `gaze` somewhere in it")
     parser.add_argument("--work", type=Path, required=True, help="folder for meshings, which are kept")
     parser.add_argument("--docs", type=Path, required=True, help="folder with MESHINGS.md")
+    parser.add_argument("--matrices", type=Path, help="program that writes masses and stiffness of the operator `surface`")
     parser.add_argument("--only", choices=PARTS, help="one part, printed")
     args = parser.parse_args()
     bench = Bench(args)
