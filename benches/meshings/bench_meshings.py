@@ -1,0 +1,96 @@
+"""Measures how far bands depend on the mesh and not on the surface, operator by operator, and writes docs/MESHINGS.md.
+
+`cargo xtask bench-meshings` runs it in an environment of its own. `--only PART` prints one part and writes no document.
+"""
+
+import argparse
+import json
+import shutil
+import time
+from functools import cached_property
+from pathlib import Path
+
+import cloud
+import cost
+import features
+import gaze
+import remeshing
+import report
+import scipy_peer
+from adwave import Adwave
+from meshings import Meshings
+
+MODELS = {"armadillo": "armadillo.obj", "kitten": "kitten.obj", "horse": "horse.ply", "dinosaur": "dinosaur.obj",
+          "skull": "skull.off", "face": "face.obj", "bunny": "stanford-bunny.obj", "fandisk": "fandisk.obj"}
+# What takes their place where none of them is there.
+SAMPLES = {"creature": 30000, "knot": 20000, "torus": 20000, "sphere": 10000}
+# The shape that the mesh of many sizes is made from.
+MANY_SIZES_OF = "kitten"
+
+PARTS = {"remeshing": remeshing, "cloud": cloud, "features": features, "scipy": scipy_peer, "cost": cost, "gaze": gaze}
+
+
+class Bench:
+    """The command, the shapes, their other meshings, and what did not work."""
+
+    def __init__(self, args):
+        self.args, self.notes = args, []
+        self.adwave = Adwave(args.adwave, args.work / "scratch")
+        self.meshings = Meshings(args.work)
+
+    def note(self, what):
+        if what not in self.notes:
+            print(f"  {what}")
+            self.notes.append(what)
+
+    @cached_property
+    def shapes(self):
+        found = []
+        for name, file in MODELS.items():
+            paths = sorted(self.args.models.rglob(file)) if self.args.models.is_dir() else []
+            if paths:
+                found.append(self.meshings.original(name, paths[0]))
+            else:
+                self.note(f"{name} is left out: there is no {file} below the folder of models")
+        if found:
+            return found
+        self.note("built-in shapes take their place")
+        return [self.meshings.original(name, self.adwave.sample(name, n)) for name, n in SAMPLES.items()]
+
+    @cached_property
+    def many_sizes(self):
+        named = [mesh for mesh in self.shapes if mesh.name == MANY_SIZES_OF]
+        return self.meshings.many_sizes((named or self.shapes)[0])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--adwave", type=Path, required=True, help="the command")
+    parser.add_argument("--models", type=Path, required=True, help="folder with the models somewhere in it")
+    parser.add_argument("--fixations", type=Path, required=True, help="folder with meshes that have a field `gaze` somewhere in it")
+    parser.add_argument("--work", type=Path, required=True, help="folder for meshings, which are kept")
+    parser.add_argument("--docs", type=Path, required=True, help="folder with MESHINGS.md")
+    parser.add_argument("--matrices", type=Path, help="program that writes masses and stiffness of the operator `surface`")
+    parser.add_argument("--only", choices=PARTS, help="one part, printed")
+    args = parser.parse_args()
+    bench = Bench(args)
+    results = {"seconds": {}}
+    for name, part in PARTS.items():
+        if args.only in (None, name):
+            print(f"{name}: {part.measure.__doc__}", flush=True)
+            start = time.monotonic()
+            results[name] = part.measure(bench)
+            results["seconds"][name] = time.monotonic() - start
+            print(f"  {results['seconds'][name]:.0f} s", flush=True)
+    results["notes"], results["machine"] = bench.notes, report.machine()
+    shutil.rmtree(bench.adwave.work)
+    if args.only:
+        print(PARTS[args.only].text(results[args.only]))
+        return
+    (args.work / "measured.json").write_text(json.dumps(results, indent=1))
+    report.write(results, PARTS, args.docs)
+    print(f"wrote {args.docs / 'MESHINGS.md'}; all figures are in {args.work / 'measured.json'}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,98 @@
+"""The closest point of a triangle mesh, exactly, and values of its vertices there."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+# So many nearest centres are tried first, then four times as many.
+FIRST_CANDIDATES = 8
+
+
+def on_triangles(p, a, b, c):
+    """Barycentric coordinates of the point of triangle abc that is closest to p, row by row (Ericson 2005, 5.1.5)."""
+    ab, ac, ap, bp, cp = b - a, c - a, p - a, p - b, p - c
+    dot = lambda u, v: np.einsum("ij,ij->i", u, v)
+    d1, d2, d3, d4, d5, d6 = (dot(u, v) for v in (ap, bp, cp) for u in (ab, ac))
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along_ab, along_ac, along_bc = d1 / (d1 - d3), d2 / (d2 - d6), (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        v, w = vb / (va + vb + vc), vc / (va + vb + vc)
+    zero = np.zeros(len(p))
+    one = zero + 1
+    cases = [
+        ((d1 <= 0) & (d2 <= 0), (zero, zero)),
+        ((d3 >= 0) & (d4 <= d3), (one, zero)),
+        ((d6 >= 0) & (d5 <= d6), (zero, one)),
+        ((vc <= 0) & (d1 >= 0) & (d3 <= 0), (along_ab, zero)),
+        ((vb <= 0) & (d2 >= 0) & (d6 <= 0), (zero, along_ac)),
+        ((va <= 0) & (d4 >= d3) & (d5 >= d6), (1 - along_bc, along_bc)),
+    ]
+    v, w = (np.select([case for case, _ in cases], [found[k] for _, found in cases], rest)
+            for k, rest in enumerate((v, w)))
+    weights = np.stack([1 - v - w, v, w], axis=1)
+    return np.where(np.isfinite(weights).all(axis=1, keepdims=True), weights, [1.0, 0.0, 0.0])
+
+
+class Surface:
+    """The triangles by octaves of their size, each octave in a k-d tree of centres.
+
+    A triangle reaches no farther from its centre than `reach` of its octave, so that a query is done when the farthest
+    centre tried is farther than what is found and `reach`.
+    """
+
+    def __init__(self, mesh):
+        self.points, self.triangles = mesh.points, mesh.triangles
+        self.vertices = cKDTree(self.points)
+        corners = self.points[self.triangles]
+        centres = corners.mean(axis=1)
+        reaches = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
+        octaves = np.floor(np.log2(np.maximum(reaches, 1e-300)))
+        self.octaves = []
+        for octave in np.unique(octaves):
+            members = np.flatnonzero(octaves == octave)
+            self.octaves.append((cKDTree(centres[members]), members, reaches[members].max()))
+
+    def closest(self, queries):
+        """The `Places` of the mesh that are closest to the queries."""
+        n = len(queries)
+        # The nearest vertex bounds the distance; a triangle takes its place as it is found, at the latest by its corner.
+        best = self.vertices.query(queries, workers=-1)[0] * (1 + 1e-12) + 1e-300
+        triangle, weights = np.full(n, -1), np.zeros((n, 3))
+        for tree, members, reach in self.octaves:
+            pending, k = np.arange(n), min(FIRST_CANDIDATES, len(members))
+            while len(pending):
+                distance, index = tree.query(queries[pending], k=np.arange(1, k + 1), workers=-1)
+                row, column = np.nonzero(distance <= best[pending, None] + reach)
+                self._take_closer(queries, pending[row], members[index[row, column]], best, triangle, weights)
+                if k == len(members):
+                    break
+                pending = pending[distance[:, -1] < best[pending] + reach]
+                k = min(4 * k, len(members))
+        return Places(self.triangles[triangle], weights, best)
+
+    def _take_closer(self, queries, row, candidate, best, triangle, weights):
+        """Updates the best of each query by candidates, pair by pair."""
+        if not len(row):
+            return
+        corners = self.points[self.triangles[candidate]]
+        w = on_triangles(queries[row], *corners.transpose(1, 0, 2))
+        distance = np.linalg.norm(np.einsum("ik,ikd->id", w, corners) - queries[row], axis=1)
+        order = np.lexsort((candidate, distance, row))
+        first = order[np.unique(row[order], return_index=True)[1]]
+        first = first[distance[first] <= best[row[first]]]
+        at = row[first]
+        best[at], triangle[at], weights[at] = distance[first], candidate[first], w[first]
+
+
+class Places:
+    """Points of a mesh: the corners of their triangles, barycentric coordinates, distances from what they are closest to."""
+
+    def __init__(self, corners, weights, distances):
+        self.corners, self.weights, self.distances = corners, weights, distances
+
+    def interpolated(self, values):
+        """Values of the mesh's vertices at the places, linear on triangles."""
+        return np.einsum("ik,ik...->i...", self.weights, values[self.corners])
+
+    def nearest(self, values):
+        """The value of the corner that has the largest weight."""
+        return values[self.corners[np.arange(len(self.corners)), self.weights.argmax(axis=1)]]

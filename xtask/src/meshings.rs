@@ -1,0 +1,37 @@
+//! How far bands depend on the mesh and not on the surface: builds ours, makes an environment, runs `benches/meshings`.
+
+use crate::{Outcome, cargo, data, python, root, run, target};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// Compares bands, features and maps of several meshings of the same surfaces and writes `docs/MESHINGS.md`. `arguments`:
+/// `--models DIR`, where the models of the paper may be found, and `--only PART` for one part that is printed and not
+/// written.
+pub(crate) fn bench_meshings(arguments: &[&str]) -> Outcome {
+    let mut models = data().join("paper");
+    let mut only = None;
+    let mut rest = arguments.iter();
+    while let Some(&option) = rest.next() {
+        let value = rest.next().ok_or_else(|| format!("{option} needs a value"))?;
+        match option {
+            "--models" => models = PathBuf::from(value),
+            "--only" => only = Some(value),
+            _ => return Err(format!("bench-meshings knows --models and --only, not {option}")),
+        }
+    }
+    cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
+    let python = python::environment(&root(), "meshings")?;
+    run(Command::new(python)
+        .arg(root().join("benches/meshings/bench_meshings.py"))
+        .arg("--adwave")
+        .arg(target().join("release/adwave"))
+        .arg("--models")
+        .arg(models)
+        .arg("--fixations")
+        .arg(data().join("benchmarks"))
+        .arg("--work")
+        .arg(root().join("target/meshings"))
+        .arg("--docs")
+        .arg(root().join("docs"))
+        .args(only.iter().flat_map(|part| ["--only", part])))
+}
