@@ -7,6 +7,7 @@
 use super::kernel::{self, Input, Pass, Term};
 use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
 use super::tiles::{Index, Tiles, TilesOf, View};
+use crate::operator::Semigroup;
 use crate::parallel::SERIAL;
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -167,6 +168,7 @@ impl<'a> Recurrence<'a> {
         }
         let (k, own, width, stride, at) = (self.k, self.operator.own, self.width, self.stride, self.at);
         let is_first = k == 0;
+        let is_lazy = self.operator.diffusion().semigroup() == Semigroup::Steps;
         let from = if is_first { 0 } else { k + 1 };
         let mut terms = Vec::new();
         let mut outs: Vec<Vec<&mut [f64]>> = tiles.iter().map(|_| Vec::with_capacity(sums.len())).collect();
@@ -225,6 +227,7 @@ impl<'a> Recurrence<'a> {
                 input,
                 n_steps,
                 is_first,
+                is_lazy,
                 next_before,
                 next_now,
                 terms,

@@ -204,12 +204,12 @@ fn gather<const CHECKED: bool>(
     }
 }
 
-/// One step for the rows of `runs`: `next = scale·(4Σ w·now[y] − before)`.
+/// One step for the rows of `runs`: `2Y T_k − T_{k−1}`, `Y = 2Φ₁ − I`.
 ///
-/// With `w = Φ₁(x,y)` this is `2Y T_k − T_{k−1}`, `Y = 2Φ₁ − I`, as Φ₁ has its diagonal ½ in the walks that come here. The
-/// factor 4 goes to the sum's other part and to the scale; a power of two rounds nothing.
+/// Of a lazy walk, whose Φ₁ has the diagonal ½, that is `next = scale·(Σ w·now[y] − ¼·before)` with `w = Φ₁(x,y)`, and of any
+/// other Φ₁ `scale·(Σ w·(now[y] − now[x]) + ½·now[x] − ¼·before)`. The factor 4 is in the scale; a power of two rounds nothing.
 #[inline(always)]
-fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
+fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
     (mut rows, runs): (impl TileRows, &[Run]),
     mut columns: &[I],
     mut weights: &[f64],
@@ -225,8 +225,8 @@ fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
         macro_rules! unrolled {
             ($($degree:literal)*) => {
                 match degree {
-                    $($degree => fixed::<I, $degree, L, FMA, CHECKED>(rows, entries, vectors, scale),)*
-                    _ => any::<I, L, FMA, CHECKED>((rows, n_rows, degree), entries, vectors, scale),
+                    $($degree => fixed::<I, $degree, L, FMA, CHECKED, LAZY>(rows, entries, vectors, scale),)*
+                    _ => any::<I, L, FMA, CHECKED, LAZY>((rows, n_rows, degree), entries, vectors, scale),
                 }
             };
         }
@@ -235,8 +235,33 @@ fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
     }
 }
 
+/// What a row of a step starts from, and the value at its own vertex, which a lazy walk does not need.
 #[inline(always)]
-fn fixed<I: Index, const DEGREE: usize, const L: usize, const FMA: bool, const CHECKED: bool>(
+fn start<const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
+    before: &[[f64; L]],
+    now: &[[f64; L]],
+    row: usize,
+) -> ([f64; L], [f64; L]) {
+    let mut sum = get::<_, CHECKED>(before, row).map(|v| -0.25 * v);
+    if LAZY {
+        return (sum, [0.0; L]);
+    }
+    let here = *get::<_, CHECKED>(now, row);
+    for c in 0..L {
+        sum[c] = fma::<FMA>(0.5, here[c], sum[c]);
+    }
+    (sum, here)
+}
+
+#[inline(always)]
+fn fixed<
+    I: Index,
+    const DEGREE: usize,
+    const L: usize,
+    const FMA: bool,
+    const CHECKED: bool,
+    const LAZY: bool,
+>(
     rows: impl TileRows,
     (columns, weights): (&[I], &[f64]),
     vectors: &mut Vectors<'_, L>,
@@ -246,11 +271,12 @@ fn fixed<I: Index, const DEGREE: usize, const L: usize, const FMA: bool, const C
     let entries = columns.as_chunks::<DEGREE>().0.iter().zip(weights.as_chunks::<DEGREE>().0);
     for (r, (columns, weights)) in entries.enumerate() {
         let row = rows.get::<CHECKED>(r);
-        let mut sum = get::<_, CHECKED>(before, row).map(|v| -0.25 * v);
+        let (mut sum, here) = start::<L, FMA, CHECKED, LAZY>(before, now, row);
         for e in 0..DEGREE {
             let there = get::<_, CHECKED>(now, columns[e].get());
             for c in 0..L {
-                sum[c] = fma::<FMA>(weights[e], there[c], sum[c]);
+                let moved = if LAZY { there[c] } else { there[c] - here[c] };
+                sum[c] = fma::<FMA>(weights[e], moved, sum[c]);
             }
         }
         *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale * v);
@@ -258,7 +284,7 @@ fn fixed<I: Index, const DEGREE: usize, const L: usize, const FMA: bool, const C
 }
 
 #[inline(always)]
-fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
+fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
     (rows, n_rows, degree): (impl TileRows, usize, usize),
     (columns, weights): (&[I], &[f64]),
     vectors: &mut Vectors<'_, L>,
@@ -267,11 +293,12 @@ fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool>(
     let Vectors { before, now, next } = vectors;
     for r in 0..n_rows {
         let row = rows.get::<CHECKED>(r);
-        let mut sum = get::<_, CHECKED>(before, row).map(|v| -0.25 * v);
+        let (mut sum, here) = start::<L, FMA, CHECKED, LAZY>(before, now, row);
         for (column, &w) in columns[r * degree..][..degree].iter().zip(&weights[r * degree..][..degree]) {
             let there = get::<_, CHECKED>(now, column.get());
             for c in 0..L {
-                sum[c] = fma::<FMA>(w, there[c], sum[c]);
+                let moved = if LAZY { there[c] } else { there[c] - here[c] };
+                sum[c] = fma::<FMA>(w, moved, sum[c]);
             }
         }
         *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale * v);
@@ -357,6 +384,8 @@ pub(super) struct Pass<'a, 'b> {
     pub(super) n_steps: usize,
     /// Whether this is the very first pass: `T_1 = ½(2Y T_0 − 0)`.
     pub(super) is_first: bool,
+    /// Whether every row of Φ₁ has the diagonal ½, or no entries at all.
+    pub(super) is_lazy: bool,
     /// The own vertices' part of `T_{k+n−1}` and `T_{k+n}`; empty when nobody needs them.
     pub(super) next_before: &'b mut [f64],
     pub(super) next_now: &'b mut [f64],
@@ -443,9 +472,14 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
         );
         assert!(vectors.now.len() == tile.n_within(n_steps + 1 - i));
         let own = (own_rows, tile.own_runs());
-        step::<I, L, FMA, CHECKED>(own, own_columns, own_weights, &mut vectors, scale);
         let rings = (ring_rows, tile.ring_runs(n_steps - i));
-        step::<I, L, FMA, CHECKED>(rings, ring_columns, ring_weights, &mut vectors, scale);
+        if pass.is_lazy {
+            step::<I, L, FMA, CHECKED, true>(own, own_columns, own_weights, &mut vectors, scale);
+            step::<I, L, FMA, CHECKED, true>(rings, ring_columns, ring_weights, &mut vectors, scale);
+        } else {
+            step::<I, L, FMA, CHECKED, false>(own, own_columns, own_weights, &mut vectors, scale);
+            step::<I, L, FMA, CHECKED, false>(rings, ring_columns, ring_weights, &mut vectors, scale);
+        }
     }
     let read: [&[[f64; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
     let squares = combine_all::<L, D, FMA>(&mut pass, &read, tile.n_own());

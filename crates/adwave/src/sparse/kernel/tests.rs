@@ -39,7 +39,7 @@ enum Place {
 fn pass<I: Index>(
     tiles: &TilesOf<I>,
     (n, width, n_steps): (usize, usize, usize),
-    (is_first, place): (bool, Place),
+    (is_first, is_lazy, place): (bool, bool, Place),
     kernel: impl Fn(View<'_, I>, Pass<'_, '_>, &mut [f64]) -> Vec<f64>,
 ) -> Outcome {
     let value = |i: usize| ((i * 37 + 11) % 101) as f64 / 7.0 - 6.0;
@@ -70,6 +70,7 @@ fn pass<I: Index>(
             },
             n_steps,
             is_first,
+            is_lazy,
             next_before: &mut out.before[own.clone()],
             next_now: &mut out.now[own.clone()],
             terms: std::slice::from_ref(&term),
@@ -108,8 +109,10 @@ fn a_pass_is_the_recurrence_row_by_row() {
         let next = (0..n).map(|x| twice_y(x) - vectors[i - 1][x]).collect();
         vectors.push(next);
     }
-    for place in [Place::Apart, Place::InPlace] {
-        let found = pass(&narrow(&diffusion, 70), (n, 1, n_steps), (false, place), |tile, pass, scratch| {
+    let cases = [true, false].into_iter().flat_map(|lazy| [(lazy, Place::Apart), (lazy, Place::InPlace)]);
+    for (is_lazy, place) in cases {
+        let start = (false, is_lazy, place);
+        let found = pass(&narrow(&diffusion, 70), (n, 1, n_steps), start, |tile, pass, scratch| {
             run(Target::detect(), tile, 1, pass, scratch)
         });
         for (x, now) in found.now.iter().enumerate().take(n) {
@@ -132,8 +135,9 @@ fn unchecked_loops_give_the_bits_of_checked_ones() {
             (3, false, Place::Apart),
             (2, false, Place::InPlace),
         ];
-        for (n_steps, is_first, place) in cases {
-            let (size, start) = ((300, width, n_steps), (is_first, place));
+        let both = cases.into_iter().flat_map(|case| [(case, true), (case, false)]);
+        for ((n_steps, is_first, place), is_lazy) in both {
+            let (size, start) = ((300, width, n_steps), (is_first, is_lazy, place));
             let safe = pass(&tiles, size, start, |tile, pass, scratch| {
                 by_width::<u16, FUSED, true>(tile, width, pass, scratch)
             });
@@ -158,9 +162,9 @@ fn every_target_agrees_with_the_portable_one() {
         targets.push(Target::Avx2);
     }
     for target in targets {
-        for width in 1..=4 {
+        for (width, is_lazy) in (1..=4).flat_map(|width| [(width, true), (width, false)]) {
             let with = |target| {
-                pass(&tiles, (300, width, 4), (false, Place::Apart), |tile, pass, scratch| {
+                pass(&tiles, (300, width, 4), (false, is_lazy, Place::Apart), |tile, pass, scratch| {
                     run(target, tile, width, pass, scratch)
                 })
             };
