@@ -16,12 +16,13 @@ FINEST, COARSEST = 2.0, 0.04
 FEWEST_LEVELS = 6
 THETAS = tuple(round(1.0 + 0.2 * k, 1) for k in range(14))
 # Where fewer are left over all shapes a share says nothing.
-FEWEST_FEATURES = 100
+FEWEST_FEATURES = 30
 
 
 def lengths_of(mesh):
-    """Half an octave apart; features lie between the first and the last, which are only compared with."""
-    lengths = [FINEST * mesh.mean_edge / 2**0.5]
+    """Half an octave apart. Two levels below the finest that counts are there to compare with: the very first holds all that is
+    finer, whatever the mesh can tell of it."""
+    lengths = [FINEST * mesh.mean_edge / 2]
     while len(lengths) < FEWEST_LEVELS or lengths[-2] < COARSEST * mesh.diagonal:
         lengths.append(lengths[-1] * 2**0.5)
     return lengths
@@ -63,6 +64,7 @@ def measure(bench):
         try:
             for mesh in bench.shapes:
                 pair = [bench.adwave.features(m, lengths_of(mesh), operator, THETAS[0]) for m in (mesh, bench.meshings.isotropic(mesh))]
+                pair = [f[f[:, 3] >= 0.999 * FINEST * mesh.mean_edge] for f in pair]
                 counts[mesh.name] = {theta: of_pair(*pair, theta) for theta in THETAS}
         except Failure as failure:
             bench.note(str(failure))

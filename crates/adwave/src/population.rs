@@ -1,11 +1,14 @@
 //! Statistics over the welded vertices that take part in the diffusion.
 
+use crate::operator::Semigroup;
 use crate::{Decomposer, parallel};
 
-/// The welded vertices of a shape but for the masked ones.
+/// The welded vertices of a shape but for the masked ones: each as one where diffusion is a walk over them, by its area where
+/// diffusion is that of the surface.
 pub(crate) struct Population<'a> {
     masked: Option<&'a [bool]>,
-    n: usize,
+    areas: Option<&'a [f64]>,
+    total: f64,
 }
 
 impl<'a> Population<'a> {
@@ -13,7 +16,17 @@ impl<'a> Population<'a> {
         let masked = decomposer.mask_flags();
         let n_welded = decomposer.geometry().n_vertices();
         let n = masked.map_or(n_welded, |masked| masked.iter().filter(|&&masked| !masked).count());
-        Self { masked, n }
+        // The areas of masked vertices are 0. Without any area all count alike.
+        let total = parallel::sum(n_welded, |x| decomposer.welded_areas()[x]);
+        if decomposer.diffusion().semigroup() == Semigroup::Steps || total <= 0.0 {
+            return Self { masked, areas: None, total: n as f64 };
+        }
+        Self { masked, areas: Some(decomposer.welded_areas()), total }
+    }
+
+    /// How much a vertex counts.
+    pub(crate) fn weight(&self, x: usize) -> f64 {
+        self.areas.map_or(1.0, |areas| areas[x])
     }
 
     pub(crate) fn is_masked(&self, x: usize) -> bool {
@@ -27,8 +40,8 @@ impl<'a> Population<'a> {
 
     /// Mean of |value(x)| over all `n` welded vertices `x` that are not masked.
     pub(crate) fn mean_of(&self, n: usize, value: impl Fn(usize) -> f64 + Sync) -> f64 {
-        let term = |x: usize| if self.is_masked(x) { 0.0 } else { value(x).abs() };
-        parallel::sum(n, term) / self.n as f64
+        let term = |x: usize| if self.is_masked(x) { 0.0 } else { self.weight(x) * value(x).abs() };
+        parallel::sum(n, term) / self.total
     }
 
     /// Largest |value|.

@@ -57,12 +57,13 @@ impl Means {
     pub(super) fn of(&self, population: &Population<'_>, level: &Level<'_>) -> Vec<f64> {
         let n = level.len();
         let Some(component) = &self.component else { return vec![population.mean_of(n, |x| level.at(x))] };
-        let (mut sum, mut count) = (vec![0.0; self.n_components], vec![0_u32; self.n_components]);
+        let (mut sum, mut total) = (vec![0.0; self.n_components], vec![0.0; self.n_components]);
         for x in (0..n).filter(|&x| !population.is_masked(x)) {
-            sum[component[x] as usize] += level.at(x).abs();
-            count[component[x] as usize] += 1;
+            let weight = population.weight(x);
+            sum[component[x] as usize] += weight * level.at(x).abs();
+            total[component[x] as usize] += weight;
         }
-        sum.iter().zip(&count).map(|(s, &n)| if n > 0 { s / f64::from(n) } else { 0.0 }).collect()
+        sum.iter().zip(&total).map(|(s, &of)| if of > 0.0 { s / of } else { 0.0 }).collect()
     }
 
     /// The group of a vertex.

@@ -1,28 +1,46 @@
 //! A bound of the largest eigenvalue of a Laplacian.
 
 use crate::parallel;
-use crate::rows::Pattern;
+use crate::rows::CompressedRows;
 use crate::{Cancelled, Progress};
 
-/// At least the largest eigenvalue of M⁻¹L: no product of the recurrence may grow.
+/// Products that the bound takes; more hardly lower it.
+const N_PRODUCTS: usize = 5;
+
+/// Rows that a thread treats at a time.
+const ROWS_AT_A_TIME: usize = 1 << 13;
+
+/// At least the largest eigenvalue of M⁻¹L, and on meshes about 5 % more: for any v > 0, `λ ≤ max_x (B v)(x)/v(x)`, B being M⁻¹L
+/// with its entries' absolute values (`collatz1942`). v starts as 1, which gives twice the largest L(x,x)/M(x), and becomes
+/// Bv. O(entries).
 ///
-/// `λ ≤ max_{w(x,y)>0} (L(x,x)/M(x) + L(y,y)/M(y))` (`anderson1985`), which is at most twice the largest L(x,x)/M(x).
+/// `weights` are w(x,y) = −L(x,y) ≥ 0 and `stiffness` L(x,x).
 pub(super) fn largest_eigenvalue(
-    pattern: &Pattern,
-    weights: &[f64],
+    weights: &CompressedRows<f64>,
     mass: &[f64],
     stiffness: &[f64],
     progress: Progress<'_>,
 ) -> Result<f64, Cancelled> {
-    let rate = |x: usize| if mass[x] > 0.0 { stiffness[x] / mass[x] } else { 0.0 };
     let n = mass.len();
-    let chunks = parallel::try_map_chunks(n, 1 << 13, progress, || (), |(), range| {
-        let pair = |x: usize| {
-            let entries = pattern.range(x);
-            let others = pattern.of(x).iter().zip(&weights[entries]).filter(|(_, w)| **w > 0.0);
-            others.map(|(&y, _)| rate(x) + rate(y as usize)).fold(0.0, f64::max)
-        };
-        range.map(pair).fold(0.0, f64::max)
-    })?;
-    Ok(chunks.into_iter().fold(0.0, f64::max))
+    let mut v = vec![1.0; n];
+    let mut least = f64::INFINITY;
+    for _ in 0..N_PRODUCTS {
+        let product = parallel::try_collect(n, progress, |x| {
+            let (columns, weights) = weights.row(x);
+            let others: f64 = columns.iter().zip(weights).map(|(&y, w)| w * v[y as usize]).sum();
+            if stiffness[x] > 0.0 { (stiffness[x] * v[x] + others) / mass[x] } else { 0.0 }
+        })?;
+        let chunks = parallel::try_map_chunks(n, ROWS_AT_A_TIME, progress, || (), |(), range| {
+            range.map(|x| product[x] / v[x]).fold(0.0, f64::max)
+        })?;
+        least = least.min(chunks.into_iter().fold(0.0, f64::max));
+        if least == 0.0 {
+            break;
+        }
+        // Vertices without neighbours stay at 1; the others neither overflow nor vanish.
+        v = parallel::try_collect(n, progress, |x| {
+            if stiffness[x] > 0.0 { (product[x] / least).max(f64::MIN_POSITIVE) } else { 1.0 }
+        })?;
+    }
+    Ok(least)
 }

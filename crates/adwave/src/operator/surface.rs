@@ -1,5 +1,6 @@
 //! The diffusion operator of a surface: heat by its Laplace–Beltrami operator, in place of a walk over the mesh.
 
+use super::spectrum::largest_eigenvalue;
 use super::{Diffusion, OperatorParams, Semigroup};
 use crate::laplacian::Laplacian;
 use crate::parallel;
@@ -47,21 +48,14 @@ pub fn surface_diffusion(
     let unit = if is_graph { 1.0 } else { geometry.size_unit() };
     let (weights, areas) = laplacian.into_parts();
     let n = areas.len();
-    let (pattern, mut values) = weights.into_parts();
-    let mut stiffness = vec![0.0; n];
-    try_for_entries(&pattern, &mut values, &mut stiffness, progress, |range, values, stiffness| {
-        let first = pattern.range(range.start).start;
-        for (x, sum) in range.zip(stiffness) {
-            let entries = pattern.range(x);
-            *sum = values[entries.start - first..entries.end - first].iter().sum();
-        }
-    })?;
+    let stiffness = parallel::try_collect(n, progress, |x| weights.row(x).1.iter().sum::<f64>())?;
     let mut mass = parallel::try_collect(n, progress, |x| areas[x] / unit / unit)?;
     let total = parallel::try_sum(n, progress, |x| mass[x])?;
     raise(&mut mass, &stiffness, progress)?;
     let added = parallel::try_sum(n, progress, |x| mass[x])? - total;
     let rate = |x: usize| if mass[x] > 0.0 { stiffness[x] / mass[x] } else { 0.0 };
-    let lambda = super::spectrum::largest_eigenvalue(&pattern, &values, &mass, &stiffness, progress)?;
+    let lambda = largest_eigenvalue(&weights, &mass, &stiffness, progress)?;
+    let (pattern, mut values) = weights.into_parts();
     // What a step is: see above.
     let n_moving = parallel::try_sum(n, progress, |x| if mass[x] > 0.0 { 1.0 } else { 0.0 })?;
     let tau = if is_graph {
@@ -96,8 +90,7 @@ fn raise(mass: &mut [f64], stiffness: &[f64], progress: Progress<'_>) -> Result<
     let mut rates: Vec<f64> =
         mass.iter().zip(stiffness).filter(|(_, s)| **s > 0.0).map(|(m, s)| s / m).collect();
     progress.check()?;
-    let share = std::env::var("ADWAVE_RAISED").ok().and_then(|v| v.parse().ok()).unwrap_or(RAISED);
-    let kept = ((1.0 - share) * rates.len() as f64) as usize;
+    let kept = ((1.0 - RAISED) * rates.len() as f64) as usize;
     if rates.is_empty() {
         return Ok(());
     }
