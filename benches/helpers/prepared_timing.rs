@@ -99,7 +99,7 @@ fn measure(n: usize) -> Result<(), Failure> {
 /// A ball and a stroke of about 1 % of the vertices, weights and edits.
 fn regions(decomposer: &Decomposer, editor: &mut Editor, n: usize) -> Result<(), Failure> {
     let weights = |region: &str| -> Result<RegionWeights, Failure> {
-        Ok(parse_region(region)?.weights(decomposer.metric(), &|_| None, &[])?)
+        Ok(parse_region(region)?.weights(decomposer.metric(), &|_| None, &[], Progress::none())?)
     };
     // On the built-in torus these cover 1.0 % and 1.1 %.
     let ball = |vertex: usize| format!("ball:vertex={vertex},radius=4.6%");

@@ -12,7 +12,9 @@ use std::path::PathBuf;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let [mesh, out] = &arguments[..] else { return Err("give the file of a mesh and a name for the matrices".into()) };
+    let [mesh, out] = &arguments[..] else {
+        return Err("give the file of a mesh and a name for the matrices".into());
+    };
     let shape = read_path(mesh, &ReadLimits::default())?.to_shape()?;
     let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none())?;
     let map = geometry.vertex_map();
@@ -34,9 +36,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         vertex_at[map.welded(x)] = x;
     }
     let (mut data, mut indices, mut indptr) = (Vec::new(), Vec::new(), vec![0_i64]);
-    for x in 0..n {
+    for (x, mass) in mass.iter().enumerate() {
         let (columns, weights) = diffusion.row(map.welded(x));
-        let scale = mass[x] * lambda;
+        let scale = mass * lambda;
         indices.push(x as i64);
         data.push(scale * weights.iter().sum::<f64>());
         for (&y, w) in columns.iter().zip(weights) {

@@ -64,7 +64,7 @@ impl Analysis {
         let mut watch = Stopwatch::start();
         // First the signal: a name that does not exist shows before the operator is built.
         let signal = signal::load_with_texture(&input, &field.field, field.texture.as_deref())?;
-        let walk = prepare(global, &input.shape, &shape.operator_for(levels))?;
+        let walk = prepare(global, &input.shape, &shape.operator_for(levels)?)?;
         let walk = signal::mask(walk, &signal, &field.field, global)?;
         let (schedule, why) = schedule_reaching(share, levels, &walk)?;
         let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };

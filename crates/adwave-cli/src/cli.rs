@@ -96,7 +96,7 @@ mod tests {
         let parse = |line: &str| Cli::try_parse_from(line.split_whitespace()).unwrap().command;
         let Command::Saliency(saliency) = parse("adwave saliency a.ply -o b.ply") else { panic!("saliency") };
         assert_eq!(saliency.map.params(&saliency.border), SaliencyParams::default());
-        assert_eq!(saliency.shape.operator(), OperatorParams::default());
+        assert_eq!(saliency.shape.operator().ok(), Some(OperatorParams::default()));
         assert_eq!(saliency.levels.accuracy, BandsParams::default().accuracy);
         let Command::Features(features) = parse("adwave features a.ply") else { panic!("features") };
         assert_eq!(features.detect.params(&features.border), FeatureParams::default());

@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! levels = 6                     # or steps = [1, 2.5, 4], or lengths = [0.01, 0.02]; left out: as many as fit the shape
+//! operator = "walk"               # or "surface"; left out: the walk, with lengths the surface
 //! field = "coords"               # left out: the coordinates
 //!
 //! [[layer]]
@@ -16,6 +17,7 @@
 use crate::{ReadError, WriteError, atomic_write};
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
+use adwave::operator::OperatorKind;
 use serde::{Deserialize, Serialize, Serializer};
 use std::path::Path;
 
@@ -38,6 +40,8 @@ pub enum Levels {
 pub struct Recipe {
     /// Name of the signal; `coords` is the coordinates.
     pub field: String,
+    /// By what the signal is smoothed; where it is not said, the reader decides by the levels.
+    pub operator: Option<OperatorKind>,
     /// Which levels.
     pub levels: Levels,
     /// What is changed where.
@@ -50,6 +54,8 @@ pub struct Recipe {
 struct Table {
     #[serde(default = "coords")]
     field: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    operator: Option<OperatorKind>,
     #[serde(skip_serializing_if = "Option::is_none")]
     levels: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "whole_as_whole")]
@@ -109,7 +115,7 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
             return Err(ReadError::Line { line: 1, message });
         }
     };
-    Ok(Recipe { field: table.field, levels, layers: table.layers })
+    Ok(Recipe { field: table.field, operator: table.operator, levels, layers: table.layers })
 }
 
 /// Reads the recipe in the file `path`.
@@ -128,6 +134,7 @@ pub fn read_recipe(path: &Path) -> Result<Recipe, ReadError> {
 pub fn recipe_to_text(recipe: &Recipe) -> String {
     let mut table = Table {
         field: recipe.field.clone(),
+        operator: recipe.operator,
         levels: None,
         steps: None,
         lengths: None,
@@ -173,6 +180,7 @@ mod tests {
         ]);
         let recipe = Recipe {
             field: "coords".into(),
+            operator: Some(OperatorKind::Surface),
             levels: Levels::Steps(vec![1.0, 2.5, 9.0]),
             layers: vec![
                 Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },

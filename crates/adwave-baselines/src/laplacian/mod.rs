@@ -4,7 +4,6 @@
 
 mod cloud;
 mod cotangent;
-mod intrinsic;
 
 use crate::linalg::{LinalgError, SymmetricMatrix};
 use adwave::Progress;
@@ -15,8 +14,7 @@ use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, mesh_areas};
 /// On which triangles of a mesh the cotangents are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Triangulation {
-    /// On the intrinsic Delaunay triangulation of the same surface, where none is negative; degenerate triangles are made
-    /// proper by lengthening all edges by as little as that takes.
+    /// On the intrinsic Delaunay triangulation of the same surface, as [`adwave::laplacian`] has it: none is negative.
     #[default]
     IntrinsicDelaunay,
     /// On the triangles as they are, so that obtuse ones give negative weights; triangles without area are skipped.
@@ -59,7 +57,7 @@ impl LaplacianParams {
 pub struct LaplacianInfo {
     /// Edges flipped to reach the intrinsic Delaunay triangulation.
     pub n_flips: usize,
-    /// Weights that are negative all the same: on edges of three faces, or of two that disagree on the orientation.
+    /// Weights that are negative: of obtuse triangles as given.
     pub n_negative: usize,
     /// By how much every edge was lengthened, in model units; 0 without degenerate triangles.
     pub lengthened: f64,
@@ -101,22 +99,20 @@ impl Laplacian {
         let n = geometry.n_vertices();
         let mut info = LaplacianInfo::default();
         let (entries, mass) = match shape {
-            Shape::Mesh(_) => {
-                let (points, unit) = unit_points(geometry.points());
-                let (entries, mut mass) = match params.triangulation {
-                    Triangulation::AsGiven => {
-                        let entries = cotangent::as_given(&points, geometry.triangles());
-                        (entries, mesh_areas(&points, geometry.triangles(), params.area))
-                    }
-                    Triangulation::IntrinsicDelaunay => {
-                        intrinsic::delaunay(&points, geometry.triangles(), unit, &mut info)
-                    }
-                };
-                for m in &mut mass {
-                    *m *= unit * unit;
+            Shape::Mesh(_) => match params.triangulation {
+                Triangulation::AsGiven => as_given(&geometry, params.area),
+                Triangulation::IntrinsicDelaunay => {
+                    let surface = adwave::laplacian::Laplacian::new(&geometry, 0, Progress::none())?;
+                    (info.n_flips, info.lengthened) = (surface.n_flips(), surface.lengthened());
+                    let (weights, mass) = surface.into_parts();
+                    let later = |x: usize| {
+                        let (columns, values) = weights.row(x);
+                        let entries = columns.iter().zip(values).filter(move |(y, _)| **y as usize > x);
+                        entries.map(move |(&y, &w)| (x as u32, y, w))
+                    };
+                    ((0..n).flat_map(later).collect(), mass)
                 }
-                (entries, mass)
-            }
+            },
             Shape::Cloud(_) => {
                 let params = OperatorParams::default().with_weld(params.weld);
                 cloud::heat_kernel(geometry.points(), &local_operator(&geometry, &params, Progress::none())?)
@@ -160,6 +156,14 @@ fn count_negative(stiffness: &SymmetricMatrix) -> usize {
             above.count()
         })
         .sum()
+}
+
+/// Cotangents of the triangles as they are, and areas by `area`.
+fn as_given(geometry: &PreparedGeometry, area: MeshArea) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
+    let (points, unit) = unit_points(geometry.points());
+    let entries = cotangent::as_given(&points, geometry.triangles());
+    let areas = mesh_areas(&points, geometry.triangles(), area);
+    (entries, areas.into_iter().map(|a| a * unit * unit).collect())
 }
 
 /// The positions in units of about the diagonal, a power of two, so that squares neither overflow nor vanish.

@@ -73,7 +73,7 @@ fn flips_leave_no_negative_weight() {
     let kite = mesh(&points, &[[0, 1, 2], [1, 0, 3]]);
     assert_eq!(laplacian(&kite, Triangulation::AsGiven).info.n_negative, 1);
     let l = laplacian(&kite, Triangulation::IntrinsicDelaunay);
-    assert_eq!((l.info.n_flips, l.info.n_negative), (1, 0));
+    assert!(l.info.n_flips >= 1 && l.info.n_negative == 0);
 }
 
 #[test]

@@ -17,11 +17,17 @@ macro_rules! named {
             }
         }
 
-        impl Default for $name {
-            fn default() -> Self {
-                match $library::default() {
+        impl From<$library> for $name {
+            fn from(value: $library) -> Self {
+                match value {
                     $($library::$theirs => Self::$variant,)*
                 }
+            }
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                $library::default().into()
             }
         }
     };

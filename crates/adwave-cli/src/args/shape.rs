@@ -1,6 +1,7 @@
 //! Which shape, how its diffusion operator is built, and which levels.
 
 use super::named::named;
+use crate::error::CliError;
 use adwave::bands::BandsParams;
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
@@ -25,7 +26,7 @@ pub(crate) struct ShapeArgs {
     /// Seed of the noise
     #[arg(long, value_name = "K", default_value_t = 1, help_heading = "Shape")]
     pub(crate) seed: u64,
-    /// By what a signal is smoothed [default: surface where levels are given by --lengths, else walk]
+    /// By what a signal is smoothed [default: surface where levels are given by --lengths or several meshes are compared, else walk]
     #[arg(long, value_name = "KIND", value_enum, help_heading = "Diffusion operator")]
     pub(crate) operator: Option<OperatorArg>,
     /// Take vertices at exactly equal positions as different vertices
@@ -54,20 +55,44 @@ fn count(n: usize) -> NonZeroUsize {
 }
 
 impl ShapeArgs {
-    /// How the diffusion operator is built, by itself.
-    pub(crate) fn operator(&self) -> OperatorParams {
+    /// How the diffusion operator is built where levels are given by number.
+    pub(crate) fn operator(&self) -> Result<OperatorParams, CliError> {
         self.operator_or(OperatorKind::Walk)
     }
 
     /// How the diffusion operator is built for these levels: widths should mean the same on every mesh.
-    pub(crate) fn operator_for(&self, levels: &LevelArgs) -> OperatorParams {
+    pub(crate) fn operator_for(&self, levels: &LevelArgs) -> Result<OperatorParams, CliError> {
         self.operator_or(if levels.lengths.is_some() { OperatorKind::Surface } else { OperatorKind::Walk })
     }
 
-    /// How the diffusion operator is built, of this kind where none is asked for.
-    pub(crate) fn operator_or(&self, kind: OperatorKind) -> OperatorParams {
+    /// How the diffusion operator is built, of this kind where neither a kind nor an option of the walk is asked for.
+    pub(crate) fn operator_or(&self, kind: OperatorKind) -> Result<OperatorParams, CliError> {
+        let default = OperatorParams::default();
+        let walk = self.walk();
+        let only_of_walk = [
+            ("--rings", walk.rings != default.rings),
+            ("--mesh-area", walk.mesh_area != default.mesh_area),
+            ("--directed", walk.cloud_graph != default.cloud_graph),
+            ("--cloud-area", walk.cloud_area != default.cloud_area),
+        ];
+        let asked = only_of_walk.iter().find(|(_, is_asked)| *is_asked).map(|(option, _)| *option);
+        match (self.operator.map(OperatorKind::from), asked) {
+            (Some(OperatorKind::Surface), Some(option)) => Err(CliError::Input(format!(
+                "{option} is an option of the walk; leave it out, or ask for --operator walk"
+            ))),
+            (None, Some(_)) => Ok(walk),
+            (asked, _) => Ok(walk.with_kind(asked.unwrap_or(kind))),
+        }
+    }
+
+    /// The same with the operator of the surface where none is asked for: for what is compared over several meshes.
+    pub(crate) fn over_meshes(&self) -> Self {
+        let operator = self.operator_or(OperatorKind::Surface).map_or(self.operator, |o| Some(o.kind.into()));
+        Self { operator, ..self.clone() }
+    }
+
+    fn walk(&self) -> OperatorParams {
         OperatorParams::default()
-            .with_kind(self.operator.map_or(kind, Into::into))
             .with_weld(if self.no_weld { WeldMode::Off } else { WeldMode::EqualPositions })
             .with_rings(self.rings.get())
             .with_mesh_area(self.mesh_area.into())
@@ -136,4 +161,11 @@ pub(crate) struct LevelArgs {
         conflicts_with = "levels"
     )]
     pub(crate) lengths: Option<Vec<f64>>,
+}
+
+impl LevelArgs {
+    /// Whether levels are asked for at all.
+    pub(crate) fn is_asked(&self) -> bool {
+        self.levels.is_some() || self.steps.is_some() || self.lengths.is_some() || self.voices.is_some()
+    }
 }

@@ -64,7 +64,7 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
     let schedule = Schedule::dyadic(level)?;
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let n_vertices = input.shape.n_vertices();
-    let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
+    let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
     let start = Instant::now();
     let functions =
         with_progress(global, "walking", |progress| decomposer.basis_of_vertex(vertex, &schedule, progress))?;
@@ -91,6 +91,7 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
     let json = json!({
         "shape": input.name,
         "output": args.output.display().to_string(),
+        "operator": decomposer.operator_kind().name(),
         "vertex": vertex,
         "level": level,
         "steps": steps,
@@ -118,7 +119,7 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
         params = params.with_memory_limit(bytes);
     }
     let input = with_spinner(global, "reading", || load(&args.shape))?;
-    let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
+    let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
     let vertex_map = decomposer.geometry().vertex_map();
     let start = Instant::now();
     let mut basis = with_progress(global, "walking", |progress| {

@@ -84,7 +84,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     };
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load_with_texture(&input, field, args.field.texture.as_deref())?;
-    let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels))?;
+    let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let (schedule, why) = schedule(&args.levels, &walk)?;
     let subject = Subject {
         shape: &input.shape,

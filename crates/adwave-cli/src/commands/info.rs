@@ -27,7 +27,7 @@ pub(crate) struct InfoArgs {
 pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
     let (input, decomposer, health) = with_spinner(global, "reading", || {
         let input = load(&args.shape)?;
-        let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels))?;
+        let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
         let health = decomposer.health();
         Ok::<_, CliError>((input, decomposer, health))
     })?;
@@ -46,7 +46,8 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     }
     let _ = writeln!(
         text,
-        "  diffusion     {} entries, mean edge {}, step {}",
+        "  diffusion     {}, {} entries, mean edge {}, step {}",
+        decomposer.operator_kind().name(),
         decomposer.diffusion().nnz(),
         number(decomposer.mean_length()),
         number(decomposer.diffusion().step_length()),
@@ -70,6 +71,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "diagonal": diagonal,
         "health": health_json(&health),
         "diffusion": {
+            "operator": decomposer.operator_kind().name(),
             "vertices": decomposer.diffusion().n_vertices(),
             "entries": decomposer.diffusion().nnz(),
             "mean_length": decomposer.mean_length(),

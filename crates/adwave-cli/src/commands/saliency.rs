@@ -125,6 +125,7 @@ fn report(
         "output": args.output.display().to_string(),
         "field": args.field.field,
         "vertices": analysis.walk.n_vertices(),
+        "operator": analysis.walk.operator_kind().name(),
         "levels_reason": analysis.why,
         "levels": saliency.levels.iter().map(|l| json!({
             "level": l.level, "sigma": l.sigma, "mean": l.mean, "max": l.max,

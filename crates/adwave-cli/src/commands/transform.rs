@@ -55,7 +55,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load(&input, &args.field)?;
     let read = watch.lap();
-    let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels))?;
+    let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let decomposer = signal::mask(decomposer, &signal, &args.field, global)?;
     let (schedule, why) = schedule(&args.levels, &decomposer)?;
     let prepared = watch.lap();
@@ -103,6 +103,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         "shape": input.name,
         "output": args.output.display().to_string(),
         "field": args.field,
+        "operator": decomposer.operator_kind().name(),
         "vertices": bands.n_vertices,
         "channels": bands.n_channels,
         "levels": bands.n_levels(),

@@ -55,9 +55,10 @@ pub struct Decomposer {
     diagonal: f64,
     /// Which vertices are masked.
     mask: Option<Arc<Mask>>,
-    /// The rings of a mesh that one step takes in; none where steps do not go along its edges.
+    kind: OperatorKind,
+    /// The rings of a mesh that one step of the walk takes in.
     rings: usize,
-    /// The one-ring of a mesh, without the masked vertices, where steps are not along its edges.
+    /// The one-ring of a mesh, without the masked vertices, where heat flows along other edges.
     ring: Arc<OnceLock<Arc<Adjacency>>>,
     metric: Arc<OnceLock<SurfaceMetric>>,
 }
@@ -78,16 +79,16 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let geometry = PreparedGeometry::new(shape, params.weld, progress)?;
-        let (diffusion, areas, mean_length, rings): (_, Arc<[f64]>, _, _) = match params.kind {
+        let (diffusion, areas, mean_length): (_, Arc<[f64]>, _) = match params.kind {
             OperatorKind::Walk => {
                 let operator = local_operator(&geometry, params, progress)?;
                 let (areas, mean_length) = (operator.areas().into(), operator.mean_length());
-                (Diffusion::new(operator, progress)?, areas, mean_length, params.rings)
+                (Diffusion::new(operator, progress)?, areas, mean_length)
             }
             OperatorKind::Surface => {
                 let SurfaceDiffusion { diffusion, areas, mean_length, .. } =
                     surface_diffusion(&geometry, params, progress)?;
-                (diffusion, areas.into(), mean_length, 0)
+                (diffusion, areas.into(), mean_length)
             }
         };
         Ok(Self {
@@ -97,7 +98,8 @@ impl Decomposer {
             mean_length,
             diagonal: shape.diagonal(),
             mask: None,
-            rings,
+            kind: params.kind,
+            rings: params.rings,
             ring: Arc::default(),
             metric: Arc::default(),
         })
@@ -161,12 +163,13 @@ impl Decomposer {
 
     /// The one-ring of a mesh without the masked vertices; of a cloud or graph what one step takes in.
     pub(crate) fn ring(&self, progress: Progress<'_>) -> Result<Cow<'_, Adjacency>, Cancelled> {
-        match self.rings {
-            1 => Ok(Cow::Borrowed(self.neighbours())),
-            _ if self.geometry.triangles().is_empty() => Ok(Cow::Borrowed(self.neighbours())),
-            0 => Ok(Cow::Borrowed(self.mesh_ring(progress)?)),
-            _ => Ok(Cow::Owned(self.new_ring(progress)?)),
+        if self.has_own_ring() {
+            return Ok(Cow::Borrowed(self.mesh_ring(progress)?));
         }
+        if self.rings == 1 || self.geometry.triangles().is_empty() {
+            return Ok(Cow::Borrowed(self.neighbours()));
+        }
+        Ok(Cow::Owned(self.new_ring(progress)?))
     }
 
     fn new_ring(&self, progress: Progress<'_>) -> Result<Adjacency, Cancelled> {
@@ -189,12 +192,17 @@ impl Decomposer {
 
     /// Whether steps go along other edges than those of the mesh.
     fn has_own_ring(&self) -> bool {
-        self.rings == 0 && !self.geometry.triangles().is_empty()
+        self.kind == OperatorKind::Surface && !self.geometry.triangles().is_empty()
     }
 
     /// The welded vertices and how they belong to those of the shape.
     pub fn geometry(&self) -> &PreparedGeometry {
         &self.geometry
+    }
+
+    /// By what signals are smoothed.
+    pub fn operator_kind(&self) -> OperatorKind {
+        self.kind
     }
 
     /// One step of the diffusion, Φ₁, in the numbering of [`geometry`](Self::geometry).
@@ -354,13 +362,16 @@ impl Decomposer {
         let mut unit = vec![0.0; n];
         unit[x] = 1.0;
         let steps = schedule.steps();
-        let last_two = Schedule::real(steps[steps.len().saturating_sub(2)..].to_vec()).expect("part of a schedule");
+        let last_two =
+            Schedule::real(steps[steps.len().saturating_sub(2)..].to_vec()).expect("part of a schedule");
         let mut bands = vec![vec![0.0; n]; last_two.n_levels()];
         let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
-        self.transform.wavelets_into(&unit, 1, &last_two, &mut outs, progress).map_err(|error| match error {
-            BandsError::Cancelled(cancelled) => BasisError::Cancelled(cancelled),
-            other => unreachable!("{other}"),
-        })?;
+        self.transform.wavelets_into(&unit, 1, &last_two, &mut outs, progress).map_err(
+            |error| match error {
+                BandsError::Cancelled(cancelled) => BasisError::Cancelled(cancelled),
+                other => unreachable!("{other}"),
+            },
+        )?;
         let mut scaling = unit;
         for band in &bands {
             scaling.iter_mut().zip(band).for_each(|(s, w)| *s -= w);
@@ -375,7 +386,11 @@ impl Decomposer {
         let floor = self.transform.params().accuracy * largest;
         let support = scaling.iter().filter(|s| **s > floor).count();
         let map = self.geometry.vertex_map();
-        Ok(VertexFunctions { scaling_function: map.scatter(&scaling, 1), wavelet: map.scatter(&wavelet, 1), support })
+        Ok(VertexFunctions {
+            scaling_function: map.scatter(&scaling, 1),
+            wavelet: map.scatter(&wavelet, 1),
+            support,
+        })
     }
 }
 

@@ -187,10 +187,8 @@ fn around(surface: &Triangulation, points: &[[f64; 3]], a: usize, edge: &mut [Si
         let angle = dot(&d, &across).atan2(dot(&d, &first) * scale);
         if angle < 0.0 { angle + std::f64::consts::TAU } else { angle }
     };
-    let mut by_angle: Vec<(f64, u32, SideAt)> = edge
-        .iter()
-        .map(|&side| (angle(side.1), surface.corner[previous(side.1 as usize)], side))
-        .collect();
+    let mut by_angle: Vec<(f64, u32, SideAt)> =
+        edge.iter().map(|&side| (angle(side.1), surface.corner[previous(side.1 as usize)], side)).collect();
     by_angle.sort_by(|g, h| g.0.total_cmp(&h.0).then((g.1, g.2).cmp(&(h.1, h.2))));
     for (slot, (_, _, side)) in edge.iter_mut().zip(by_angle) {
         *slot = side;

@@ -117,11 +117,7 @@ impl Laplacian {
     }
 }
 
-fn of_graph(
-    graph: &Graph,
-    vertex_map: &VertexMap,
-    progress: Progress<'_>,
-) -> Result<Laplacian, Cancelled> {
+fn of_graph(graph: &Graph, vertex_map: &VertexMap, progress: Progress<'_>) -> Result<Laplacian, Cancelled> {
     let n = graph.n_nodes();
     let (node_at, place) = (vertex_map.last_members(), vertex_map.as_slice());
     let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {

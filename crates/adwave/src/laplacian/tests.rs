@@ -122,8 +122,7 @@ fn an_obtuse_corner_at_the_border_has_no_negative_weight() {
 
 #[test]
 fn three_sheets_at_an_edge_share_what_flows() {
-    let points =
-        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, -0.5, 0.8], [0.5, -0.5, -0.8]];
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, -0.5, 0.8], [0.5, -0.5, -0.8]];
     let geometry = mesh(&points, &[[0, 1, 2], [0, 1, 3], [0, 1, 4]]);
     let l = laplacian(&geometry);
     assert!(l.is_covered() && is_symmetric_and_positive(&l));
@@ -149,7 +148,8 @@ fn a_cloud_knows_the_plane_up_to_its_border() {
             let off = |k: i32| shift * f64::from((i * 7 + j * 5 + k) % 9) / 9.0;
             [f64::from(i) + off(0), f64::from(j) + off(4), 0.0]
         };
-        let points: Vec<_> = (0..30).flat_map(|i| (0..30).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect();
+        let points: Vec<_> =
+            (0..30).flat_map(|i| (0..30).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect();
         let cloud = Shape::Cloud(PointCloud::new(points).unwrap());
         let geometry = PreparedGeometry::new(&cloud, WeldMode::default(), Progress::none()).unwrap();
         let l = laplacian(&geometry);
@@ -180,7 +180,11 @@ fn points_on_a_line_are_joined_along_it() {
         // d²/dx² of x²: 2.
         let f = |y: usize| geometry.points()[y][0].powi(2);
         let sum: f64 = columns.iter().zip(weights).map(|(&y, w)| w * (f(y as usize) - f(x))).sum();
-        assert!(!(10.5..18.5).contains(&p) || (sum / l.areas()[x] - 2.0).abs() < 1e-9, "{}", sum / l.areas()[x]);
+        assert!(
+            !(10.5..18.5).contains(&p) || (sum / l.areas()[x] - 2.0).abs() < 1e-9,
+            "{}",
+            sum / l.areas()[x]
+        );
     }
 }
 

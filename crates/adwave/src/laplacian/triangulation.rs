@@ -78,7 +78,9 @@ impl Triangulation {
         let add = parallel::max(n, 0.0, lacking);
         if add > 0.0 {
             parallel::try_for_rows(&mut self.length, 1, AT_A_TIME, progress, |_, lengths| {
-                lengths.iter_mut().for_each(|l| *l += add);
+                for l in lengths {
+                    *l += add;
+                }
             })?;
         }
         Ok(add)
@@ -184,10 +186,8 @@ impl Triangulation {
             let now = place(side);
             self.length[now] = length;
             // A twin may be one of the four sides that move too.
-            let twin = match old.iter().any(|o| o.0 as u32 == twin) {
-                true => place(twin as usize) as u32,
-                false => twin,
-            };
+            let moves_too = old.iter().any(|o| o.0 as u32 == twin);
+            let twin = if moves_too { place(twin as usize) as u32 } else { twin };
             self.twin[now] = twin;
             if twin != NONE {
                 self.twin[twin as usize] = now as u32;
@@ -205,9 +205,13 @@ impl Triangulation {
     /// Whether a free side sees an obtuse angle.
     pub(super) fn has_obtuse_border(&self, progress: Progress<'_>) -> Result<bool, Cancelled> {
         let is_obtuse = |h: usize| self.twin[h] == NONE && 2.0 * self.cotangent(h) < ROUNDING;
-        let found = parallel::try_map_chunks(self.n_sides(), AT_A_TIME, progress, || (), |(), mut range| {
-            range.any(is_obtuse)
-        })?;
+        let found = parallel::try_map_chunks(
+            self.n_sides(),
+            AT_A_TIME,
+            progress,
+            || (),
+            |(), mut range| range.any(is_obtuse),
+        )?;
         Ok(found.contains(&true))
     }
 }

@@ -307,8 +307,7 @@ impl Diffusion {
         };
         let (pattern, weights) =
             CompressedRows::from_rows(n, rows_at_a_time(n), progress, || (), row)?.into_parts();
-        let mass =
-            parallel::try_collect(n, progress, |x| if masked[x] { 0.0 } else { self.stationary[x] })?;
+        let mass = parallel::try_collect(n, progress, |x| if masked[x] { 0.0 } else { self.stationary[x] })?;
         Self::of_heat(pattern, weights, mass, self.step_length, self.semigroup, progress)
     }
 

@@ -11,6 +11,7 @@ pub use local::{LocalOperator, local_operator};
 pub use surface::{SurfaceDiffusion, surface_diffusion};
 
 use crate::shape::{CloudArea, MeshArea, WeldMode};
+use serde::{Deserialize, Serialize};
 
 /// Whether the neighbour graph of a cloud is made symmetric.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,13 +25,24 @@ pub enum CloudGraph {
 }
 
 /// By what a signal is smoothed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum OperatorKind {
     /// The paper's lazy random walk over the mesh (eq. 4): a step goes to neighbours, however far they are.
     #[default]
     Walk,
     /// Heat on the surface, by its Laplace–Beltrami operator: bands that depend on the surface and hardly on its mesh.
     Surface,
+}
+
+impl OperatorKind {
+    /// `walk` or `surface`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Walk => "walk",
+            Self::Surface => "surface",
+        }
+    }
 }
 
 /// How the diffusion operator is built. The defaults are those of the paper, made precise.

@@ -30,9 +30,13 @@ pub(super) fn largest_eigenvalue(
             let others: f64 = columns.iter().zip(weights).map(|(&y, w)| w * v[y as usize]).sum();
             if stiffness[x] > 0.0 { (stiffness[x] * v[x] + others) / mass[x] } else { 0.0 }
         })?;
-        let chunks = parallel::try_map_chunks(n, ROWS_AT_A_TIME, progress, || (), |(), range| {
-            range.map(|x| product[x] / v[x]).fold(0.0, f64::max)
-        })?;
+        let chunks = parallel::try_map_chunks(
+            n,
+            ROWS_AT_A_TIME,
+            progress,
+            || (),
+            |(), range| range.map(|x| product[x] / v[x]).fold(0.0, f64::max),
+        )?;
         least = least.min(chunks.into_iter().fold(0.0, f64::max));
         if least == 0.0 {
             break;

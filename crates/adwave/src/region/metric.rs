@@ -58,12 +58,7 @@ pub(super) struct Within {
 impl SurfaceMetric {
     /// The metric of a prepared shape over `edges`, in its analysis order. `diagonal` is that of the bounding box,
     /// `spacing` the mean distance of neighbours, both in model units (0 and 1 for a graph). O(1).
-    pub fn new(
-        geometry: Arc<PreparedGeometry>,
-        edges: Edges,
-        diagonal: f64,
-        spacing: f64,
-    ) -> Self {
+    pub fn new(geometry: Arc<PreparedGeometry>, edges: Edges, diagonal: f64, spacing: f64) -> Self {
         Self {
             geometry,
             edges,

@@ -60,6 +60,7 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
 }
 
 fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &Global<'_>) -> Result<Found, CliError> {
+    let shape = if args.other.is_some() { &shape.over_meshes() } else { shape };
     let mut analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_EXTENT, global)?;
     let params = args.detect.params(&args.border);
     // Spheres go into a new file, and the bytes of the old one would lie beside the bands.
@@ -175,6 +176,7 @@ fn report(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>
         json!({
             "shape": found.analysis.input.name,
             "vertices": found.analysis.walk.n_vertices(),
+            "operator": found.analysis.walk.operator_kind().name(),
             "levels_reason": found.analysis.why,
             "steps": steps_json(&found.analysis.schedule.steps_from_zero()),
             "sigma": found.analysis.sigma(),

@@ -15,6 +15,7 @@ use adwave::Decomposer;
 use adwave::bands::Schedule;
 use adwave::filter::{Displacement, Edit, FilterError, Gains, Layer, Preset, displacement};
 use adwave::measure::rms;
+use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::region::Region;
 use adwave::shape::{Shape, enclosed_volume, triangulate, vertex_normals};
 use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
@@ -45,7 +46,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
             input.name
         )));
     }
-    let decomposer = prepare(global, &input.shape, &args.shape.operator())?;
+    let decomposer = prepare(global, &input.shape, &operator(args, recipe.as_ref())?)?;
     let decomposer = signal::mask(decomposer, &signal, &field, global)?;
     let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer)?;
     let names = signal::field_names(&input.file);
@@ -65,6 +66,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         "shape": input.name,
         "output": args.output.display().to_string(),
         "field": field,
+        "operator": decomposer.operator_kind().name(),
         "vertices": input.shape.n_vertices(),
         "steps": steps_json(&schedule.steps_from_zero()),
         "sigma": schedule.sigma(decomposer.diffusion().step_length()),
@@ -93,7 +95,9 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
     let _ = writeln!(text, "{}", args.output.display());
     if let Some(path) = &args.save_recipe {
-        let recipe = Recipe { field, levels: Levels::Steps(schedule.steps().to_vec()), layers };
+        let operator = Some(decomposer.operator_kind());
+        let levels = Levels::Steps(schedule.steps().to_vec());
+        let recipe = Recipe { field, operator, levels, layers };
         write_recipe(path, &recipe).map_err(write_error)?;
         let _ = writeln!(text, "{}", path.display());
     }
@@ -120,6 +124,17 @@ fn layers(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<Vec<Layer>, CliE
     Ok(vec![Layer { gains, region }])
 }
 
+/// The operator: that of the arguments, else that of the recipe, else the surface's where levels are given by width.
+fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams, CliError> {
+    let in_recipe = recipe.and_then(|recipe| recipe.operator);
+    let by_width = recipe.is_some_and(|recipe| matches!(recipe.levels, Levels::Lengths(_)));
+    match in_recipe {
+        Some(kind) => args.shape.operator_or(kind),
+        None if by_width && !args.levels.is_asked() => args.shape.operator_or(OperatorKind::Surface),
+        None => args.shape.operator_for(&args.levels),
+    }
+}
+
 /// The levels: those of the arguments, else those of the recipe, else as many as there are gains, else the default.
 fn chosen_schedule(
     args: &FilterArgs,
@@ -127,7 +142,7 @@ fn chosen_schedule(
     decomposer: &Decomposer,
 ) -> Result<Schedule, CliError> {
     let asked = &args.levels;
-    if asked.levels.is_none() && asked.steps.is_none() && asked.lengths.is_none() && asked.voices.is_none() {
+    if !asked.is_asked() {
         match recipe.map(|r| &r.levels) {
             Some(Levels::Dyadic(levels)) => return Ok(Schedule::dyadic(*levels)?),
             Some(Levels::Steps(steps)) => return Ok(Schedule::real(steps.clone())?),
