@@ -116,7 +116,7 @@ fn an_obtuse_corner_at_the_border_has_no_negative_weight() {
         let area = surface_area(geometry.points(), geometry.triangles());
         assert!(is_symmetric_and_positive(&l));
         assert!((l.areas().iter().sum::<f64>() / area - 1.0).abs() < ROUNDING);
-        assert!((0..3).all(|x| l.weights().row(geometry.vertex_map().welded(x)).0.len() > 0));
+        assert!((0..3).all(|x| !l.weights().row(geometry.vertex_map().welded(x)).0.is_empty()));
     }
 }
 
