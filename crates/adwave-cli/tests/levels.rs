@@ -78,18 +78,68 @@ fn steps_need_not_be_whole() {
 fn widths_are_those_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let step = numbers(&json(path, "info sample:torus --vertices 900 --levels 2")["sigma"])[1];
-    let widths = [0.9 * step, 1.3 * step, 2.0 * step, 3.77 * step];
-    let asked: Vec<String> = widths.iter().map(f64::to_string).collect();
-    let asked = asked.join(",");
-    let line = format!("transform sample:torus --vertices 900 --lengths {asked} -o bands.npz");
-    let report = json(path, &line);
-    for (found, asked) in numbers(&report["sigma"])[1..].iter().zip(widths) {
-        assert!((found / asked - 1.0).abs() < ROUNDING, "{found} for {asked}");
+    for operator in ["walk", "surface"] {
+        let line = format!("info sample:torus --vertices 900 --levels 2 --operator {operator}");
+        let step = numbers(&json(path, &line)["sigma"])[1];
+        let widths = [0.9 * step, 1.3 * step, 2.0 * step, 3.77 * step];
+        let asked: Vec<String> = widths.iter().map(f64::to_string).collect();
+        let asked = asked.join(",");
+        let line = format!(
+            "transform sample:torus --vertices 900 --lengths {asked} -o bands.npz --operator {operator}"
+        );
+        let report = json(path, &line);
+        assert_eq!(report["operator"], operator);
+        for (found, asked) in numbers(&report["sigma"])[1..].iter().zip(widths) {
+            assert!((found / asked - 1.0).abs() < ROUNDING, "{found} for {asked}");
+        }
+        // Twice the width of a step are four steps, whatever rounding makes of the quotient.
+        assert_eq!(report["steps"][3], json!(4));
+        assert!(report["steps"][1].as_f64().unwrap() < 1.0);
     }
-    // Twice the width of a step are four steps, whatever rounding makes of the quotient.
-    assert_eq!(report["steps"][3], json!(4));
-    assert!(report["steps"][1].as_f64().unwrap() < 1.0);
+}
+
+#[test]
+fn the_operator_follows_from_what_is_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let of = |line: &str| json(path, line)["operator"].as_str().expect("a name").to_owned();
+    for (line, operator) in [
+        ("transform sample:torus --vertices 500 --levels 3 -o a.npz", "walk"),
+        ("transform sample:torus --vertices 500 --lengths 0.1,0.2,0.4 -o a.npz", "surface"),
+        ("transform sample:torus --vertices 500 --lengths 0.1,0.2,0.4 --rings 2 -o a.npz", "walk"),
+        ("transform sample:torus --vertices 500 --lengths 0.1,0.2,0.4 --operator walk -o a.npz", "walk"),
+        ("saliency sample:torus --vertices 500 --levels 4 --operator surface -o a.ply", "surface"),
+        ("saliency sample:torus --vertices 500 --lengths 0.1,0.2,0.4 -o a.ply", "surface"),
+        ("features sample:torus --vertices 500 --levels 4", "walk"),
+        ("features sample:torus --match sample:torus --vertices 500 --levels 4", "surface"),
+        ("features sample:torus --as cloud --vertices 500 --levels 4 --operator surface", "surface"),
+        ("basis sample:torus --vertices 500 --vertex 3 --level 4 --operator surface -o a.vtp", "surface"),
+    ] {
+        assert_eq!(of(line), operator, "{line}");
+    }
+    let line = "transform sample:torus --vertices 500 --operator surface --rings 2 -o a.npz";
+    let said = refused(path, line);
+    assert!(said.contains("--rings is an option of the walk"), "{said}");
+    let line = "basis sample:torus --vertices 500 --levels 3 --operator surface -o a.npz";
+    let said = refused(path, line);
+    assert!(said.contains("no sparse matrices"), "{said}");
+}
+
+#[test]
+fn a_recipe_keeps_the_operator() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let line = "filter sample:torus --vertices 900 --lengths 0.1,0.2,0.4 --gains 0,2,1 -o edit.obj --save-recipe edit.toml";
+    assert_eq!(json(path, line)["operator"], "surface");
+    let recipe = fs::read_to_string(path.join("edit.toml")).unwrap();
+    assert!(recipe.contains("operator = \"surface\""), "{recipe}");
+    let again = json(path, "filter sample:torus --vertices 900 --recipe edit.toml -o again.obj");
+    assert_eq!(again["operator"], "surface");
+    assert!(fs::read(path.join("edit.obj")).unwrap() == fs::read(path.join("again.obj")).unwrap());
+    fs::write(path.join("hand.toml"), "lengths = [0.1, 0.2, 0.4]\n[[layer]]\ngains = [0, 2, 1]\n").unwrap();
+    let by_hand = json(path, "filter sample:torus --vertices 900 --recipe hand.toml -o hand.obj");
+    assert_eq!(by_hand["operator"], "surface");
+    assert!(fs::read(path.join("edit.obj")).unwrap() == fs::read(path.join("hand.obj")).unwrap());
 }
 
 #[test]
