@@ -14,6 +14,7 @@ import cloud
 import cost
 import features
 import gaze
+import pictures
 import remeshing
 import report
 import scipy_peer
@@ -27,7 +28,8 @@ SAMPLES = {"creature": 30000, "knot": 20000, "torus": 20000, "sphere": 10000}
 # The shape that the mesh of many sizes is made from.
 MANY_SIZES_OF = "kitten"
 
-PARTS = {"remeshing": remeshing, "cloud": cloud, "features": features, "scipy": scipy_peer, "cost": cost, "gaze": gaze}
+PARTS = {"remeshing": remeshing, "cloud": cloud, "features": features, "scipy": scipy_peer, "cost": cost, "gaze": gaze,
+         "pictures": pictures}
 
 
 class Bench:
