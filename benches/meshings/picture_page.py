@@ -9,16 +9,16 @@ from PIL import Image, ImageDraw, ImageFont
 
 # The colours of viridis at equal distances, for the bar.
 STOPS = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
-# Pixels of the sheet: a panel, the line of words above a row, the one below a panel, between blocks.
-PANEL, ABOVE, BELOW, BETWEEN = 380, 40, 28, 50
+# Pixels of the sheet: a panel, the line of words above a row, the one below a panel, between panels, between blocks.
+PANEL, ABOVE, BELOW, GAP, BETWEEN = 380, 40, 28, 12, 50
 GROUND, INK, SOFT = "#ffffff", "#1b1b1b", "#595959"
 
 
 @dataclass
 class Panel:
-    """A picture without ground (PNG), or none, and what stands below it."""
+    """A picture without ground, or none, and what stands below it."""
 
-    picture: bytes | None
+    picture: Image.Image | None
     words: str
 
 
@@ -57,9 +57,9 @@ figcaption{color:var(--soft);font-size:.88rem;line-height:1.35;text-align:center
 """
 
 
-def webp(png):
+def webp(picture):
     out = io.BytesIO()
-    Image.open(io.BytesIO(png)).save(out, "WEBP", quality=88, method=4)
+    picture.save(out, "WEBP", quality=88, method=4)
     return base64.b64encode(out.getvalue()).decode()
 
 
@@ -92,7 +92,7 @@ def sheet(blocks):
     """All panels on one picture, the blocks beside each other."""
     columns = max(len(row.panels) for block in blocks for row in block.rows)
     rows = max(len(block.rows) for block in blocks)
-    width, height = columns * PANEL, PANEL + ABOVE + BELOW
+    width, height = columns * (PANEL + GAP) - GAP, PANEL + ABOVE + BELOW
     image = Image.new("RGB", (len(blocks) * (width + BETWEEN) - BETWEEN, rows * height), GROUND)
     draw = ImageDraw.Draw(image)
     large, small = ImageFont.load_default(22), ImageFont.load_default(17)
@@ -102,9 +102,9 @@ def sheet(blocks):
             top = j * height
             draw.text((left + width / 2, top + ABOVE / 2), row.title, INK, large, "mm")
             for i, panel in enumerate(row.panels):
-                at = (left + i * PANEL, top + ABOVE)
+                at = (left + i * (PANEL + GAP), top + ABOVE)
                 if panel.picture is not None:
-                    picture = Image.open(io.BytesIO(panel.picture)).convert("RGBA").resize((PANEL, PANEL), Image.Resampling.LANCZOS)
+                    picture = panel.picture.resize((PANEL, PANEL), Image.Resampling.LANCZOS)
                     image.paste(picture, at, picture)
                 draw.text((at[0] + PANEL / 2, at[1] + PANEL + BELOW / 2), panel.words, SOFT, small, "mm")
     return image

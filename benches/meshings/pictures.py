@@ -1,6 +1,7 @@
 """Part `pictures`: one band on three meshings of a shape by both operators, on one page and one sheet."""
 
 import numpy as np
+from PIL import Image
 
 from adwave import SURFACE, WALK, Failure
 from closest import Surface
@@ -17,10 +18,9 @@ PIXELS = 760
 # Lines between triangles: their width in parts of the diagonal, at most this share of the radius of the circle inside.
 LINE, LINE_SHARE = 1 / 900, 0.3
 COLORS = "viridis"
-# Shapes by name: from where they are seen, and the part that is shown, a ball: its centre from 0 to 1 in the bounding box,
-# its radius in diagonals.
-VIEWS = {"armadillo": ("front", ((0.5, 0.72, 0.9), 0.17))}
-VIEW = ("three-quarter", None)
+# Shapes by name: from where they are seen, and the part of the picture that is shown: left, top, right, bottom, from 0 to 1.
+VIEWS = {"armadillo": ("front", (0.28, 0.02, 0.72, 0.46))}
+VIEW = ("three-quarter", (0.0, 0.0, 1.0, 1.0))
 WAYS = {"as given": None, "isotropic remeshing": "isotropic", "half the triangles": "decimated"}
 HEADS = {WALK: "by the walk", SURFACE: "by the surface's heat"}
 
@@ -33,39 +33,35 @@ INTRODUCTION = (
 SAID = ("Details between σ/√2 and σ of {edges} mean edges. One range of colours for all pictures of the shape. What differs is seen from the mesh "
         "{first}, at the same places, with its share ‖difference‖/‖W‖ below: roots of sums of squares over the area.")
 
+# The shape of the document's own picture.
+BUILT_IN, BUILT_IN_VERTICES = "knot", 20000
+
 
 class Pictures:
-    """Draws the part of a shape's meshings that is shown, by `adwave render`."""
+    """Draws meshings of a shape by `adwave render`, all from the same side."""
 
     def __init__(self, bench, mesh):
-        self.bench, self.view, self.part = bench, *VIEWS.get(mesh.name, VIEW)
-        self.low, self.size, self.diagonal = mesh.points.min(axis=0), np.ptp(mesh.points, axis=0), mesh.diagonal
+        self.adwave, self.line = bench.adwave, LINE * mesh.diagonal
+        self.view, part = VIEWS.get(mesh.name, VIEW)
+        self.pixels = round(PIXELS / (part[2] - part[0]))
+        self.part = [round(at * self.pixels) for at in part]
 
-    def shown(self, mesh, values):
-        """The part of a mesh and of its values that is shown."""
-        if self.part is None:
-            return mesh.points, mesh.triangles, values
-        centre, radius = self.part
-        centres = mesh.points[mesh.triangles].mean(axis=1)
-        near = np.linalg.norm(centres - (self.low + np.array(centre) * self.size), axis=1) <= radius * self.diagonal
-        kept, number = np.unique(mesh.triangles[near], return_inverse=True)
-        return mesh.points[kept], number.reshape(-1, 3), values[kept]
-
-    def drawn(self, points, triangles, values, largest, colors):
-        scratch = self.bench.adwave.work
-        write(scratch / "panel.ply", points, triangles, "a part of a mesh")
-        self.bench.adwave.run("render", scratch / "panel.ply", "-o", scratch / "panel.png", "--color", self.bench.adwave.field(values),
-                              f"--range=0,{largest!r}", "--colormap", colors, "--no-bar", "--transparent", "--view", self.view,
-                              "--size", f"{PIXELS}x{PIXELS}")
-        return (scratch / "panel.png").read_bytes()
+    def drawn(self, path, values, largest, colors):
+        out = self.adwave.work / "panel.png"
+        self.adwave.run("render", path, "-o", out, "--color", self.adwave.field(values), f"--range=0,{float(largest)!r}",
+                        "--colormap", colors, "--no-bar", "--transparent", "--view", self.view, "--size", f"{self.pixels}x{self.pixels}")
+        with Image.open(out) as picture:
+            return picture.convert("RGBA").crop(self.part)
 
     def band(self, mesh, values, largest):
-        return self.drawn(*self.shown(mesh, values), float(largest), COLORS)
+        return self.drawn(mesh.path, values, largest, COLORS)
 
     def triangles(self, mesh):
         """The mesh with a line along each edge."""
-        points, triangles, _ = self.shown(mesh, np.zeros(len(mesh.points)))
-        return self.drawn(*outlined(points, triangles, LINE * self.diagonal), 1.0, "grey")
+        points, triangles, brightness = outlined(mesh.points, mesh.triangles, self.line)
+        path = self.adwave.work / "outlined.ply"
+        write(path, points, triangles, "triangles and their borders")
+        return self.drawn(path, brightness, 1.0, "grey")
 
 
 def outlined(points, triangles, width):
@@ -112,15 +108,27 @@ def of_shape(bench, mesh):
         differ = lambda way: f"{way}: differs by {figure(figures[operator][way])}"
         rows += [
             Row(f"Details {HEADS[operator]}", [Panel(pictures.band(m, length(of[way]), largest), way) for way, m in meshes.items()]),
-            Row(f"What differs {HEADS[operator]}", [Panel(None, ""), *(Panel(pictures.band(mesh, length(d), largest), differ(way))
+            Row(f"How far from the first, {HEADS[operator]}", [Panel(None, ""), *(Panel(pictures.band(mesh, length(d), largest), differ(way))
                                                                for way, d in apart.items())])]
     numbers = {"shape": mesh.name, "vertices": {way: len(m.points) for way, m in meshes.items()}, "figures": figures}
     return numbers, Block(mesh.name, SAID.format(edges=EDGES, first=first), rows, float(largest))
 
 
+def illustration(bench):
+    """The triangles and the details of a built-in shape, for the document."""
+    mesh = bench.meshings.many_sizes(bench.meshings.original(BUILT_IN, bench.adwave.sample(BUILT_IN, BUILT_IN_VERTICES)))
+    _, block = of_shape(bench, mesh)
+    block.rows = [row for row in block.rows if row.panels[0].picture is not None]
+    folder = bench.args.docs / "meshings"
+    folder.mkdir(exist_ok=True)
+    sheet([block]).save(folder / f"{BUILT_IN}.jpg", quality=85)
+
+
 def measure(bench):
     """Pictures of the band at σ of 4 mean edges on three meshings, of the mesh of many sizes and of the first shape."""
     found, blocks = [], []
+    if bench.args.only is None:
+        illustration(bench)
     for mesh in (bench.many_sizes, bench.shapes[0]):
         print(f"  {mesh.name}", flush=True)
         try:
