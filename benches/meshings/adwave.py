@@ -68,10 +68,10 @@ class Adwave:
         np.save(path, values)
         return path
 
-    def features(self, mesh, lengths, operator, theta):
+    def features(self, mesh, lengths, operator, theta, response):
         """A row for each feature: x, y, z, σ, sign, strength."""
         found = self.run("features", mesh.path, *self.chosen(operator), "--lengths", joined(lengths), "--theta", theta,
-                         "--accuracy", ACCURACY)["features"]
+                         "--response", response, "--accuracy", ACCURACY)["features"]
         rows = [[*f["position"], f["sigma"], f["sign"], f["strength"]] for f in found]
         return np.array(rows).reshape(-1, 6)
 

@@ -14,6 +14,7 @@ import cloud
 import cost
 import features
 import gaze
+import pictures
 import remeshing
 import report
 import scipy_peer
@@ -24,10 +25,11 @@ MODELS = {"armadillo": "armadillo.obj", "kitten": "kitten.obj", "horse": "horse.
           "skull": "skull.off", "face": "face.obj", "bunny": "stanford-bunny.obj", "fandisk": "fandisk.obj"}
 # What takes their place where none of them is there.
 SAMPLES = {"creature": 30000, "knot": 20000, "torus": 20000, "sphere": 10000}
-# The shape that the mesh of many sizes is made from.
-MANY_SIZES_OF = "kitten"
+# The shape that the mesh of many sizes is made from: one of the models, one of the samples.
+MANY_SIZES_OF = ("kitten", "knot")
 
-PARTS = {"remeshing": remeshing, "cloud": cloud, "features": features, "scipy": scipy_peer, "cost": cost, "gaze": gaze}
+PARTS = {"remeshing": remeshing, "cloud": cloud, "features": features, "scipy": scipy_peer, "cost": cost, "gaze": gaze,
+         "pictures": pictures}
 
 
 class Bench:
@@ -59,7 +61,7 @@ class Bench:
 
     @cached_property
     def many_sizes(self):
-        named = [mesh for mesh in self.shapes if mesh.name == MANY_SIZES_OF]
+        named = [mesh for mesh in self.shapes if mesh.name in MANY_SIZES_OF]
         return self.meshings.many_sizes((named or self.shapes)[0])
 
 

@@ -14,6 +14,8 @@ MOST_DISTANCE = 0.5
 # The mesh of many sizes: vertices that it starts from, the longest edge allowed in mean edges of the source (smallest and
 # largest), and how often that goes up and down along the longest side of the bounding box.
 COARSE_VERTICES, SIZES, WAVES = 600, (0.8, 10.0), 2.5
+# Where middles of edges are projected far away, bisecting does not end by itself.
+MOST_TRIANGLES = 2_000_000
 
 
 class Meshings:
@@ -117,7 +119,7 @@ def midpoints(mesh):
 
 def refined(points, triangles, size, project):
     """Longest edges bisected (Rivara 1984) until no triangle's is longer than `size` at its centre; middles are projected."""
-    while True:
+    while len(triangles) <= MOST_TRIANGLES:
         edges, sides = sides_of(triangles)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
         # Ranks in place of lengths, so that two triangles agree which of two equally long edges is longer.
@@ -145,3 +147,4 @@ def refined(points, triangles, size, project):
             (halved & ~cut_bc, (ab, b, c)), (halved & cut_bc, (ab, b, bc)), (halved & cut_bc, (ab, bc, c)),
         ]
         triangles = np.concatenate([np.stack(corners, 1)[kept] for kept, corners in pieces])
+    raise SystemExit(f"bisecting went past {MOST_TRIANGLES:,} triangles: the coarse mesh is too far from the surface")

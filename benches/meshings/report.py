@@ -13,6 +13,7 @@ HEADS = {
     "scipy": "Beside SciPy's exponential",
     "cost": "What it costs",
     "gaze": "Saliency and where people look",
+    "pictures": "Pictures",
 }
 
 
@@ -22,7 +23,7 @@ def machine():
         cpu = next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     except (OSError, StopIteration):
         cpu = platform.processor()
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "pymeshlab"))
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "pymeshlab", "pillow"))
     return f"{cpu}, {os.cpu_count()} cores; {platform.system()} {platform.machine()}, Python {platform.python_version()}, {packages}."
 
 

@@ -20,11 +20,15 @@ pub(crate) fn bench_meshings(arguments: &[&str]) -> Outcome {
         }
     }
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
+    let helper = ["-p", "adwave-bench-helpers", "--bin", "surface_matrices"];
+    cargo(&[&["build", "--release", "--locked", "--quiet"], &helper[..]].concat(), &[])?;
     let python = python::environment(&root(), "meshings")?;
     run(Command::new(python)
         .arg(root().join("benches/meshings/bench_meshings.py"))
         .arg("--adwave")
         .arg(target().join("release/adwave"))
+        .arg("--matrices")
+        .arg(target().join("release/surface_matrices"))
         .arg("--models")
         .arg(models)
         .arg("--fixations")
