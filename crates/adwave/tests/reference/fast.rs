@@ -131,7 +131,9 @@ impl<'a> Fast<'a> {
         let mut generator = self.diffusion();
         for (x, row) in generator.iter_mut().enumerate() {
             let others: f64 = row.iter().enumerate().filter(|&(y, _)| y != x).map(|(_, w)| w).sum();
-            row.iter_mut().for_each(|w| *w *= -rate);
+            for w in &mut *row {
+                *w *= -rate;
+            }
             row[x] = rate * others;
         }
         generator

@@ -153,9 +153,10 @@ fn saliency_has_means_by_area() {
             let mut map = vec![0.0; welded.first.len()];
             for w in &norms[1..] {
                 let max = w.iter().fold(0.0_f64, |m, &v| m.max(v));
-                let mean = match by_area {
-                    true => w.iter().zip(&heat.areas).map(|(w, a)| w * a).sum::<f64>() / total,
-                    false => w.iter().sum::<f64>() / w.len() as f64,
+                let mean = if by_area {
+                    w.iter().zip(&heat.areas).map(|(w, a)| w * a).sum::<f64>() / total
+                } else {
+                    w.iter().sum::<f64>() / w.len() as f64
                 };
                 let alpha = if weighting == Weighting::PerLevel { (max - mean).powi(2) } else { 1.0 / mean };
                 map.iter_mut().zip(w).for_each(|(m, w)| *m += alpha * w);

@@ -267,27 +267,26 @@ fn needles_have_heat_along_them() {
         );
         assert!(bands.wavelets().flatten().any(|w| w.abs() > 0.01), "{name}: nothing moves");
     }
-    // One needle among well-shaped triangles is hardly noticed away from it.
+    // A vertex that is 1e-6 of an edge away from it, in one of its triangles, is as good as on the edge in both.
     let (mut points, mut triangles) = sample("sphere", 600);
-    let f: Vec<f64> = points.iter().map(|p| p[0] * p[1] + p[2]).collect();
-    let sphere = decomposer(&mesh(&points, &triangles));
-    let [a, b, _] = triangles.remove(50);
-    let third = triangles.len();
-    let (p, q) = (points[a as usize], points[b as usize]);
-    let c = sample("sphere", 600).1[50][2];
-    points.push(std::array::from_fn(|k| 0.5 * (p[k] + q[k]) + 1e-6 * (points[c as usize][k] - p[k])));
+    let [a, b, c] = triangles.swap_remove(50);
+    let (p, q, r) = (points[a as usize], points[b as usize], points[c as usize]);
+    points.push(std::array::from_fn(|k| 0.5 * (p[k] + q[k]) + 1e-6 * (r[k] - p[k])));
     let new = points.len() as u32 - 1;
+    let mut split = triangles.clone();
     triangles.extend([[a, b, new], [b, c, new], [c, a, new]]);
-    assert_eq!(triangles.len(), third + 3);
-    let (decomposer, _) = check("a needle in a sphere", &mesh(&points, &triangles));
-    let with_new: Vec<f64> = points.iter().map(|p| p[0] * p[1] + p[2]).collect();
-    let smooth = |decomposer: &Decomposer, f: &[f64]| {
+    let beyond = split.iter().position(|t| t.contains(&a) && t.contains(&b)).unwrap();
+    let d = split.swap_remove(beyond).into_iter().find(|&d| d != a && d != b).unwrap();
+    split.extend([[b, c, new], [c, a, new], [a, d, new], [d, b, new]]);
+    let f: Vec<f64> = points.iter().map(|p| p[0] * p[1] + p[2]).collect();
+    let smooth = |triangles: &[[u32; 3]]| {
+        let (decomposer, _) = check("a needle in a sphere", &mesh(&points, triangles));
         let schedule = Schedule::lengths(&[0.5], decomposer.diffusion().step_length()).unwrap();
-        decomposer.decompose(f, 1, &schedule).unwrap().coarsest()[..600].to_vec()
+        decomposer.decompose(&f, 1, &schedule).unwrap().coarsest().to_vec()
     };
-    for (s, t) in smooth(&sphere, &f).iter().zip(smooth(&decomposer, &with_new)) {
-        assert!((s - t).abs() < 2e-3, "{s} {t}");
-    }
+    let off = smooth(&triangles).iter().zip(smooth(&split)).map(|(s, t)| (s - t).abs()).fold(0.0, f64::max);
+    println!("a needle: {off:.1e}");
+    assert!(off < 1e-3, "{off:e}");
 }
 
 #[test]

@@ -39,9 +39,10 @@ fn heat_on_every_file_is_a_walk_and_its_bands_are_finite() {
             n_large += 1;
             continue;
         }
-        let mesh = match file.faces().is_empty() {
-            true => None,
-            false => Mesh::new(points.clone(), file.faces().clone()).ok().map(Shape::Mesh),
+        let mesh = if file.faces().is_empty() {
+            None
+        } else {
+            Mesh::new(points.clone(), file.faces().clone()).ok().map(Shape::Mesh)
         };
         let cloud = (!points.is_empty() && points.as_flattened().iter().all(|c| c.is_finite()))
             .then(|| cloud(&points));
