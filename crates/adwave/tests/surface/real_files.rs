@@ -75,7 +75,7 @@ fn heat_on_every_file_is_a_walk_and_its_bands_are_finite() {
         }
     }
     assert!(
-        n_meshes >= 60 && n_clouds >= 80,
+        n_meshes >= 150 && n_clouds >= 170,
         "only {n_meshes} meshes and {n_clouds} clouds, {n_large} were too large"
     );
 }
