@@ -181,19 +181,19 @@ fn neither_the_size_of_the_tiles_nor_of_their_numbers_changes_a_bit() {
     let diffusion = diffusion(500);
     let target = Target::detect();
     let small = narrow(&diffusion, 33);
-    let one = pass(&narrow(&diffusion, 500), (500, 3, 4), (true, Place::Apart), |tile, pass, scratch| {
+    let one = pass(&narrow(&diffusion, 500), (500, 3, 4), (true, true, Place::Apart), |tile, pass, scratch| {
         run(target, tile, 3, pass, scratch)
     });
-    let many = pass(&small, (500, 3, 4), (true, Place::Apart), |tile, pass, scratch| {
+    let many = pass(&small, (500, 3, 4), (true, true, Place::Apart), |tile, pass, scratch| {
         run(target, tile, 3, pass, scratch)
     });
     assert_eq!((&one.bands, &one.now, &one.before), (&many.bands, &many.now, &many.before));
     let wide = Tiles::wide(&diffusion, 33, 4, Progress::none()).expect("nobody stops it");
-    let wide = pass(&wide, (500, 3, 4), (true, Place::Apart), |tile, pass, scratch| {
+    let wide = pass(&wide, (500, 3, 4), (true, true, Place::Apart), |tile, pass, scratch| {
         run(target, tile, 3, pass, scratch)
     });
     assert_eq!((&wide.bands, &wide.now, &wide.squares), (&many.bands, &many.now, &many.squares));
-    let in_place = pass(&small, (500, 3, 4), (true, Place::InPlace), |tile, pass, scratch| {
+    let in_place = pass(&small, (500, 3, 4), (true, true, Place::InPlace), |tile, pass, scratch| {
         run(target, tile, 3, pass, scratch)
     });
     assert_eq!((&in_place.bands, &in_place.now, &in_place.before), (&many.bands, &many.now, &many.before));
