@@ -26,8 +26,8 @@ pub struct SurfaceDiffusion {
 
 /// Heat on the surface: `S_n = exp(−n·τ·M⁻¹L)`, M and L of [`Laplacian`].
 ///
-/// One step is the time `τ = A/(4√3·N)`, A the area and N the number of vertices: as much as a step of the walk (eq. 4) on
-/// equilateral triangles of that size, `σ² = 4τ = E²/2`. On a graph `σ² = ½`, as the walk has it.
+/// One step is the time `τ = A/(4√3·N)`, A the area and N the number of vertices that have neighbours: as much as a step of
+/// the walk (eq. 4) on equilateral triangles of that size, `σ² = 4τ = E²/2`. On a graph `σ² = ½`, as the walk has it.
 ///
 /// `Φ₁ = I − M⁻¹L/λ` has entries ≥ 0, rows that sum to 1 and, λ being at least the largest eigenvalue of M⁻¹L, its own
 /// eigenvalues in [0, 1]; it is reversible, with π = M. The number of products grows with √λ, which the smallest and thinnest
@@ -56,10 +56,10 @@ pub fn surface_diffusion(
     let rate = |x: usize| if mass[x] > 0.0 { stiffness[x] / mass[x] } else { 0.0 };
     let lambda = largest_eigenvalue(&weights, &mass, &stiffness, progress)?;
     let (pattern, mut values) = weights.into_parts();
-    // What a step is: see above.
-    let n_moving = parallel::try_sum(n, progress, |x| if mass[x] > 0.0 { 1.0 } else { 0.0 })?;
+    // What a step is: see above. A vertex without neighbours takes none, and changes nothing for the others.
+    let n_moving = parallel::try_sum(n, progress, |x| if stiffness[x] > 0.0 { 1.0 } else { 0.0 })?;
     let tau = if is_graph {
-        0.5 / (parallel::try_sum(n, progress, rate)? / n_moving).max(f64::MIN_POSITIVE)
+        0.5 / (parallel::try_sum(n, progress, rate)? / n_moving.max(1.0)).max(f64::MIN_POSITIVE)
     } else {
         total / (4.0 * 3.0_f64.sqrt() * n_moving.max(1.0))
     };

@@ -160,6 +160,12 @@ pub(crate) fn tangent_plane(points: &[[f64; 3]], near: &[u32], x: usize, r: f64)
     let offsets = near.iter().map(|&y| (Vector3::from(points[y as usize]) - origin) / r);
     let mean = offsets.clone().sum::<Vector3<f64>>() / near.len().max(1) as f64;
     let covariance = offsets.fold(Matrix3::zeros(), |m, d| m + (d - mean) * (d - mean).transpose());
+    if covariance.trace() == 0.0 {
+        // All of them are at one place, so that any plane through it will do, but not one across.
+        let along = mean.try_normalize(0.0).unwrap_or_else(Vector3::x);
+        let across = along.cross(&Vector3::ith(along.iamin(), 1.0)).normalize();
+        return (along.into(), across.into());
+    }
     let eigen = covariance.symmetric_eigen();
     let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin());
     let across = eigen.eigenvectors.column(eigen.eigenvalues.imax());

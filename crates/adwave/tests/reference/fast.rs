@@ -6,7 +6,8 @@ use adwave::bands::{BandsParams, Engine, Schedule, smooth};
 use adwave::basis::{BasisParams, basis, basis_by_squaring};
 use adwave::features::{Feature, features};
 use adwave::filter::{Edit, Gains, Layer, Preset};
-use adwave::operator::local_operator;
+use adwave::laplacian::Laplacian;
+use adwave::operator::{Semigroup, local_operator};
 use adwave::region::Region;
 use adwave::saliency::{Saliency, saliency, saliency_per_level};
 use adwave::shape::PreparedGeometry;
@@ -109,6 +110,33 @@ impl<'a> Fast<'a> {
             row[x] = diffusion.diagonal(x);
             row
         })
+    }
+
+    /// w and the areas of the Laplacian.
+    pub(crate) fn laplacian(&self) -> (Matrix, Vec<f64>) {
+        let geometry = self.decomposer.geometry();
+        let laplacian = Laplacian::new(geometry, self.case.params.neighbours, Progress::none()).unwrap();
+        let row = |x: usize| {
+            let mut row = vec![0.0; self.decomposer.geometry().n_vertices()];
+            let (columns, values) = laplacian.weights().row(x);
+            columns.iter().zip(values).for_each(|(&y, w)| row[y as usize] = *w);
+            row
+        };
+        (self.matrix(row), self.vertices(laplacian.areas()))
+    }
+
+    /// `rate·(I − Φ₁)`, of which heat takes the exponential.
+    pub(crate) fn heat_generator(&self) -> Matrix {
+        let Semigroup::Heat { rate } = self.decomposer.diffusion().semigroup() else { panic!("no heat") };
+        let mut generator = self.diffusion();
+        for (x, row) in generator.iter_mut().enumerate() {
+            let others: f64 = row.iter().enumerate().filter(|&(y, _)| y != x).map(|(_, w)| w).sum();
+            for w in &mut *row {
+                *w *= -rate;
+            }
+            row[x] = rate * others;
+        }
+        generator
     }
 
     pub(crate) fn is_reversible(&self) -> bool {
@@ -235,6 +263,19 @@ impl<'a> Fast<'a> {
             );
         }
         editor.into_edited()
+    }
+
+    /// `Σ_j factors[j−1]·W_f(j)` on dyadic levels.
+    pub(crate) fn weighted(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        n_levels: usize,
+        factors: &[f64],
+    ) -> Vec<f64> {
+        let schedule = Schedule::dyadic(n_levels).unwrap();
+        let request = self.decomposer.request(signal, n_channels, &schedule).params(&accurate());
+        request.weighted(factors).unwrap().0
     }
 
     fn wavelets(&self, signal: &[f64], n_channels: usize, n_levels: usize) -> adwave::bands::Wavelets {

@@ -9,10 +9,12 @@ mod dense;
 mod fast;
 mod features;
 mod filter;
+mod heat;
 mod operator;
 mod refinement;
 mod saliency;
 mod shapes;
+mod surface;
 mod ties;
 
 /// Sums and products of some hundred numbers in double precision, relative to the largest.

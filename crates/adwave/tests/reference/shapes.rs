@@ -1,6 +1,6 @@
 //! Small irregular shapes: unequal edges and areas, borders, seams, non-manifold edges, several components.
 
-use adwave::operator::{CloudGraph, OperatorParams};
+use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
 use adwave::shape::{CloudArea, Graph, Mesh, MeshArea, PointCloud, Polygons, Shape};
 
 /// What a shape consists of, for the formulas.
@@ -63,6 +63,23 @@ pub(crate) fn cases() -> Vec<Case> {
             default.with_cloud_graph(CloudGraph::Directed).with_neighbours(4),
         ),
         case("graph", &graph(), default),
+    ]
+}
+
+/// Shapes for heat on the surface; those that start with "flat" lie in the plane z = 0.
+pub(crate) fn surface_cases() -> Vec<Case> {
+    let params = OperatorParams::default().with_kind(OperatorKind::Surface);
+    let case = |name, parts| Case { name, parts, params };
+    vec![
+        case("closed mesh", closed_mesh()),
+        case("open mesh with obtuse corners", open_mesh()),
+        case("one obtuse triangle", one_triangle()),
+        case("flat mesh", flat_mesh()),
+        case("three sheets at an edge", three_sheets()),
+        case("cloud", cloud()),
+        case("flat cloud", flat_cloud()),
+        case("graph", graph()),
+        case("graph with a hub", hub_graph()),
     ]
 }
 
@@ -240,4 +257,74 @@ fn graph() -> Parts {
     // The node 34 is by itself.
     edges.extend([(35, 36, 2.0), (36, 37, 0.5), (35, 37, 1.0), (38, 39, 4.0), (39, 40, 1.0), (40, 41, 2.0)]);
     Parts::Graph { n_nodes: 42, edges }
+}
+
+/// Obtuse, its longest side on the border as the others are.
+fn one_triangle() -> Parts {
+    Parts::Mesh {
+        points: vec![[-1.0, 0.0, 0.2], [1.1, 0.0, 0.0], [0.1, 0.4, 0.0]],
+        triangles: vec![[0, 1, 2]],
+    }
+}
+
+/// A rectangle of 150 vertices, which are pushed about but for the corners, along the border on it; its triangles are not those
+/// of Delaunay.
+fn flat_mesh() -> Parts {
+    let (width, height) = (15, 10);
+    let mut noise = Noise::new(31);
+    let mut points = Vec::new();
+    for i in 0..height {
+        for j in 0..width {
+            let push = |k: u32, n: u32, v: f64| if k > 0 && k < n - 1 { 0.38 * v } else { 0.0 };
+            let (x, y) = (noise.signed(), noise.signed());
+            points.push([f64::from(j) + push(j, width, x), f64::from(i) + push(i, height, y), 0.0]);
+        }
+    }
+    Parts::Mesh { points, triangles: sheet(width, height, 0) }
+}
+
+/// Three half-planes of nearly equilateral triangles that share a line.
+fn three_sheets() -> Parts {
+    let mut noise = Noise::new(41);
+    let (length, width) = (6_u32, 4_u32);
+    let mut points: Vec<[f64; 3]> = (0..length).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    let mut triangles = Vec::new();
+    for angle in [0.3_f64, 2.2, 4.5] {
+        let first = points.len() as u32;
+        for row in 1..=width {
+            for i in 0..length {
+                let across = 0.85 * f64::from(row) + 0.06 * noise.signed();
+                let along = f64::from(i) + 0.5 * f64::from(row % 2) + 0.06 * noise.signed();
+                points.push([along, across * angle.cos(), across * angle.sin()]);
+            }
+        }
+        let at = |row: u32, i: u32| if row == 0 { i } else { first + (row - 1) * length + i };
+        for row in 0..width {
+            for i in 0..length - 1 {
+                let [a, b, c, d] = [at(row, i), at(row, i + 1), at(row + 1, i), at(row + 1, i + 1)];
+                triangles.extend(if row % 2 == 0 { [[a, b, c], [b, d, c]] } else { [[a, d, c], [a, b, d]] });
+            }
+        }
+    }
+    Parts::Mesh { points, triangles }
+}
+
+/// Points of a square, pushed about.
+fn flat_cloud() -> Parts {
+    let mut noise = Noise::new(51);
+    let mut points = Vec::new();
+    for i in 0..11 {
+        for j in 0..12 {
+            points.push([f64::from(i) + 0.35 * noise.signed(), f64::from(j) + 0.35 * noise.signed(), 0.0]);
+        }
+    }
+    Parts::Cloud { points }
+}
+
+/// A cycle of 119 nodes with a node in its middle that has an edge to all others of even number.
+fn hub_graph() -> Parts {
+    let mut noise = Noise::new(61);
+    let mut edges: Vec<_> = (0..119).map(|i| (i, (i + 1) % 119, 0.2 + noise.next())).collect();
+    edges.extend((0..119).step_by(2).map(|i| (i, 119, 0.5)));
+    Parts::Graph { n_nodes: 120, edges }
 }
