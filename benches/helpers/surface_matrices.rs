@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Semigroup::Heat { rate } = diffusion.semigroup() else { return Err("no heat".into()) };
     // λ = rate/τ, τ = s²/4.
     let lambda = 4.0 * rate / diffusion.step_length().powi(2);
-    let total = surface.areas.iter().sum::<f64>() * (1.0 + surface.added_mass);
+    let total = surface.areas.iter().sum::<f64>() * (1.0 + surface.info.added_mass);
     let mass: Vec<f64> = (0..n).map(|x| total * diffusion.stationary()[map.welded(x)]).collect();
     let areas: Vec<f64> = (0..n).map(|x| surface.areas[map.welded(x)]).collect();
     let mut vertex_at = vec![0_usize; n];

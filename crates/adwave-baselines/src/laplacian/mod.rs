@@ -103,8 +103,9 @@ impl Laplacian {
                 Triangulation::AsGiven => as_given(&geometry, params.area),
                 Triangulation::IntrinsicDelaunay => {
                     let surface = adwave::laplacian::Laplacian::new(&geometry, 0, Progress::none())?;
-                    (info.n_flips, info.lengthened) = (surface.n_flips(), surface.lengthened());
-                    let (weights, mass) = surface.into_parts();
+                    (info.n_flips, info.lengthened) = (surface.info().n_flips, surface.info().lengthened);
+                    let mass = surface.areas();
+                    let weights = surface.into_parts().0;
                     let later = |x: usize| {
                         let (columns, values) = weights.row(x);
                         let entries = columns.iter().zip(values).filter(move |(y, _)| **y as usize > x);

@@ -6,6 +6,7 @@ use crate::global::Global;
 use crate::output::{number, print, schedule, steps_json, steps_text, table};
 use crate::progress::{prepare, with_spinner};
 use crate::shape_input::load;
+use adwave::operator::SurfaceInfo;
 use adwave::shape::{Health, Shape, bounding_box};
 use clap::Args;
 use serde_json::{Value, json};
@@ -52,6 +53,9 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         number(decomposer.mean_length()),
         number(decomposer.diffusion().step_length()),
     );
+    if let Some(info) = decomposer.surface_info() {
+        let _ = writeln!(text, "  surface       {}", surface_text(info));
+    }
     let _ = writeln!(text, "  levels        {why}\n");
     text += &table(
         ["level", "steps", "sigma", "% of diagonal"],
@@ -77,6 +81,12 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
             "mean_length": decomposer.mean_length(),
             "step_length": decomposer.diffusion().step_length(),
             "reversible": decomposer.diffusion().is_reversible(),
+            "surface": decomposer.surface_info().map(|info| json!({
+                "flips": info.laplacian.n_flips,
+                "double_cover": info.laplacian.is_covered,
+                "edges_lengthened_by": info.laplacian.lengthened,
+                "mass_added": info.added_mass,
+            })),
         },
         "levels": schedule.n_levels(),
         "levels_reason": why,
@@ -84,6 +94,19 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "sigma": sigma,
     });
     print(global, &text, &json)
+}
+
+/// What was done to a shape on the way to heat on it.
+fn surface_text(info: &SurfaceInfo) -> String {
+    let mut said = vec![format!("{} edges flipped", info.laplacian.n_flips)];
+    if info.laplacian.is_covered {
+        said.push("covered twice".to_owned());
+    }
+    if info.laplacian.lengthened > 0.0 {
+        said.push(format!("edges lengthened by {}", number(info.laplacian.lengthened)));
+    }
+    said.push(format!("{} % of mass added", number(100.0 * info.added_mass)));
+    said.join(", ")
 }
 
 pub(crate) fn kind(shape: &Shape) -> &'static str {

@@ -9,7 +9,8 @@ use crate::bands::{Bands, BandsError, BandsParams, DEFAULT_EXTENT, Schedule, Tra
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
-    Diffusion, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, local_operator, surface_diffusion,
+    Diffusion, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, SurfaceInfo, local_operator,
+    surface_diffusion,
 };
 use crate::parallel::unstopped;
 use crate::region::{Edges, SurfaceMetric};
@@ -56,6 +57,7 @@ pub struct Decomposer {
     /// Which vertices are masked.
     mask: Option<Arc<Mask>>,
     kind: OperatorKind,
+    surface_info: Option<SurfaceInfo>,
     /// The rings of a mesh that one step of the walk takes in.
     rings: usize,
     /// The one-ring of a mesh, without the masked vertices, where heat flows along other edges.
@@ -79,16 +81,16 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let geometry = PreparedGeometry::new(shape, params.weld, progress)?;
-        let (diffusion, areas, mean_length): (_, Arc<[f64]>, _) = match params.kind {
+        let (diffusion, areas, mean_length, surface_info): (_, Arc<[f64]>, _, _) = match params.kind {
             OperatorKind::Walk => {
                 let operator = local_operator(&geometry, params, progress)?;
                 let (areas, mean_length) = (operator.areas().into(), operator.mean_length());
-                (Diffusion::new(operator, progress)?, areas, mean_length)
+                (Diffusion::new(operator, progress)?, areas, mean_length, None)
             }
             OperatorKind::Surface => {
-                let SurfaceDiffusion { diffusion, areas, mean_length, .. } =
+                let SurfaceDiffusion { diffusion, areas, mean_length, info } =
                     surface_diffusion(&geometry, params, progress)?;
-                (diffusion, areas.into(), mean_length)
+                (diffusion, areas.into(), mean_length, Some(info))
             }
         };
         Ok(Self {
@@ -99,6 +101,7 @@ impl Decomposer {
             diagonal: shape.diagonal(),
             mask: None,
             kind: params.kind,
+            surface_info,
             rings: params.rings,
             ring: Arc::default(),
             metric: Arc::default(),
@@ -203,6 +206,11 @@ impl Decomposer {
     /// By what signals are smoothed.
     pub fn operator_kind(&self) -> OperatorKind {
         self.kind
+    }
+
+    /// What was done to the shape on the way to heat on it; `None` of a walk.
+    pub fn surface_info(&self) -> Option<&SurfaceInfo> {
+        self.surface_info.as_ref()
     }
 
     /// One step of the diffusion, Φ₁, in the numbering of [`geometry`](Self::geometry).
@@ -381,6 +389,11 @@ impl Decomposer {
         for (y, (s, w)) in scaling.iter_mut().zip(&mut wavelet).enumerate() {
             *s = (*s * share(y)).max(0.0); // far away only rounding is left, of either sign
             *w *= share(y);
+        }
+        // At a vertex with next to no mass, errors that are small beside the signal are not small beside what is left of it.
+        let sum: f64 = scaling.iter().sum();
+        for s in &mut scaling {
+            *s /= if sum > 0.0 { sum } else { 1.0 };
         }
         let largest = scaling.iter().copied().fold(0.0, f64::max);
         let floor = self.transform.params().accuracy * largest;

@@ -5,7 +5,7 @@
 //! Four points on a circle, as on every grid, have a Voronoi edge of length 0 between opposite ones, however the tie is
 //! broken: triangulations of the neighbourhoods (`sharp2020`) have the same weights and would have to agree on the ties.
 
-use super::Laplacian;
+use super::{Laplacian, LaplacianInfo};
 use crate::parallel;
 use crate::rows::{CompressedRows, rows_at_a_time};
 use crate::shape::{Neighbourhoods, tangent_plane};
@@ -65,7 +65,7 @@ pub(super) fn laplacian(
         weights.row(x).0.iter().map(|&y| norm(&subtract(&points[x], &points[y as usize]))).sum()
     })?;
     let mean_length = total / weights.nnz().max(1) as f64;
-    Ok(Laplacian { weights, mass, mean_length, n_flips: 0, is_covered: false, lengthened: 0.0 })
+    Ok(Laplacian { weights, mass, unit: 1.0, mean_length, info: LaplacianInfo::default() })
 }
 
 /// What a thread keeps from one point to the next.

@@ -39,11 +39,22 @@ pub struct Laplacian {
     weights: CompressedRows<f64>,
     /// In squares of `unit`.
     mass: Vec<f64>,
+    /// The unit of length here, in model units: squares of it neither overflow nor vanish.
+    unit: f64,
     /// Mean length of the edges, in units of `unit`.
     mean_length: f64,
-    n_flips: usize,
-    is_covered: bool,
-    lengthened: f64,
+    info: LaplacianInfo,
+}
+
+/// What became of the triangles of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LaplacianInfo {
+    /// Edges that were flipped to reach the Delaunay triangulation.
+    pub n_flips: usize,
+    /// Whether the mesh was covered twice, because it is no oriented surface or has obtuse angles at its border.
+    pub is_covered: bool,
+    /// By how much every edge was lengthened to make degenerate triangles proper, in model units.
+    pub lengthened: f64,
 }
 
 impl Laplacian {
@@ -70,14 +81,8 @@ impl Laplacian {
             }
             _ => of_mesh(&points, geometry.triangles(), progress)?,
         };
-        for length in [&mut laplacian.mean_length, &mut laplacian.lengthened] {
-            *length *= unit;
-        }
-        parallel::try_for_rows(&mut laplacian.mass, 1, 1 << 14, progress, |_, masses| {
-            for m in masses {
-                *m = *m * unit * unit;
-            }
-        })?;
+        laplacian.unit = unit;
+        laplacian.info.lengthened *= unit;
         Ok(laplacian)
     }
 
@@ -87,33 +92,23 @@ impl Laplacian {
     }
 
     /// The diagonal of M in squared model units (1 for a graph): ≥ 0, and the area of the surface in sum.
-    pub fn areas(&self) -> &[f64] {
-        &self.mass
+    pub fn areas(&self) -> Vec<f64> {
+        self.mass.iter().map(|m| m * self.unit * self.unit).collect()
     }
 
     /// Mean length of the mesh's edges, or of those between the points of a cloud, in model units (1 for a graph).
     pub fn mean_length(&self) -> f64 {
-        self.mean_length
+        self.mean_length * self.unit
     }
 
-    /// Edges that were flipped to reach the Delaunay triangulation.
-    pub fn n_flips(&self) -> usize {
-        self.n_flips
+    /// What became of the triangles.
+    pub fn info(&self) -> &LaplacianInfo {
+        &self.info
     }
 
-    /// Whether the mesh was covered twice, because it is no oriented surface or has obtuse angles at its border.
-    pub fn is_covered(&self) -> bool {
-        self.is_covered
-    }
-
-    /// By how much every edge was lengthened to make degenerate triangles proper, in model units.
-    pub fn lengthened(&self) -> f64 {
-        self.lengthened
-    }
-
-    /// The weights and the masses.
-    pub fn into_parts(self) -> (CompressedRows<f64>, Vec<f64>) {
-        (self.weights, self.mass)
+    /// The weights, and the masses in squares of a unit, which comes third in model units.
+    pub fn into_parts(self) -> (CompressedRows<f64>, Vec<f64>, f64) {
+        (self.weights, self.mass, self.unit)
     }
 }
 
@@ -128,14 +123,7 @@ fn of_graph(graph: &Graph, vertex_map: &VertexMap, progress: Progress<'_>) -> Re
         weights.extend(row.iter().map(|entry| entry.1));
     };
     let weights = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)?;
-    Ok(Laplacian {
-        weights,
-        mass: vec![1.0; n],
-        mean_length: 1.0,
-        n_flips: 0,
-        is_covered: false,
-        lengthened: 0.0,
-    })
+    Ok(Laplacian { weights, mass: vec![1.0; n], unit: 1.0, mean_length: 1.0, info: LaplacianInfo::default() })
 }
 
 fn of_mesh(
@@ -169,7 +157,8 @@ fn of_mesh(
         let areas = at_vertex.of(x).iter().map(|&t| surface.area(3 * t as usize));
         share / 3.0 * areas.sum::<f64>()
     })?;
-    Ok(Laplacian { weights, mass, mean_length: edges.mean_length, n_flips, is_covered, lengthened })
+    let info = LaplacianInfo { n_flips, is_covered, lengthened };
+    Ok(Laplacian { weights, mass, unit: 1.0, mean_length: edges.mean_length, info })
 }
 
 /// `w(x,y) = ½(cot α + cot β)`, α and β opposite the edge; the edges between two vertices together.

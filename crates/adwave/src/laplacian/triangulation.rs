@@ -9,8 +9,8 @@ use std::ops::Range;
 /// A side that is glued to none.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Each triangle inequality holds by at least this part of the mean side.
-const MARGIN: f64 = 1e-5;
+/// Each triangle inequality holds by at least this part of the mean side: rounding is a millionth of that.
+const MARGIN: f64 = 1e-10;
 
 /// Cotangent sums above this count as Delaunay.
 const ROUNDING: f64 = -1e-10;

@@ -8,7 +8,7 @@ mod surface;
 
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
 pub use local::{LocalOperator, local_operator};
-pub use surface::{SurfaceDiffusion, surface_diffusion};
+pub use surface::{SurfaceDiffusion, SurfaceInfo, surface_diffusion};
 
 use crate::shape::{CloudArea, MeshArea, WeldMode};
 use serde::{Deserialize, Serialize};

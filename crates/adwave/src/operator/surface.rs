@@ -2,7 +2,7 @@
 
 use super::spectrum::largest_eigenvalue;
 use super::{Diffusion, OperatorParams, Semigroup};
-use crate::laplacian::Laplacian;
+use crate::laplacian::{Laplacian, LaplacianInfo};
 use crate::parallel;
 use crate::rows::try_for_entries;
 use crate::shape::PreparedGeometry;
@@ -10,6 +10,10 @@ use crate::{Cancelled, Progress};
 
 /// The share of vertices whose mass is raised.
 const RAISED: f64 = 0.01;
+
+/// No vertex has `τ·L(x,x)/M(x)` above this: where edges are 140 times shorter than the mean, masses are raised however many
+/// vertices there are.
+const MAX_RATE: f64 = 1e4;
 
 /// What a surface needs for diffusion on it, in the analysis order.
 #[derive(Clone, Debug)]
@@ -20,6 +24,15 @@ pub struct SurfaceDiffusion {
     pub areas: Vec<f64>,
     /// Mean length of edges in model units (1 for a graph).
     pub mean_length: f64,
+    /// What was done to the shape on the way.
+    pub info: SurfaceInfo,
+}
+
+/// What was done to a shape on the way to heat on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceInfo {
+    /// What became of the triangles of a mesh.
+    pub laplacian: LaplacianInfo,
     /// The part of all mass that was added to that of vertices which would set the cost for all.
     pub added_mass: f64,
 }
@@ -32,7 +45,7 @@ pub struct SurfaceDiffusion {
 /// `Φ₁ = I − M⁻¹L/λ` has entries ≥ 0, rows that sum to 1 and, λ being at least the largest eigenvalue of M⁻¹L, its own
 /// eigenvalues in [0, 1]; it is reversible, with π = M. The number of products grows with √λ, which the smallest and thinnest
 /// triangles set. So the mass of the 1 % of vertices with the largest `L(x,x)/M(x)` is raised until that is no larger than
-/// elsewhere. O(n log n).
+/// elsewhere, and no larger than 10⁴/τ; not on a graph. O(n log n).
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -42,27 +55,27 @@ pub fn surface_diffusion(
     progress: Progress<'_>,
 ) -> Result<SurfaceDiffusion, Cancelled> {
     let laplacian = Laplacian::new(geometry, params.neighbours, progress)?;
-    let mean_length = laplacian.mean_length();
+    let (mean_length, info) = (laplacian.mean_length(), *laplacian.info());
     let is_graph = geometry.points().is_empty();
-    // In units in which areas neither overflow nor vanish; a power of two.
-    let unit = if is_graph { 1.0 } else { geometry.size_unit() };
-    let (weights, areas) = laplacian.into_parts();
-    let n = areas.len();
+    let (weights, mut mass, unit) = laplacian.into_parts();
+    let n = mass.len();
+    let areas = parallel::try_collect(n, progress, |x| mass[x] * unit * unit)?;
     let stiffness = parallel::try_collect(n, progress, |x| weights.row(x).1.iter().sum::<f64>())?;
-    let mut mass = parallel::try_collect(n, progress, |x| areas[x] / unit / unit)?;
     let total = parallel::try_sum(n, progress, |x| mass[x])?;
-    raise(&mut mass, &stiffness, progress)?;
-    let added = parallel::try_sum(n, progress, |x| mass[x])? - total;
-    let rate = |x: usize| if mass[x] > 0.0 { stiffness[x] / mass[x] } else { 0.0 };
-    let lambda = largest_eigenvalue(&weights, &mass, &stiffness, progress)?;
-    let (pattern, mut values) = weights.into_parts();
     // What a step is: see above. A vertex without neighbours takes none, and changes nothing for the others.
     let n_moving = parallel::try_sum(n, progress, |x| if stiffness[x] > 0.0 { 1.0 } else { 0.0 })?;
     let tau = if is_graph {
-        0.5 / (parallel::try_sum(n, progress, rate)? / n_moving.max(1.0)).max(f64::MIN_POSITIVE)
+        let mean_degree = parallel::try_sum(n, progress, |x| stiffness[x])? / n_moving.max(1.0);
+        0.5 / mean_degree.max(f64::MIN_POSITIVE)
     } else {
         total / (4.0 * 3.0_f64.sqrt() * n_moving.max(1.0))
     };
+    if !is_graph {
+        raise(&mut mass, &stiffness, tau, progress)?;
+    }
+    let added = parallel::try_sum(n, progress, |x| mass[x])? - total;
+    let lambda = largest_eigenvalue(&weights, &mass, &stiffness, progress)?;
+    let (pattern, mut values) = weights.into_parts();
     let moves = lambda > 0.0;
     let mut per_row = vec![(); n];
     try_for_entries(&pattern, &mut values, &mut per_row, progress, |range, values, _| {
@@ -82,11 +95,11 @@ pub fn surface_diffusion(
     let semigroup = Semigroup::Heat { rate: if moves { tau * lambda } else { 1.0 } };
     let diffusion = Diffusion::of_heat(pattern, values, mass, step_length, semigroup, progress)?;
     let added_mass = if total > 0.0 { added / total } else { 0.0 };
-    Ok(SurfaceDiffusion { diffusion, areas, mean_length, added_mass })
+    Ok(SurfaceDiffusion { diffusion, areas, mean_length, info: SurfaceInfo { laplacian: info, added_mass } })
 }
 
-/// Raises masses until no vertex has a larger `stiffness/mass` than all but [`RAISED`] of them.
-fn raise(mass: &mut [f64], stiffness: &[f64], progress: Progress<'_>) -> Result<(), Cancelled> {
+/// Raises masses until no vertex has a larger `stiffness/mass` than all but [`RAISED`] of them, or than [`MAX_RATE`] in a step.
+fn raise(mass: &mut [f64], stiffness: &[f64], tau: f64, progress: Progress<'_>) -> Result<(), Cancelled> {
     let mut rates: Vec<f64> =
         mass.iter().zip(stiffness).filter(|(_, s)| **s > 0.0).map(|(m, s)| s / m).collect();
     progress.check()?;
@@ -102,7 +115,8 @@ fn raise(mass: &mut [f64], stiffness: &[f64], progress: Progress<'_>) -> Result<
         cap if cap.is_finite() => cap,
         _ => largest(&rates),
     };
-    let cap = if cap > 0.0 { cap } else { 1.0 };
+    let most = if tau > 0.0 { MAX_RATE / tau } else { f64::INFINITY };
+    let cap = if cap > 0.0 { cap.min(most) } else { most.min(1.0) };
     for (m, s) in mass.iter_mut().zip(stiffness) {
         *m = m.max(s / cap);
     }

@@ -122,7 +122,7 @@ impl<'a> Fast<'a> {
             columns.iter().zip(values).for_each(|(&y, w)| row[y as usize] = *w);
             row
         };
-        (self.matrix(row), self.vertices(laplacian.areas()))
+        (self.matrix(row), self.vertices(&laplacian.areas()))
     }
 
     /// `rate·(I − Φ₁)`, of which heat takes the exponential.

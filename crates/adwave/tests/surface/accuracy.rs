@@ -47,7 +47,8 @@ fn largest_decay_error((points, triangles): &(Points, Triangles), functions: &[E
             }
         }
     }
-    let raised = surface_diffusion(decomposer.geometry(), &params(), Progress::none()).unwrap().added_mass;
+    let raised =
+        surface_diffusion(decomposer.geometry(), &params(), Progress::none()).unwrap().info.added_mass;
     [worst, LONGEST * raised]
 }
 
