@@ -280,12 +280,12 @@ pub(crate) fn heat(case: &Case, is_masked: &[bool], wrong: Wrong) -> Heat {
         mass.iter_mut().filter(|m| **m > 0.0).for_each(|m| *m = mean);
     }
     // The 1 % of vertices with the largest L(x,x)/M(x), rounded up, get no larger one than the largest of the others; of 100
-    // or fewer that is none.
+    // or fewer that is none, and on a graph too.
     let mut rates: Vec<f64> =
         (0..n).filter(|&x| stiffness[x] > 0.0).map(|x| stiffness[x] / mass[x]).collect();
     rates.sort_by(f64::total_cmp);
     let cap = rates[((0.99 * rates.len() as f64).floor() as usize).min(rates.len() - 1)];
-    if wrong != Wrong::NotRaised {
+    if wrong != Wrong::NotRaised && !matches!(case.parts, Parts::Graph { .. }) {
         for x in 0..n {
             mass[x] = mass[x].max(stiffness[x] / cap);
         }

@@ -243,7 +243,7 @@ fn vertices_that_no_face_names_keep_their_value_and_cost_nothing() {
 }
 
 #[test]
-fn needles_have_heat_along_them() {
+fn needles_keep_their_area() {
     // A strip 1e6 times as long as its triangles are high, and one whose triangles are that thin each.
     let strip = |length: f64, height: f64, n: u32| {
         let points: Vec<[f64; 3]> = (0..n)
@@ -260,12 +260,12 @@ fn needles_have_heat_along_them() {
         let area: f64 = decomposer.areas().iter().sum();
         let expected = 58.0 * 0.5 * length * height;
         println!("{name}: area {area:.3e} for {expected:.3e}");
-        // Sides are lengthened by 1e-5 of the mean at most, which gives a needle some area.
+        // Sides are lengthened by 1e-10 of the mean at most, which gives a needle of no height one of 1e-5.
         assert!(
-            area >= expected * 0.99 && area <= expected + 0.01 * 58.0 * length.max(height).powi(2),
+            area >= expected * 0.99 && area <= expected + 1e-5 * 58.0 * length.max(height).powi(2),
             "{name}"
         );
-        assert!(bands.wavelets().flatten().any(|w| w.abs() > 0.01), "{name}: nothing moves");
+        assert!(bands.wavelets().flatten().any(|w| *w != 0.0), "{name}: nothing moves");
     }
     // A vertex that is 1e-6 of an edge away from it, in one of its triangles, is as good as on the edge in both.
     let (mut points, mut triangles) = sample("sphere", 600);
