@@ -9,7 +9,7 @@
 //! * [`basis_by_squaring`]: the paper's Algorithm 1 to the letter, in double precision; the reference.
 //! * [`one_vertex`]: φ and ψ of one vertex at any level, without a matrix.
 //!
-//! All of it counts vertices as [`Diffusion`](crate::operator::Diffusion) does: in the numbering of the
+//! All of it counts vertices as [`Diffusion`] does: in the numbering of the
 //! [`PreparedGeometry`](crate::shape::PreparedGeometry). [`Basis::in_shape_order`] renumbers where that is a permutation of the shape's vertices.
 
 // Code that is compiled for several instruction sets is only so where it is inlined into the place that picks one.
