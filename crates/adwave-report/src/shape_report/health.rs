@@ -3,6 +3,7 @@
 use super::Subject;
 use crate::page::{Block, Fact, Section, Tone, Verdict};
 use crate::table::{digits, grouped};
+use adwave::operator::OperatorKind;
 use adwave::shape::{Health, Shape, bounding_box};
 
 pub(super) fn section(subject: &Subject<'_>) -> (Section, Health) {
@@ -107,13 +108,25 @@ fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let (edge, step) = (subject.walk.mean_length(), diffusion.step_length());
     let unit = subject.width_unit();
     if subject.shape.points().is_some() {
-        let meaning = match subject.shape {
-            Shape::Mesh(_) => "Mean over the edges; the operator's kernel is as wide as that.",
-            _ => "Mean distance to the nearest neighbours; the operator's kernel is as wide as that.",
+        let kind = subject.walk.operator_kind();
+        let meaning = match (subject.shape, kind) {
+            (Shape::Mesh(_), OperatorKind::Walk) => {
+                "Mean over the edges; the operator's kernel is as wide as that."
+            }
+            (Shape::Mesh(_), OperatorKind::Surface) => "Mean over the edges.",
+            (_, OperatorKind::Walk) => {
+                "Mean distance to the nearest neighbours; the operator's kernel is as wide as that."
+            }
+            (_, OperatorKind::Surface) => "Mean distance to the neighbours on the surface.",
         };
         let name = if let Shape::Mesh(_) = subject.shape { "Mean edge" } else { "Mean spacing" };
         list.push(fact(name, format!("{} {unit}", digits(edge)), meaning));
     }
+    let (name, meaning) = match subject.walk.operator_kind() {
+        OperatorKind::Walk => ("walk", "A lazy random walk over the edges, as in the paper."),
+        OperatorKind::Surface => ("surface", "Heat on the surface: widths that hardly depend on the mesh."),
+    };
+    list.push(fact("Diffusion operator", name.to_owned(), meaning));
     list.push(fact(
         "Step of the diffusion operator",
         format!("{} {unit}", digits(step)),
