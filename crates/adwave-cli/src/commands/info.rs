@@ -54,7 +54,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         number(decomposer.diffusion().step_length()),
     );
     if let Some(info) = decomposer.surface_info() {
-        let _ = writeln!(text, "  surface       {}", surface_text(info));
+        let _ = writeln!(text, "  surface       {}", surface_text(info, &input.shape));
     }
     let _ = writeln!(text, "  levels        {why}\n");
     text += &table(
@@ -97,8 +97,12 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
 }
 
 /// What was done to a shape on the way to heat on it.
-fn surface_text(info: &SurfaceInfo) -> String {
-    let mut said = vec![format!("{} edges flipped", info.laplacian.n_flips)];
+fn surface_text(info: &SurfaceInfo, shape: &Shape) -> String {
+    let mut said = match shape {
+        Shape::Mesh(_) => vec![format!("{} edges flipped", info.laplacian.n_flips)],
+        Shape::Cloud(_) => vec!["cells of the points in tangent planes".to_owned()],
+        Shape::Graph(_) => return "degrees minus weights".to_owned(),
+    };
     if info.laplacian.is_covered {
         said.push("covered twice".to_owned());
     }

@@ -11,9 +11,12 @@ use crate::{Cancelled, Progress};
 /// The share of vertices whose mass is raised.
 const RAISED: f64 = 0.01;
 
-/// No vertex has `τ·L(x,x)/M(x)` above this: where edges are 140 times shorter than the mean, masses are raised however many
-/// vertices there are.
-const MAX_RATE: f64 = 1e4;
+/// No vertex has `τ·L(x,x)/M(x)` above this, so that no shape takes products without end: where edges are 1400 times shorter
+/// than the mean, masses are raised however many vertices there are.
+const MAX_RATE: f64 = 1e6;
+
+/// Stages that are reported: weights, masses, operator.
+const STAGES: u64 = 3;
 
 /// What a surface needs for diffusion on it, in the analysis order.
 #[derive(Clone, Debug)]
@@ -45,7 +48,7 @@ pub struct SurfaceInfo {
 /// `Φ₁ = I − M⁻¹L/λ` has entries ≥ 0, rows that sum to 1 and, λ being at least the largest eigenvalue of M⁻¹L, its own
 /// eigenvalues in [0, 1]; it is reversible, with π = M. The number of products grows with √λ, which the smallest and thinnest
 /// triangles set. So the mass of the 1 % of vertices with the largest `L(x,x)/M(x)` is raised until that is no larger than
-/// elsewhere, and no larger than 10⁴/τ; not on a graph. O(n log n).
+/// elsewhere, and no larger than 10⁶/τ; not on a graph. O(n log n).
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -54,7 +57,9 @@ pub fn surface_diffusion(
     params: &OperatorParams,
     progress: Progress<'_>,
 ) -> Result<SurfaceDiffusion, Cancelled> {
+    progress.step(0, STAGES)?;
     let laplacian = Laplacian::new(geometry, params.neighbours, progress)?;
+    progress.step(1, STAGES)?;
     let (mean_length, info) = (laplacian.mean_length(), *laplacian.info());
     let is_graph = geometry.points().is_empty();
     let (weights, mut mass, unit) = laplacian.into_parts();
@@ -74,6 +79,7 @@ pub fn surface_diffusion(
         raise(&mut mass, &stiffness, tau, progress)?;
     }
     let added = parallel::try_sum(n, progress, |x| mass[x])? - total;
+    progress.step(2, STAGES)?;
     let lambda = largest_eigenvalue(&weights, &mass, &stiffness, progress)?;
     let (pattern, mut values) = weights.into_parts();
     let moves = lambda > 0.0;
@@ -94,6 +100,7 @@ pub fn surface_diffusion(
     };
     let semigroup = Semigroup::Heat { rate: if moves { tau * lambda } else { 1.0 } };
     let diffusion = Diffusion::of_heat(pattern, values, mass, step_length, semigroup, progress)?;
+    progress.step(STAGES, STAGES)?;
     let added_mass = if total > 0.0 { added / total } else { 0.0 };
     Ok(SurfaceDiffusion { diffusion, areas, mean_length, info: SurfaceInfo { laplacian: info, added_mass } })
 }
