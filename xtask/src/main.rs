@@ -57,6 +57,25 @@ fn main() -> ExitCode {
     }
 }
 
+/// What `--models` and `--only` say; the folder of models is `models` where the first is missing.
+fn models_and_part<'a>(
+    command: &str,
+    arguments: &[&'a str],
+    mut models: PathBuf,
+) -> Result<(PathBuf, Option<&'a str>), String> {
+    let mut only = None;
+    let mut rest = arguments.iter();
+    while let Some(&option) = rest.next() {
+        let value = rest.next().ok_or_else(|| format!("{option} needs a value"))?;
+        match option {
+            "--models" => models = PathBuf::from(value),
+            "--only" => only = Some(*value),
+            _ => return Err(format!("{command} knows --models and --only, not {option}")),
+        }
+    }
+    Ok((models, only))
+}
+
 fn test() -> Outcome {
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;

@@ -1,24 +1,13 @@
 //! How far bands depend on the mesh and not on the surface: builds ours, makes an environment, runs `benches/meshings`.
 
-use crate::{Outcome, cargo, data, python, root, run, target};
-use std::path::PathBuf;
+use crate::{Outcome, cargo, data, models_and_part, python, root, run, target};
 use std::process::Command;
 
 /// Compares bands, features and maps of several meshings of the same surfaces and writes `docs/MESHINGS.md`. `arguments`:
 /// `--models DIR`, where the models of the paper may be found, and `--only PART` for one part that is printed and not
 /// written.
 pub(crate) fn bench_meshings(arguments: &[&str]) -> Outcome {
-    let mut models = data().join("paper");
-    let mut only = None;
-    let mut rest = arguments.iter();
-    while let Some(&option) = rest.next() {
-        let value = rest.next().ok_or_else(|| format!("{option} needs a value"))?;
-        match option {
-            "--models" => models = PathBuf::from(value),
-            "--only" => only = Some(value),
-            _ => return Err(format!("bench-meshings knows --models and --only, not {option}")),
-        }
-    }
+    let (models, only) = models_and_part("bench-meshings", arguments, data().join("paper"))?;
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
     let helper = ["-p", "adwave-bench-helpers", "--bin", "surface_matrices"];
     cargo(&[&["build", "--release", "--locked", "--quiet"], &helper[..]].concat(), &[])?;

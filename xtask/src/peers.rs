@@ -1,24 +1,14 @@
 //! The comparison with other people's programs: builds ours, makes their environment, runs `benches/peers`.
 
-use crate::{Outcome, cargo, python, root, run};
+use crate::{Outcome, cargo, models_and_part, python, root, run};
 use std::path::PathBuf;
 use std::process::Command;
 
 /// Times us and the peers in one run and writes `docs/PERFORMANCE.md`. `arguments`: `--models DIR`, where a
 /// `stanford-bunny.obj` may be found, and `--only PART` for one part that is printed and not written.
 pub(crate) fn bench_peers(arguments: &[&str]) -> Outcome {
-    let mut models =
-        std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from);
-    let mut only = None;
-    let mut rest = arguments.iter();
-    while let Some(&option) = rest.next() {
-        let value = rest.next().ok_or_else(|| format!("{option} needs a value"))?;
-        match option {
-            "--models" => models = PathBuf::from(value),
-            "--only" => only = Some(value),
-            _ => return Err(format!("bench-peers knows --models and --only, not {option}")),
-        }
-    }
+    let models = std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from);
+    let (models, only) = models_and_part("bench-peers", arguments, models)?;
     let release = ["build", "--release", "--locked", "--quiet"];
     cargo(&[&release[..], &["-p", "adwave-cli"]].concat(), &[])?;
     cargo(&[&release[..], &["-p", "adwave-bench-helpers", "--bin", "timing_on_request"]].concat(), &[])?;
