@@ -26,7 +26,7 @@ pub(crate) struct ShapeArgs {
     /// Seed of the noise
     #[arg(long, value_name = "K", default_value_t = 1, help_heading = "Shape")]
     pub(crate) seed: u64,
-    /// By what a signal is smoothed [default: surface where levels are given by --lengths or several meshes are compared, else walk]
+    /// By what a signal is smoothed [default: surface where levels are given by --lengths or features are matched, else walk]
     #[arg(long, value_name = "KIND", value_enum, help_heading = "Diffusion operator")]
     pub(crate) operator: Option<OperatorArg>,
     /// Take vertices at exactly equal positions as different vertices
@@ -85,7 +85,7 @@ impl ShapeArgs {
         }
     }
 
-    /// The same with the operator of the surface where none is asked for: for what is compared over several meshes.
+    /// The same with the operator of the surface where none is asked for: for what is compared between meshes.
     pub(crate) fn over_meshes(&self) -> Self {
         let operator = self.operator_or(OperatorKind::Surface).map_or(self.operator, |o| Some(o.kind.into()));
         Self { operator, ..self.clone() }

@@ -25,9 +25,7 @@ pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliErr
     args.detect.params(&args.border).check().map_err(CliError::input)?;
     args.map.params(&args.border).check().map_err(CliError::input)?;
     let share = if args.fixations.is_some() { DEFAULT_EXTENT } else { FEATURE_EXTENT };
-    // Features are looked for on other meshes too.
-    let shape = if args.fixations.is_some() { args.shape.clone() } else { args.shape.over_meshes() };
-    let mut analysis = Analysis::new(&shape, &args.field, &args.levels, share, global)?;
+    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, share, global)?;
     match &args.fixations {
         Some(fixations) => against(args, global, &mut analysis, fixations),
         None => again(args, global, &mut analysis),
@@ -186,7 +184,7 @@ fn find_again(
     changed: &Changed,
 ) -> Result<Vec<Feature>, CliError> {
     let shape = &changed.shape;
-    let walk = prepare(global, shape, &args.shape.over_meshes().operator_for(&args.levels)?)?;
+    let walk = prepare(global, shape, &args.shape.operator_for(&args.levels)?)?;
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
     let is_own = ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]
         .contains(&args.field.field.as_str());
