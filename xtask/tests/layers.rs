@@ -73,7 +73,7 @@ const LAYERS: [&[&str]; 17] = [
     &["region"],
     &["filter"],
     &["decomposer"],
-    &["editor"],
+    &["editor", "positions", "denoise"],
     &["population"],
     &["saliency", "features"],
     &["measure"],

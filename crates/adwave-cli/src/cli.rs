@@ -5,6 +5,7 @@ use crate::commands::{
     basis::BasisArgs,
     compare::CompareArgs,
     demo::DemoArgs,
+    denoise::DenoiseArgs,
     evaluate::EvaluateArgs,
     features::FeaturesArgs,
     filter::FilterArgs,
@@ -31,6 +32,7 @@ Examples:
   adwave info scan.ply                                what is in a file, and which levels it gets
   adwave transform bunny.obj -o bands.npz             all bands, for numpy
   adwave filter bunny.obj -o smooth.obj --preset suppress
+  adwave denoise scan.obj -o clean.obj                noise off, no knob needed
   adwave filter bunny.obj -o crisp.obj --preset enhance --region 'ball:vertex=120,radius=10%'
 
 A SHAPE is a file, '-' for the standard input, or sample:NAME for a built-in shape (see 'adwave sample').
@@ -51,6 +53,8 @@ pub(crate) enum Command {
     Transform(TransformArgs),
     /// Change bands, everywhere or by region, and write the shape back with everything its file had
     Filter(FilterArgs),
+    /// Take noise off a shape: how much is there, and whether creases stay, is found by itself
+    Denoise(DenoiseArgs),
     /// Map where a signal stands out, over all levels
     Saliency(SaliencyArgs),
     /// Find the places where a level stands out, each with its size

@@ -10,6 +10,7 @@ mod cli;
 mod commands;
 mod error;
 mod global;
+mod movement;
 mod output;
 mod progress;
 mod shape_input;
@@ -74,6 +75,7 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Info(args) => commands::info::run(args, global),
         Command::Transform(args) => commands::transform::run(args, global),
         Command::Filter(args) => commands::filter::run(args, global),
+        Command::Denoise(args) => commands::denoise::run(args, global),
         Command::Saliency(args) => commands::saliency::run(args, global),
         Command::Features(args) => commands::features::run(args, global),
         Command::Evaluate(args) => commands::evaluate::run(args, global),

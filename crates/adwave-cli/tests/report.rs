@@ -89,8 +89,9 @@ fn a_mesh_gets_every_section_and_the_numbers_that_are_printed() {
     assert!((shares.sum::<f64>() - 1.0).abs() < 1e-12, "shares of a whole");
     let names: Vec<&str> =
         made["presets"].as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["suppress", "enhance", "band1", "band2"]);
-    assert!(made["presets"][0]["volume_ratio"].as_f64().unwrap() < 1.0, "smoothing shrinks");
+    assert_eq!(names, ["suppress", "suppress-paper", "enhance", "band1", "band2"]);
+    let ratio = |k: usize| made["presets"][k]["volume_ratio"].as_f64().unwrap();
+    assert!(ratio(1) < ratio(0) && ratio(0) < 1.0, "smoothing shrinks, the paper's more");
     for part in ["reading", "diffusion", "bands", "saliency", "features", "presets", "pictures"] {
         assert!(made["seconds"]["parts"][part].is_number(), "{part}");
         assert!(page.contains(&format!("<td class=\"s\">{part}</td>")), "{part}");

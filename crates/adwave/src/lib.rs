@@ -13,6 +13,8 @@
 //! | scaling functions and wavelets as matrices, Φ_j and Ψ_j | [`basis`](mod@basis) | (eq. 3) (eq. 6) to (eq. 9), Algorithm 1 |
 //! | bands of a signal, W_f(j) = S_f(j−1) − S_f(j), and the signal again | [`bands`], [`BandsRequest`] | (eq. 11) (eq. 15) |
 //! | bands changed by gains, here and not there | [`filter`], [`region`], [`Editor`] | (eq. 18) |
+//! | positions after a filter: borders and volume kept | [`positions`] | |
+//! | noise taken off a shape or a signal, by the least estimated risk | [`denoise`](mod@denoise) | |
 //! | where a signal stands out: a map, and places with sizes | [`saliency`](mod@saliency), [`features`] | (eq. 17), Algorithm 2 |
 //! | signals that the shape gives itself; vertices without a value | [`signal`], [`mask`] | |
 //!
@@ -47,6 +49,7 @@
 pub mod bands;
 pub mod basis;
 mod decomposer;
+pub mod denoise;
 mod editor;
 mod error;
 pub mod features;
@@ -58,6 +61,7 @@ pub mod operator;
 mod pages;
 mod parallel;
 mod population;
+pub mod positions;
 mod progress;
 pub mod region;
 pub mod rows;

@@ -62,7 +62,7 @@ fn unit_gains_change_nothing_and_no_gains_leave_the_coarsest_level() {
     assert_eq!(f.filter(&everywhere(Gains::Gains(vec![1.0; 6]))).unwrap(), f.points);
     assert_eq!(f.filter(&[]).unwrap(), f.points);
     let bands = f.bands();
-    let smooth = f.filter(&everywhere(Gains::Preset(Preset::Suppress))).unwrap();
+    let smooth = f.filter(&everywhere(Gains::Preset(Preset::SuppressPaper))).unwrap();
     for (a, b) in smooth.as_flattened().iter().zip(bands.coarsest()) {
         assert!((a - b).abs() < ACCURACY);
     }
@@ -156,7 +156,7 @@ fn suppressing_keeps_the_body_and_enhancing_makes_it_larger() {
     let f = fixture("torus", 4000);
     let volume = |points: &[[f64; 3]]| enclosed_volume(points, &f.triangles);
     let before = volume(&f.points);
-    let smooth = f.filter(&everywhere(Gains::Preset(Preset::Suppress))).unwrap();
+    let smooth = f.filter(&everywhere(Gains::Preset(Preset::SuppressPaper))).unwrap();
     let crisp = f.filter(&everywhere(Gains::Preset(Preset::Enhance))).unwrap();
     assert!((0.5 * before..before).contains(&volume(&smooth)));
     assert!(volume(&crisp) > before);

@@ -5,6 +5,7 @@ mod named;
 mod shape;
 
 pub(crate) use analysis::{BorderArgs, DetectArgs, FieldArgs, MapArgs, ResponseArg};
+pub(crate) use named::named;
 pub(crate) use shape::{Kind, LevelArgs, ShapeArgs};
 
 use clap::Args;

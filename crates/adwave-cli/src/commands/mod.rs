@@ -3,6 +3,7 @@
 pub(crate) mod basis;
 pub(crate) mod compare;
 pub(crate) mod demo;
+pub(crate) mod denoise;
 pub(crate) mod evaluate;
 pub(crate) mod features;
 pub(crate) mod filter;

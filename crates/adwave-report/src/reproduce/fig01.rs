@@ -37,7 +37,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         falloff: Some(Length::PercentOfDiagonal(5.0)),
     };
     let layers = [
-        Layer { gains: Gains::Preset(Preset::Suppress), region: side(1.0) },
+        Layer { gains: Gains::Preset(Preset::SuppressPaper), region: side(1.0) },
         Layer { gains: Gains::Preset(Preset::Enhance), region: side(-1.0) },
     ];
     let schedule = Schedule::dyadic(N_LEVELS)?;

@@ -48,7 +48,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         normal: [sign, 0.0, 0.0],
         falloff: Some(Length::PercentOfDiagonal(4.0)),
     };
-    let suppress = |region: Region| Layer { gains: Gains::Preset(Preset::Suppress), region };
+    let suppress = |region: Region| Layer { gains: Gains::Preset(Preset::SuppressPaper), region };
     let enhance = |region: Region| Layer { gains: Gains::Gains(ENHANCE.to_vec()), region };
     let halves = [suppress(half(1.0)), enhance(half(-1.0))];
     let mut both = creature.points().to_vec();

@@ -17,7 +17,7 @@ const N_LEVELS: usize = 7;
 const N_EDGE: usize = 2;
 /// The titles of the columns.
 const COLUMNS: [(&str, Preset); 4] = [
-    ("suppression", Preset::Suppress),
+    ("suppression", Preset::SuppressPaper),
     ("enhancement", Preset::Enhance),
     ("band 1: fine kept, middle dropped", Preset::Band1),
     ("band 2: fine dropped, middle raised", Preset::Band2),
@@ -67,7 +67,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             let now = detail(&after)?;
             let [fine, other] = [now[0] / before[0], now[1] / before[1]];
             as_named.push(match preset {
-                Preset::Suppress => fine < 0.5 && other < 1.0,
+                Preset::Suppress | Preset::SuppressPaper => fine < 0.5 && other < 1.0,
                 Preset::Enhance => fine > 1.0 && other > 1.0,
                 Preset::Band1 => fine > other && other < 0.5,
                 Preset::Band2 => fine < other && other > 1.0,

@@ -146,7 +146,7 @@ fn edit_one_half(
         normal: [1.0, 0.0, 0.0],
         falloff: None,
     };
-    let layers = [Layer { gains: Gains::Preset(Preset::Suppress), region }];
+    let layers = [Layer { gains: Gains::Preset(Preset::SuppressPaper), region }];
     let (edit, params) = (Edit::new(&layers), BandsParams::default());
     let after = positions(
         &walk.request(coords, 3, schedule).params(&params).progress(context.progress).filter(&edit)?,

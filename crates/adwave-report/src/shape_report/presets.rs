@@ -42,7 +42,7 @@ pub(super) fn section(
 ) -> (Section, Vec<PresetSummary>) {
     let mut section = Section::new("presets", "Presets");
     section.say(
-        "Four ready-made filters, as `adwave filter --preset NAME` applies them: each band is multiplied by a gain, and all \
+        "Five ready-made filters, as `adwave filter --preset NAME` applies them: each band is multiplied by a gain, and all \
          are put together again. A gain of 1 keeps a band, 0 drops it, more than 1 strengthens it; the rest S_J stays.",
     );
     let edited: Vec<Edited> =
@@ -56,7 +56,8 @@ pub(super) fn section(
 /// What a preset does, in words that hold for any number of levels.
 pub(crate) fn words(preset: &str) -> &'static str {
     match preset {
-        "suppress" => "drops every band: smooth",
+        "suppress" => "smooths, and keeps limbs and volume: `1 − (1 − Φⁿ)²`",
+        "suppress-paper" => "drops every band: smooth, and thin parts shrink (the paper's)",
         "enhance" => "strengthens every band, the fine ones most: crisp",
         "band1" => "keeps the finest third of the bands, drops the others: fine texture on a smooth body",
         _ => "drops the finest third of the bands, doubles the others: a caricature without texture",

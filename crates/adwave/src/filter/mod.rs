@@ -13,12 +13,15 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
-/// The four filters of the paper's Fig. 14, for any number of levels.
+/// The four filters of the paper's Fig. 14, for any number of levels, and one that smooths and keeps limbs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// Drop every band: all gains 0. Smooths.
+    /// Smooth and keep volume: gains 0, …, 0, 2, which is `2Φⁿ − Φ²ⁿ = 1 − (1 − Φⁿ)²` for dyadic levels, n = n_{J−1}. What is
+    /// wide loses `(1 − λⁿ)²` of itself where dropping every band takes `1 − λⁿ`; of one level 0, which drops it.
     Suppress,
+    /// Drop every band: all gains 0 (the paper's). Smooths, and shrinks what is thin.
+    SuppressPaper,
     /// Strengthen every band, the fine ones most: gains above 1. Makes details crisp.
     Enhance,
     /// Keep the fine bands and drop the middle ones: fine texture on a smoothed body.
@@ -29,8 +32,9 @@ pub enum Preset {
 
 impl Preset {
     /// All presets by the names they have on a command line and in a recipe.
-    pub const ALL: [(&'static str, Self); 4] = [
+    pub const ALL: [(&'static str, Self); 5] = [
         ("suppress", Self::Suppress),
+        ("suppress-paper", Self::SuppressPaper),
         ("enhance", Self::Enhance),
         ("band1", Self::Band1),
         ("band2", Self::Band2),
@@ -46,7 +50,8 @@ impl Preset {
         let n_fine = n_levels.div_ceil(3);
         (1..=n_levels)
             .map(|level| match self {
-                Self::Suppress => 0.0,
+                Self::Suppress if level == n_levels && n_levels > 1 => 2.0,
+                Self::Suppress | Self::SuppressPaper => 0.0,
                 // Falls from the finest to the coarsest band: what is coarse is shape, and twice the shape is none.
                 Self::Enhance => {
                     let t = (level - 1) as f64 / n_levels as f64;

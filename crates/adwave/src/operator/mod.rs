@@ -2,11 +2,13 @@
 //! `Φ₁ = [T]_r` (eq. 4), one step of a lazy random walk.
 
 mod diffusion;
+mod guided;
 mod local;
 mod spectrum;
 mod surface;
 
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
+pub(crate) use guided::{Sites, site_diffusion};
 pub use local::{LocalOperator, local_operator};
 pub use surface::{SurfaceDiffusion, SurfaceInfo, surface_diffusion};
 

@@ -45,6 +45,29 @@ pub(crate) fn try_cloud_normals(
     Ok(normals.into_iter().map(Into::into).collect())
 }
 
+/// Normals of points that moved a little, each to the side of its old one. O(n k).
+pub(crate) fn aligned_normals(
+    points: &[[f64; 3]],
+    neighbours: &Adjacency,
+    old: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let mut normals = crate::pages::zeros(points.len());
+    parallel::try_for_rows(
+        &mut normals,
+        1,
+        POINTS_AT_A_TIME,
+        progress,
+        |first, normals: &mut [[f64; 3]]| {
+            for (x, normal) in (first..).zip(normals) {
+                let n = plane_normal(points, neighbours.of(x), x);
+                *normal = if n.dot(&Vector3::from(old[x])) < 0.0 { -n } else { n }.into();
+            }
+        },
+    )?;
+    Ok(normals)
+}
+
 /// Points that a thread treats, or that one walk over the cloud meets, between two looks at whether to go on.
 const POINTS_AT_A_TIME: usize = 1 << 10;
 

@@ -13,7 +13,7 @@ mod quadric;
 
 pub(crate) use cloud_normals::cloud_border;
 pub use cloud_normals::cloud_normals;
-pub(crate) use cloud_normals::try_cloud_normals;
+pub(crate) use cloud_normals::{aligned_normals, try_cloud_normals};
 pub use curvature::Curvature;
 pub use degree::degree;
 pub use luminance::{lightness, luminance};

@@ -140,7 +140,9 @@ fn layers_that_add_and_gains_of_the_next_level_would_be_seen() {
 
 #[test]
 fn presets_treat_the_finest_third_rounded_up_as_fine() {
-    assert_eq!(preset("suppress", 4), [0.0; 4]);
+    assert_eq!(preset("suppress-paper", 4), [0.0; 4]);
+    assert_eq!(preset("suppress", 4), [0.0, 0.0, 0.0, 2.0]);
+    assert_eq!(preset("suppress", 1), [0.0]);
     assert_eq!(preset("band1", 4), [1.0, 1.0, 0.0, 0.0]);
     assert_eq!(preset("band2", 4), [0.0, 0.0, 2.0, 2.0]);
     assert_eq!(preset("band1", 6), [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);

@@ -1,7 +1,8 @@
 //! The arguments of `adwave filter`.
 
-use crate::args::{LevelArgs, ShapeArgs};
+use crate::args::{LevelArgs, ShapeArgs, named};
 use adwave::filter::Preset;
+use adwave::positions::Borders;
 use adwave::region::{Region, RegionSyntaxError, parse_region};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -49,6 +50,12 @@ pub(crate) struct FilterArgs {
     /// Where the gains apply; several are joined (see below)
     #[arg(long, value_name = "REGION", value_parser = region, conflicts_with = "recipe", help_heading = "Edit")]
     pub(crate) region: Vec<Region>,
+    /// Keep the volume of a closed mesh
+    #[arg(long, value_name = "HOW", value_enum, num_args = 0..=1, default_missing_value = "offset", help_heading = "Edit")]
+    pub(crate) keep_volume: Option<KeepVolumeArg>,
+    /// What becomes of borders when coordinates are filtered
+    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Edit")]
+    pub(crate) border: BordersArg,
     /// Apply the layers of a recipe
     #[arg(long, value_name = "FILE.toml", help_heading = "Edit")]
     pub(crate) recipe: Option<PathBuf>,
@@ -60,6 +67,29 @@ pub(crate) struct FilterArgs {
     pub(crate) update_normals: bool,
 }
 
+/// How volume is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum KeepVolumeArg {
+    /// Exactly: by one offset along the normals of what moved
+    Offset,
+    /// Of a smoothing by n steps: 1 − (1 − Φⁿ)², by one level more
+    Twice,
+    /// Of a smoothing by n steps: 1 − (1 − Φⁿ)³, by two levels more
+    Thrice,
+}
+
+named! {
+    /// `adwave::positions::Borders` by its names here.
+    BordersArg for Borders {
+        /// What is flat stays, the outline is drawn neither in nor out
+        Natural = Natural,
+        /// The same, and the outline stays where it is
+        Keep = Keep,
+        /// As the bands have it: smoothing draws borders in (the paper's)
+        Free = Free,
+    }
+}
+
 fn region(text: &str) -> Result<Region, RegionSyntaxError> {
     parse_region(text)
 }
@@ -67,8 +97,10 @@ fn region(text: &str) -> Result<Region, RegionSyntaxError> {
 /// `adwave::filter::Preset` by its names here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PresetArg {
-    /// Drop every band
+    /// Smooth, and keep limbs and volume: 1 − (1 − Φⁿ)²
     Suppress,
+    /// Drop every band, as the paper has it: thin parts shrink
+    SuppressPaper,
     /// Strengthen every band, fine ones most
     Enhance,
     /// Keep the fine bands, drop the middle ones
@@ -81,6 +113,7 @@ impl From<PresetArg> for Preset {
     fn from(preset: PresetArg) -> Self {
         match preset {
             PresetArg::Suppress => Self::Suppress,
+            PresetArg::SuppressPaper => Self::SuppressPaper,
             PresetArg::Enhance => Self::Enhance,
             PresetArg::Band1 => Self::Band1,
             PresetArg::Band2 => Self::Band2,

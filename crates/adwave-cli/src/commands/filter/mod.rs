@@ -4,6 +4,7 @@ mod args;
 
 use crate::error::CliError;
 use crate::global::Global;
+use crate::movement::Movement;
 use crate::output::{
     bands_params, check_writable, format_of, note, number, print, schedule, steps_json, write_error,
     write_shape,
@@ -13,13 +14,15 @@ use crate::shape_input::{Input, load};
 use crate::signal::{self, COORDS};
 use adwave::Decomposer;
 use adwave::bands::Schedule;
-use adwave::filter::{Displacement, Edit, FilterError, Gains, Layer, Preset, displacement};
+use adwave::filter::{Edit, FilterError, Gains, Layer, Preset};
 use adwave::measure::rms;
 use adwave::operator::{OperatorKind, OperatorParams};
+use adwave::positions::{PositionParams, Volume, settle};
 use adwave::region::Region;
-use adwave::shape::{Shape, enclosed_volume, triangulate, vertex_normals};
+use adwave::shape::{Shape, triangulate, vertex_normals};
 use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
 pub(crate) use args::FilterArgs;
+use args::KeepVolumeArg;
 use serde_json::json;
 use std::fmt::Write;
 
@@ -49,6 +52,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     let decomposer = prepare(global, &input.shape, &operator(args, recipe.as_ref())?)?;
     let decomposer = signal::mask(decomposer, &signal, &field, global)?;
     let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer)?;
+    let (schedule, layers) = keeping_volume(args.keep_volume, schedule, layers)?;
     let names = signal::field_names(&input.file);
     let lookup = |name: &str| signal::field(&input.file, name);
     let edit = Edit::new(&layers).with_fields(&lookup, &names);
@@ -73,16 +77,10 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         "layers": layers,
     });
     if field == COORDS {
-        let points = edited.as_chunks().0.to_vec();
-        let moved = displacement(input.file.points(), &points);
-        let volumes = volumes(&decomposer, &points);
-        describe_move(&mut text, moved, decomposer.diagonal(), volumes);
-        report["moved"] = json!({
-            "rms": moved.rms, "max": moved.max, "furthest_vertex": moved.furthest,
-            "rms_percent": 100.0 * moved.rms / decomposer.diagonal().max(f64::MIN_POSITIVE),
-            "max_percent": 100.0 * moved.max / decomposer.diagonal().max(f64::MIN_POSITIVE),
-        });
-        report["volume"] = json!(volumes.map(|(before, after)| json!({"before": before, "after": after})));
+        let points = settled(args, global, &decomposer, input.file.points(), &edited)?;
+        let movement = Movement::new(decomposer.geometry(), &points);
+        movement.describe(&mut text);
+        movement.add_to(&mut report);
         input.file.set_points(points)?;
         refresh_normals(args, global, &mut input)?;
     } else {
@@ -124,6 +122,59 @@ fn layers(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<Vec<Layer>, CliE
     Ok(vec![Layer { gains, region }])
 }
 
+/// The schedule and the layers of a smoothing that keeps more of the volume: `1 − (1 − Φⁿ)^m` in the place of Φⁿ.
+fn keeping_volume(
+    how: Option<KeepVolumeArg>,
+    schedule: Schedule,
+    mut layers: Vec<Layer>,
+) -> Result<(Schedule, Vec<Layer>), CliError> {
+    let (factors, ends): (&[f64], &[f64]) = match how {
+        None | Some(KeepVolumeArg::Offset) => return Ok((schedule, layers)),
+        // 2Φⁿ − Φ²ⁿ = S(2n) + 2·(S(n) − S(2n)).
+        Some(KeepVolumeArg::Twice) => (&[2.0], &[2.0]),
+        // 3Φⁿ − 3Φ²ⁿ + Φ³ⁿ = S(3n) + 3·(S(n) − S(2n)).
+        Some(KeepVolumeArg::Thrice) => (&[2.0, 3.0], &[3.0, 0.0]),
+    };
+    let n_levels = schedule.n_levels();
+    for layer in &mut layers {
+        let is_smoothing = match &layer.gains {
+            Gains::Preset(preset) => matches!(preset, Preset::Suppress | Preset::SuppressPaper),
+            Gains::Gains(gains) => gains.len() == n_levels && gains.iter().all(|g| *g == 0.0),
+        };
+        if !is_smoothing {
+            return Err(CliError::Input(
+                "--keep-volume twice and thrice are of a smoothing that drops every band; take --keep-volume offset".to_owned(),
+            ));
+        }
+        layer.gains = Gains::Gains([&vec![0.0; n_levels][..], ends].concat());
+    }
+    let mut steps = schedule.steps().to_vec();
+    let last = steps[n_levels - 1];
+    steps.extend(factors.iter().map(|m| m * last));
+    Ok((Schedule::real(steps)?, layers))
+}
+
+/// New positions with what is asked of borders and volume.
+fn settled(
+    args: &FilterArgs,
+    global: &Global<'_>,
+    decomposer: &Decomposer,
+    before: &[[f64; 3]],
+    edited: &[f64],
+) -> Result<Vec<[f64; 3]>, CliError> {
+    let is_kept = args.keep_volume == Some(KeepVolumeArg::Offset);
+    let params = PositionParams {
+        borders: args.border.into(),
+        volume: if is_kept { Volume::Keep } else { Volume::Free },
+    };
+    let points = edited.as_chunks().0.to_vec();
+    if decomposer.geometry().points().is_empty() {
+        return Ok(points);
+    }
+    with_progress(global, "settling", |progress| settle(decomposer, before, points, &params, progress))
+        .map_err(|e| CliError::of(&e))
+}
+
 /// The operator: that of the arguments, else that of the recipe, else the surface's where levels are given by width.
 fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams, CliError> {
     let in_recipe = recipe.and_then(|recipe| recipe.operator);
@@ -158,35 +209,6 @@ fn chosen_schedule(
         }
     }
     Ok(schedule(asked, decomposer)?.0)
-}
-
-/// Volume before and after, where the surface encloses one.
-fn volumes(decomposer: &Decomposer, after: &[[f64; 3]]) -> Option<(f64, f64)> {
-    let before = decomposer.health().volume?;
-    let geometry = decomposer.geometry();
-    Some((before, enclosed_volume(&geometry.vertex_map().positions(after), geometry.triangles())))
-}
-
-fn describe_move(text: &mut String, moved: Displacement, diagonal: f64, volumes: Option<(f64, f64)>) {
-    let percent = |length: f64| number(if diagonal > 0.0 { 100.0 * length / diagonal } else { 0.0 });
-    let _ = writeln!(
-        text,
-        "vertices moved by {} (rms, {} % of the diagonal), vertex {} furthest: {} ({} %)",
-        number(moved.rms),
-        percent(moved.rms),
-        moved.furthest,
-        number(moved.max),
-        percent(moved.max),
-    );
-    if let Some((before, after)) = volumes {
-        let _ = writeln!(
-            text,
-            "volume {} → {} ({:+.3} %)",
-            number(before),
-            number(after),
-            100.0 * (after - before) / before
-        );
-    }
 }
 
 /// Root mean square and largest change of a signal.

@@ -1,0 +1,102 @@
+//! Which mixture of estimates has the least risk, as far as the noisy data can tell.
+
+use crate::Progress;
+use crate::{Cancelled, parallel};
+
+/// Steps of the search for the best mixture.
+const MAX_STEPS: usize = 20_000;
+
+/// What is known of the risk of mixtures `Σ_k w_k F_k` of estimates of a vector field m from noisy y = m + e:
+/// `‖Σ_k w_k F_k − m‖² = w·Gw − 2b·w + ‖m‖²` in the mean over sites by area.
+///
+/// G is `⟨F_k, F_l⟩`; b is what `⟨F_k, m⟩` is by Stein's identity, `⟨F_k, y⟩ − cov(F_k, e)`, where the covariance comes from the change
+/// of both F_k and y when noise of known size is added (`ramani2008`).
+#[derive(Clone, Debug)]
+pub(super) struct Risk {
+    gram: Vec<Vec<f64>>,
+    towards: Vec<f64>,
+}
+
+impl Risk {
+    /// From the estimates of data (the data themselves first; as many channels at each site as there are), the same estimates of
+    /// data with noise `step` times the standard deviation of that in the data added, and what each site counts. `strength`
+    /// multiplies the standard deviation. O(sites × channels × estimates²).
+    pub(super) fn new(
+        estimates: &[Vec<f64>],
+        shaken: &[Vec<f64>],
+        areas: &[f64],
+        step: f64,
+        strength: f64,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let n = areas.len();
+        let total = parallel::try_sum(n, progress, |x| areas[x])?;
+        let total = if total > 0.0 { total } else { 1.0 };
+        let mean = |term: &(dyn Fn(usize) -> f64 + Sync)| {
+            parallel::try_sum(n, progress, |x| areas[x] * term(x)).map(|sum| sum / total)
+        };
+        let (data, shaken_data) = (&estimates[0], &shaken[0]);
+        let d = data.len() / n.max(1);
+        let dot = |a: &[f64], b: &[f64], x: usize| -> f64 {
+            a[x * d..][..d].iter().zip(&b[x * d..][..d]).map(|(a, b)| a * b).sum()
+        };
+        let amplification = (strength / step).powi(2);
+        let mut gram = vec![vec![0.0; estimates.len()]; estimates.len()];
+        let mut towards = Vec::with_capacity(estimates.len());
+        for (k, (f, g)) in estimates.iter().zip(shaken).enumerate() {
+            let covariance = |x: usize| {
+                let of = |c: usize| (g[c] - f[c]) * (shaken_data[c] - data[c]);
+                amplification * (x * d..(x + 1) * d).map(of).sum::<f64>()
+            };
+            towards.push(mean(&|x| dot(f, data, x) - covariance(x))?);
+            for l in 0..=k {
+                gram[k][l] = mean(&|x| dot(f, &estimates[l], x))?;
+                gram[l][k] = gram[k][l];
+            }
+        }
+        Ok(Self { gram, towards })
+    }
+
+    /// The weights of the mixture of least risk: ≥ 0, of sum 1. By steps between the two estimates that promise most, exact along
+    /// each; at most [`MAX_STEPS`].
+    pub(super) fn best_weights(&self) -> Vec<f64> {
+        let n = self.towards.len();
+        let mut weights = vec![0.0; n];
+        weights[0] = 1.0;
+        let least_gain = 1e-12 * self.gram[0][0];
+        let mut slopes: Vec<f64> = (0..n).map(|k| self.gram[k][0] - self.towards[k]).collect();
+        for _ in 0..MAX_STEPS {
+            let steepest = |a: &usize, b: &usize| slopes[*a].total_cmp(&slopes[*b]);
+            let Some(to) = (0..n).min_by(steepest) else { break };
+            let Some(from) = (0..n).filter(|&k| weights[k] > 0.0).max_by(steepest) else { break };
+            let gain = slopes[from] - slopes[to];
+            let bend = self.gram[to][to] + self.gram[from][from] - 2.0 * self.gram[to][from];
+            // Written so that NaN ends the search too.
+            if !(gain > least_gain) {
+                break;
+            }
+            let step = if bend > 0.0 { (gain / bend).min(weights[from]) } else { weights[from] };
+            weights[to] += step;
+            weights[from] = if step == weights[from] { 0.0 } else { weights[from] - step };
+            for (k, slope) in slopes.iter_mut().enumerate() {
+                *slope += step * (self.gram[k][to] - self.gram[k][from]);
+            }
+        }
+        weights
+    }
+
+    /// The estimated mean square of the error of the data, and of a mixture.
+    pub(super) fn before_and_after(&self, weights: &[f64]) -> [f64; 2] {
+        // What is left of the data's own square when the noise is taken off: ‖m‖².
+        let truth = self.towards[0];
+        let after: f64 = weights
+            .iter()
+            .enumerate()
+            .map(|(k, w)| {
+                let inner: f64 = self.gram[k].iter().zip(weights).map(|(g, v)| g * v).sum();
+                w * (inner - 2.0 * self.towards[k])
+            })
+            .sum();
+        [(self.gram[0][0] - truth).max(0.0), (truth + after).max(0.0)]
+    }
+}

@@ -1,0 +1,249 @@
+//! Noise taken off a signal on any shape.
+
+use super::risk::Risk;
+use super::{DenoiseError, DenoiseParams, SEED, SHAKE};
+use crate::bands::{BandsParams, Schedule, Transform};
+use crate::operator::Diffusion;
+use crate::{Decomposer, Progress, parallel};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+use serde::Serialize;
+
+/// Levels that a signal is split into: 1, 2, 4, … 128 steps.
+const LEVELS: usize = 8;
+
+/// Lazy steps by which a signal is smoothed for its first guide.
+const FIRST_GUIDE_LEVELS: usize = 2;
+
+/// Levels, so that 16 and 32 steps, by which it is smoothed by the first guide for the second, and by the second for the third.
+const GUIDE_LEVELS: [usize; 2] = [5, 6];
+
+/// How far a signal may change from one vertex to the next, in root medians of its squared differences there.
+const REACH: f64 = 2.5;
+
+/// Channels that lead a walk together; those of signals that have more lead one each.
+const CHANNELS_TOGETHER: usize = 3;
+
+/// Largest relative error of a band: far below what is left of the noise.
+const ACCURACY: f64 = 1e-5;
+
+/// The standard deviation of a normal variable is its median absolute deviation over this.
+const MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
+
+/// What was assumed of the noise of one group of channels, and what was done.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SignalNoise {
+    /// The channels, from 0.
+    pub channels: Vec<usize>,
+    /// Standard deviation of the noise, in the unit of the signal: as estimated or given.
+    pub noise: f64,
+    /// How much of the result is the signal as it was.
+    pub kept: f64,
+    /// How much comes from the walk that knows nothing of the signal, after 1, 2, 4, … 128 steps.
+    pub plain_weights: Vec<f64>,
+    /// How much comes from walks that keep to vertices of like values, after 1, 2, 4, … 128 steps, for each of two guides.
+    pub step_weights: Vec<f64>,
+    /// The expected mean square of the error, summed over the channels, before and after.
+    pub risk: [f64; 2],
+}
+
+/// A denoised signal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DenoisedSignal {
+    /// New values, n_vertices × n_channels, in the order of the shape; masked vertices keep theirs.
+    pub values: Vec<f64>,
+    /// What was assumed and done, for each group of channels.
+    pub info: Vec<SignalNoise>,
+}
+
+/// Takes noise off a signal (n_vertices × n_channels, row-major, in the order of the shape) on a mesh, cloud or graph.
+/// O(entries × channels).
+///
+/// The result is a mixture of the signal, of its scaling functions after 1, 2, 4, … 128 steps of the shape's own walk, and of those of
+/// walks that keep to neighbours of like values, so that steps stay. The weights, ≥ 0 and of sum 1, have the least mean square
+/// error by Stein's estimate for Gaussian noise, independent from vertex to vertex, whose standard deviation is estimated from the signal
+/// (or given, in its unit). Three channels, and the first three of four, are taken together (a colour, with what lies over it);
+/// otherwise each is by itself.
+///
+/// ```
+/// use adwave::denoise::{DenoiseParams, denoise_signal};
+/// use adwave::{Decomposer, Progress, shape::{Graph, Shape}};
+/// let edges: Vec<_> = (0..399).map(|i| (i, i + 1, 1.0)).collect();
+/// let decomposer = Decomposer::new(&Shape::Graph(Graph::new(400, &edges)?));
+/// let step = |i: i32| if i < 200 { 0.0 } else { 1.0 };
+/// let noisy: Vec<f64> = (0..400).map(|i| step(i) + 0.1 * f64::from(i * 37 % 19 - 9) / 9.0).collect();
+/// let result = denoise_signal(&decomposer, &noisy, 1, &DenoiseParams::default(), Progress::none())?;
+/// let square = |f: &[f64]| f.iter().zip(0..).map(|(v, i)| (v - step(i)).powi(2)).sum::<f64>();
+/// assert!(square(&result.values) < 0.2 * square(&noisy));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`DenoiseError`] for a signal that does not fit or is not finite, a parameter out of its range, or when cancelled.
+pub fn denoise_signal(
+    decomposer: &Decomposer,
+    signal: &[f64],
+    n_channels: usize,
+    params: &DenoiseParams,
+    progress: Progress<'_>,
+) -> Result<DenoisedSignal, DenoiseError> {
+    params.check()?;
+    let n = decomposer.n_vertices();
+    if n_channels == 0 || signal.len() != n * n_channels {
+        let (found, expected) = (signal.len(), n * n_channels);
+        return Err(DenoiseError::SignalLength { found, expected });
+    }
+    let masked = decomposer.mask_flags();
+    let map = decomposer.geometry().vertex_map();
+    let is_known = |x: usize| masked.is_none_or(|masked| !masked[x]);
+    let known = |v: usize| is_known(map.welded(v));
+    if let Some(at) = (0..signal.len()).find(|&i| !signal[i].is_finite() && known(i / n_channels)) {
+        return Err(DenoiseError::NotFinite { vertex: at / n_channels, value: signal[at] });
+    }
+    let filled: Vec<f64> = signal.iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect();
+    let welded = map.try_mean(&filled, n_channels, progress)?;
+    let together = if matches!(n_channels, 3 | 4) { CHANNELS_TOGETHER } else { 1 };
+    let mut groups: Vec<Vec<usize>> = vec![(0..together).collect()];
+    groups.extend((together..n_channels).map(|c| vec![c]));
+    let (mut values, mut info) = (signal.to_vec(), Vec::new());
+    for (k, channels) in groups.iter().enumerate() {
+        progress.step(k as u64, groups.len() as u64)?;
+        let data: Vec<f64> =
+            welded.chunks_exact(n_channels).flat_map(|row| channels.iter().map(|&c| row[c])).collect();
+        let group = Group { decomposer, d: channels.len(), is_known: &is_known };
+        let (found, mut report) = group.denoised(&data, params, progress)?;
+        for (v, row) in values.chunks_exact_mut(n_channels).enumerate() {
+            let x = map.welded(v);
+            for (at, &c) in channels.iter().enumerate().filter(|_| is_known(x)) {
+                row[c] += found[x * channels.len() + at] - welded[x * n_channels + c];
+            }
+        }
+        report.channels.clone_from(channels);
+        info.push(report);
+    }
+    progress.step(groups.len() as u64, groups.len() as u64)?;
+    Ok(DenoisedSignal { values, info })
+}
+
+/// Channels that are denoised together.
+struct Group<'a> {
+    decomposer: &'a Decomposer,
+    /// How many.
+    d: usize,
+    /// Whether a welded vertex has a value.
+    is_known: &'a (dyn Fn(usize) -> bool + Sync),
+}
+
+impl Group<'_> {
+    fn denoised(
+        &self,
+        data: &[f64],
+        params: &DenoiseParams,
+        progress: Progress<'_>,
+    ) -> Result<(Vec<f64>, SignalNoise), DenoiseError> {
+        let noise = match params.noise {
+            Some(noise) => noise,
+            None => self.noise_level(data, progress)?,
+        };
+        let mut info = SignalNoise { noise, kept: 1.0, ..SignalNoise::default() };
+        if noise * params.strength == 0.0 {
+            return Ok((data.to_vec(), info));
+        }
+        let mut random = Pcg64Mcg::seed_from_u64(SEED);
+        let mut shaken = |v: &f64| -> f64 {
+            let deviate: f64 = StandardNormal.sample(&mut random);
+            v + SHAKE * noise * deviate
+        };
+        let shaken: Vec<f64> = data.iter().map(&mut shaken).collect();
+        let candidates = self.candidates(data, progress)?;
+        // Each vertex counts alike, as its noise does; those that are not known do not.
+        let counts = parallel::try_collect(data.len() / self.d, progress, |x| {
+            f64::from(u8::from((self.is_known)(x)))
+        })?;
+        let shaken = self.candidates(&shaken, progress)?;
+        let risk = Risk::new(&candidates, &shaken, &counts, SHAKE, params.strength, progress)?;
+        let weights = risk.best_weights();
+        info.risk = risk.before_and_after(&weights);
+        info.kept = weights[0];
+        info.plain_weights = weights[1..=LEVELS].to_vec();
+        info.step_weights = weights[1 + LEVELS..].to_vec();
+        let mixture = parallel::try_collect(data.len(), progress, |i| {
+            weights.iter().zip(&candidates).map(|(w, candidate)| w * candidate[i]).sum()
+        })?;
+        Ok((mixture, info))
+    }
+
+    /// The data, then their scaling functions by the shape's walk and by walks that two guides lead.
+    fn candidates(&self, data: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, DenoiseError> {
+        let walk = self.decomposer.diffusion();
+        let led = |by: &[f64]| -> Result<Transform, DenoiseError> {
+            let guide: Vec<[f64; 3]> = by
+                .chunks_exact(self.d)
+                .map(|row| std::array::from_fn(|c| row.get(c).copied().unwrap_or_default()))
+                .collect();
+            // Lengths of steps are not asked for.
+            transform(walk.guided(&guide, REACH, |_, _| 0.0, progress)?)
+        };
+        let plain = self.levels(&transform(Diffusion::clone(walk))?, data, LEVELS, progress)?;
+        let first = led(&plain[FIRST_GUIDE_LEVELS - 1])?;
+        let second = led(&last(self.levels(&first, data, GUIDE_LEVELS[0], progress)?))?;
+        let by_second = self.levels(&second, data, LEVELS, progress)?;
+        let third = led(&by_second[GUIDE_LEVELS[1] - 1])?;
+        let by_third = self.levels(&third, data, LEVELS, progress)?;
+        Ok([vec![data.to_vec()], plain, by_second, by_third].concat())
+    }
+
+    /// S(1) … S(n_levels).
+    fn levels(
+        &self,
+        walk: &Transform,
+        data: &[f64],
+        n_levels: usize,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Vec<f64>>, DenoiseError> {
+        let mut bands = vec![vec![0.0; data.len()]; n_levels];
+        let mut slices: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
+        let schedule = Schedule::dyadic(n_levels).expect("a few levels");
+        walk.wavelets_into(data, self.d, &schedule, &mut slices, progress.quiet())?;
+        // S(j) = f − W(1) − … − W(j) (eq. 15).
+        let mut above = data;
+        for band in &mut bands {
+            for (w, s) in band.iter_mut().zip(above) {
+                *w = s - *w;
+            }
+            above = band;
+        }
+        Ok(bands)
+    }
+
+    /// The standard deviation of noise, from the median absolute deviation of the difference between a value and the mean of its
+    /// neighbours', which noise of variance σ² gives the variance `σ²·(1 + 1/k)` at a vertex of k neighbours.
+    fn noise_level(&self, data: &[f64], progress: Progress<'_>) -> Result<f64, DenoiseError> {
+        let (neighbours, d) = (self.decomposer.neighbours(), self.d);
+        let mut deviations = parallel::try_collect(data.len(), progress, |i| {
+            let (x, c) = (i / d, i % d);
+            let near = neighbours.of(x);
+            if near.is_empty() || !(self.is_known)(x) {
+                return f64::NAN;
+            }
+            let k = near.len() as f64;
+            let mean = near.iter().map(|&y| data[y as usize * d + c]).sum::<f64>() / k;
+            (data[i] - mean).abs() / (1.0 + 1.0 / k).sqrt()
+        })?;
+        deviations.retain(|v| v.is_finite());
+        if deviations.is_empty() {
+            return Ok(0.0);
+        }
+        let middle = deviations.len() / 2;
+        Ok(*deviations.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN_DEVIATION)
+    }
+}
+
+fn transform(diffusion: Diffusion) -> Result<Transform, DenoiseError> {
+    Ok(Transform::new(diffusion, &BandsParams::default().with_accuracy(ACCURACY))?)
+}
+
+fn last(mut levels: Vec<Vec<f64>>) -> Vec<f64> {
+    levels.pop().expect("a level")
+}

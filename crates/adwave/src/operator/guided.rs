@@ -1,0 +1,174 @@
+//! Walks that are led by what their sites carry: they keep to neighbours that are alike, and so respect creases and steps.
+
+use super::{Diffusion, LocalOperator};
+use crate::rows::{CompressedRows, try_for_entries};
+use crate::shape::{Adjacency, squared_distance};
+use crate::{Cancelled, Progress, parallel};
+
+/// As many entries at most are looked at for a median.
+const SAMPLED_ENTRIES: usize = 1 << 16;
+
+/// Share of the mean square of a guide below which a squared difference counts as none: what rounding may make of values that are alike.
+const LEAST_DIFFERENCE: f64 = 1e-10;
+
+/// Where the sites of a walk are, how much each counts, and which are next to which.
+pub(crate) struct Sites<'a> {
+    pub(crate) neighbours: &'a Adjacency,
+    /// In any unit of length, squares of which neither overflow nor vanish.
+    pub(crate) positions: &'a [[f64; 3]],
+    /// ≥ 0.
+    pub(crate) areas: &'a [f64],
+}
+
+/// One step of the lazy walk `Φ₁ = ½I + ½[w]_r` with `w(x,y) = A(y)·exp(−d²/2d̄²)`, d the distance of the sites and d̄ its median over
+/// neighbours. The step length is in units of the positions. O(entries).
+///
+/// Sites none of whose neighbours has an area stay where they are.
+///
+/// # Errors
+/// [`Cancelled`].
+pub(crate) fn site_diffusion(sites: &Sites<'_>, progress: Progress<'_>) -> Result<Diffusion, Cancelled> {
+    let &Sites { neighbours, positions, areas } = sites;
+    let squared = |x: usize, y: usize| squared_distance(&positions[x], &positions[y]);
+    let sharpness = sharpness(median(neighbours, squared));
+    let at = |x: usize, k: usize| neighbours.of(x)[k] as usize;
+    let (rows, per_row) =
+        weighted_rows(neighbours, |x, k| areas[at(x, k)], |x, k| sharpness * squared(x, at(x, k)), progress)?;
+    diffusion(rows, per_row, areas, squared, progress)
+}
+
+impl Diffusion {
+    /// The walk that keeps to neighbours with like values of a guide, one vector for each vertex:
+    /// `Φ₁ = ½I + ½[w]_r` with `w(x,y) = Φ(x,y)·exp(−‖g_x − g_y‖²/2s²)`, Φ the steps of this operator and s `reach` times the root of the
+    /// median of `‖g_x − g_y‖²` over neighbours. An infinite `reach` leaves the guide out. `squared_length(x, y)` is the squared
+    /// length of a step in model units. O(entries).
+    ///
+    /// Weights are ≥ 0 and rows sum to 1; of a reversible operator the result is reversible, with `π′(x) ∝ π(x)·Σ_y w(x,y)`.
+    ///
+    /// ```
+    /// use adwave::{Progress, operator::Diffusion};
+    /// let path = Diffusion::from_rows(&[0, 2, 5, 7], &[0, 1, 0, 1, 2, 1, 2], &[0.5, 0.5, 0.25, 0.5, 0.25, 0.5, 0.5])?;
+    /// let guide = [[0.0; 3], [0.1, 0.0, 0.0], [9.0, 0.0, 0.0]];
+    /// let led = path.guided(&guide, 0.5, |_, _| 1.0, Progress::none())?;
+    /// assert!(led.row(1).1[0] > 0.49 && led.row(1).1[1] < 0.01); // to the one that is alike
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    ///
+    /// # Panics
+    /// When there is not one vector for each vertex.
+    pub fn guided(
+        &self,
+        guide: &[[f64; 3]],
+        reach: f64,
+        squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let n = self.n_vertices();
+        assert_eq!(guide.len(), n, "a vector for each vertex");
+        let neighbours = self.neighbours();
+        let squared = |x: usize, y: usize| squared_distance(&guide[x], &guide[y]);
+        let square: f64 = parallel::try_sum(n, progress, |x| squared_distance(&guide[x], &[0.0; 3]))?;
+        // Where most neighbours are alike any difference is a step, however little rounding has made of it.
+        let least = LEAST_DIFFERENCE * square / n.max(1) as f64;
+        let scale = reach * reach * median(neighbours, squared).max(least);
+        let sharpness = if reach.is_finite() { sharpness(scale) } else { 0.0 };
+        let values = self.weights();
+        let (rows, per_row) = weighted_rows(
+            neighbours,
+            |x, k| values[neighbours.range(x).start + k],
+            |x, k| sharpness * squared(x, neighbours.of(x)[k] as usize),
+            progress,
+        )?;
+        diffusion(rows, per_row, self.stationary(), squared_length, progress)
+    }
+}
+
+/// Rows of `base(x, k)·exp(−exponent(x, k))` for the k-th neighbour of x, and of each row the logarithm of the factor that it is
+/// divided by and its sum.
+fn weighted_rows(
+    neighbours: &Adjacency,
+    base: impl Fn(usize, usize) -> f64 + Sync + Send,
+    exponent: impl Fn(usize, usize) -> f64 + Sync + Send,
+    progress: Progress<'_>,
+) -> Result<(CompressedRows<f64>, Vec<(f64, f64)>), Cancelled> {
+    let mut values = crate::pages::zeros(neighbours.nnz());
+    let mut per_row = vec![(0.0, 0.0); neighbours.n_rows()];
+    try_for_entries(neighbours, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+        for (x, kept) in range.zip(per_row) {
+            let (row, after) = std::mem::take(&mut values).split_at_mut(neighbours.of(x).len());
+            values = after;
+            *kept = fill_row(row, |k| base(x, k), |k| exponent(x, k));
+        }
+    })?;
+    Ok((CompressedRows::trusted(neighbours.clone(), values), per_row))
+}
+
+/// The lazy walk of rows whose weights times `measure` are symmetric.
+fn diffusion(
+    rows: CompressedRows<f64>,
+    per_row: Vec<(f64, f64)>,
+    measure: &[f64],
+    squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
+    progress: Progress<'_>,
+) -> Result<Diffusion, Cancelled> {
+    let n = rows.n_rows();
+    let mean_square = parallel::try_collect(n, progress, |x| {
+        let (columns, weights) = rows.row(x);
+        let square: f64 = columns.iter().zip(weights).map(|(&y, w)| w * squared_length(x, y as usize)).sum();
+        if per_row[x].1 > 0.0 { square / per_row[x].1 } else { 0.0 }
+    })?;
+    let operator = LocalOperator {
+        rows,
+        log_factor: parallel::try_collect(n, progress, |x| per_row[x].0)?,
+        areas: measure.to_vec(),
+        mean_square,
+        mean_length: 1.0, // not asked for
+        is_reversible: true,
+    };
+    Diffusion::new(operator, progress)
+}
+
+/// `1/2m` of a median m, 0 where that is 0: all is alike then.
+fn sharpness(median: f64) -> f64 {
+    if median > 0.0 { 0.5 / median } else { 0.0 }
+}
+
+/// Fills a row by `base(k)·exp(−exponent(k))`, divided by its largest exponential so that it cannot underflow: the logarithm of that
+/// factor, and the row's sum.
+fn fill_row(row: &mut [f64], base: impl Fn(usize) -> f64, exponent: impl Fn(usize) -> f64) -> (f64, f64) {
+    let mut least = f64::INFINITY;
+    for (k, value) in row.iter_mut().enumerate() {
+        *value = exponent(k);
+        if base(k) > 0.0 {
+            least = least.min(*value);
+        }
+    }
+    if least.is_infinite() {
+        row.fill(0.0);
+        return (0.0, 0.0);
+    }
+    let mut sum = 0.0;
+    for (k, value) in row.iter_mut().enumerate() {
+        *value = base(k) * (least - *value).min(0.0).exp();
+        sum += *value;
+    }
+    (-least, sum)
+}
+
+/// The median of a number for each entry, from about [`SAMPLED_ENTRIES`] of them where there are more; 0 without entries.
+fn median(neighbours: &Adjacency, number: impl Fn(usize, usize) -> f64) -> f64 {
+    let rows_apart = (neighbours.nnz() / SAMPLED_ENTRIES).max(1);
+    let mut numbers: Vec<f64> = (0..neighbours.n_rows())
+        .step_by(rows_apart)
+        .flat_map(|x| neighbours.of(x).iter().map(move |&y| (x, y as usize)))
+        .map(|(x, y)| number(x, y))
+        .collect();
+    if numbers.is_empty() {
+        return 0.0;
+    }
+    let middle = numbers.len() / 2;
+    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+}

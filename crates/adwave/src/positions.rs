@@ -1,0 +1,256 @@
+//! What smoothing should not do to a shape: draw its borders in, and take its volume.
+
+use crate::parallel;
+use crate::shape::nearest_neighbours;
+use crate::shape::{enclosed_volume, triangles_at_vertices, try_vertex_normals};
+use crate::signal::cloud_normals;
+use crate::vector::{add_scaled, dot, subtract, unit};
+use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// What becomes of the borders of an open mesh or cloud when its coordinates are filtered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Borders {
+    /// Vertices of parts with a border move along the normals only: what is flat stays where it is, the outline is drawn
+    /// neither in nor out, and next to it bumps are smoothed as elsewhere.
+    #[default]
+    Natural,
+    /// The same, and vertices on the border stay where they are; the change grows to its full size over some edges.
+    Keep,
+    /// As the bands have it (the paper's): smoothing draws borders in, since neighbours stand on one side only.
+    Free,
+}
+
+/// What becomes of the volume of a closed mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Volume {
+    /// Whatever the filter makes of it.
+    #[default]
+    Free,
+    /// The old one: all that moved moves by one common distance along the normals as well.
+    Keep,
+}
+
+/// What is asked of new positions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PositionParams {
+    /// What becomes of borders.
+    pub borders: Borders,
+    /// What becomes of the volume.
+    pub volume: Volume,
+}
+
+/// Why positions cannot be had as asked for.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum PositionsError {
+    /// A volume to keep needs a surface that encloses one.
+    #[error(
+        "the shape encloses no volume to keep: it is no mesh all of whose edges have two faces that agree on the orientation"
+    )]
+    NoVolume,
+    /// No common distance gives the old volume.
+    #[error("no offset along the normals gives the old volume; filter less strongly, or let the volume go")]
+    VolumeLost,
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl ClassifiedError for PositionsError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NoVolume | Self::VolumeLost => ErrorKind::Input,
+            Self::Cancelled(cancelled) => cancelled.kind(),
+        }
+    }
+}
+
+/// Lazy steps by which normals are smoothed before positions move along them.
+const NORMAL_STEPS: usize = 4;
+
+/// Edges over which a change grows to its full size next to a border that is kept.
+const KEPT_EDGES: f64 = 4.0;
+
+/// Steps of Newton's method for the offset that restores the volume; it converges in three or four.
+const MAX_OFFSET_STEPS: usize = 30;
+
+/// Relative error of the volume that is left.
+const VOLUME_ACCURACY: f64 = 1e-13;
+
+/// Positions after a filter, with what [`PositionParams`] ask for: `before` and `after` are n_vertices positions in the order of
+/// the shape. Vertices that the filter left where they were stay there to the last bit. O(n log n).
+///
+/// With borders other than [`Borders::Free`], in each connected part that has a border a vertex moves by `n·(n·d)` in place of d,
+/// n the unit normal there, smoothed over a few edges: what is tangential is the drift of one-sided neighbours, which draws
+/// the outline in by σ/√π. Parts without a border keep their bits. [`Volume::Keep`] then adds one offset δ times the vertex's
+/// normal, weighted 1 where the filter moved anything and 0 elsewhere, δ from Newton's method on the enclosed volume (`desbrun1999`).
+///
+/// ```
+/// use adwave::positions::{PositionParams, settle};
+/// use adwave::shape::{Mesh, Polygons, Shape};
+/// use adwave::{Decomposer, Progress};
+/// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let faces = Polygons::from_triangles(&[[0, 1, 2], [0, 2, 3]]);
+/// let decomposer = Decomposer::new(&Shape::Mesh(Mesh::new(square.clone(), faces)?));
+/// let drawn_in: Vec<_> = square.iter().map(|p| p.map(|c| 0.8 * c)).collect();
+/// assert_eq!(settle(&decomposer, &square, drawn_in, &PositionParams::default(), Progress::none())?, square);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`PositionsError`] when a volume should be kept and there is none, or when cancelled.
+///
+/// # Panics
+/// When there are not n_vertices positions.
+pub fn settle(
+    decomposer: &Decomposer,
+    before: &[[f64; 3]],
+    after: Vec<[f64; 3]>,
+    params: &PositionParams,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, PositionsError> {
+    let n = decomposer.n_vertices();
+    assert!(before.len() == n && after.len() == n, "a position for each vertex");
+    let after = match params.borders {
+        Borders::Free => after,
+        borders => along_normals(decomposer, before, after, borders, progress)?,
+    };
+    match params.volume {
+        Volume::Free => Ok(after),
+        Volume::Keep => with_volume_of(decomposer, before, after, progress),
+    }
+}
+
+/// The new positions with displacements along the normals only, in parts that have a border.
+fn along_normals(
+    decomposer: &Decomposer,
+    before: &[[f64; 3]],
+    after: Vec<[f64; 3]>,
+    borders: Borders,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let border = decomposer.border(progress)?;
+    if border.is_empty() {
+        return Ok(after);
+    }
+    let is_open = reached(decomposer, &border, progress)?;
+    let normals = smooth_normals(decomposer, progress)?;
+    let kept = match borders {
+        Borders::Keep => decomposer.distance_from_border(KEPT_EDGES * decomposer.mean_length(), progress)?,
+        _ => Vec::new(),
+    };
+    let welded = decomposer.geometry().vertex_map().as_slice();
+    Ok(parallel::try_collect(after.len(), progress, |v| {
+        let x = welded[v] as usize;
+        if !is_open[x] || before[v] == after[v] {
+            return after[v];
+        }
+        let moved = subtract(&after[v], &before[v]);
+        let share = kept.get(x).map_or(1.0, |d| (d / (KEPT_EDGES * decomposer.mean_length())).min(1.0));
+        // From 0 on the border to 1 without a corner at either end.
+        let share = share * share * (3.0 - 2.0 * share);
+        add_scaled(&before[v], share * dot(&moved, &normals[x]), &normals[x])
+    })?)
+}
+
+/// Which welded vertices are connected with one of `sources`.
+fn reached(
+    decomposer: &Decomposer,
+    sources: &[usize],
+    progress: Progress<'_>,
+) -> Result<Vec<bool>, Cancelled> {
+    let ring = decomposer.ring(progress)?;
+    let mut is_reached = vec![false; ring.n_rows()];
+    let mut front: Vec<usize> = sources.to_vec();
+    sources.iter().for_each(|&x| is_reached[x] = true);
+    while let Some(x) = front.pop() {
+        for &y in ring.of(x) {
+            if !std::mem::replace(&mut is_reached[y as usize], true) {
+                front.push(y as usize);
+            }
+        }
+    }
+    progress.check()?;
+    Ok(is_reached)
+}
+
+/// Unit normals of the welded vertices, of the faces round them or of a cloud's tangent planes, after [`NORMAL_STEPS`] lazy steps to
+/// each neighbour alike; zero where there is none.
+fn smooth_normals(decomposer: &Decomposer, progress: Progress<'_>) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let ring = decomposer.ring(progress)?;
+    let mut normals = raw_normals(decomposer, decomposer.geometry().points(), progress)?;
+    for _ in 0..NORMAL_STEPS {
+        normals = parallel::try_collect(normals.len(), progress, |x| {
+            let near = ring.of(x);
+            let share = 0.5 / near.len().max(1) as f64;
+            let own = if near.is_empty() { 1.0 } else { 0.5 };
+            near.iter()
+                .fold(normals[x].map(|c| own * c), |sum, &y| add_scaled(&sum, share, &normals[y as usize]))
+        })?;
+    }
+    parallel::try_collect(normals.len(), progress, |x| unit(&normals[x]).unwrap_or_default())
+}
+
+fn raw_normals(
+    decomposer: &Decomposer,
+    points: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let triangles = decomposer.geometry().triangles();
+    if decomposer.is_cloud() {
+        return Ok(cloud_normals(points, &nearest_neighbours(points, crate::signal::FIT_NEIGHBOURS)));
+    }
+    let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
+    try_vertex_normals(points, triangles, &at_vertex, progress)
+}
+
+/// The new positions moved by one offset along their normals, so that the volume is that of the old ones.
+fn with_volume_of(
+    decomposer: &Decomposer,
+    before: &[[f64; 3]],
+    after: Vec<[f64; 3]>,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, PositionsError> {
+    let geometry = decomposer.geometry();
+    let (map, triangles) = (geometry.vertex_map(), geometry.triangles());
+    let Some(wanted) = decomposer.health().volume else { return Err(PositionsError::NoVolume) };
+    let points = map.try_positions(&after, progress)?;
+    let old = map.try_positions(before, progress)?;
+    let mut normals = raw_normals(decomposer, &points, progress)?;
+    for (x, n) in normals.iter_mut().enumerate() {
+        if points[x] == old[x] {
+            *n = [0.0; 3];
+        }
+    }
+    let moved = |offset: f64| -> Result<f64, Cancelled> {
+        let points =
+            parallel::try_collect(points.len(), progress, |x| add_scaled(&points[x], offset, &normals[x]))?;
+        Ok(enclosed_volume(&points, triangles))
+    };
+    let mut offset = 0.0;
+    let step = 1e-3 * decomposer.mean_length();
+    let mut left = moved(0.0)? - wanted;
+    for _ in 0..MAX_OFFSET_STEPS {
+        if left.abs() <= VOLUME_ACCURACY * wanted.abs() {
+            break;
+        }
+        let slope = (moved(offset + step)? - moved(offset - step)?) / (2.0 * step);
+        let next = offset - left / slope;
+        let left_then = moved(next)? - wanted;
+        // Written so that NaN ends the search too.
+        if !(left_then.abs() < left.abs()) {
+            break;
+        }
+        (offset, left) = (next, left_then);
+    }
+    if !(left.abs() <= 1e-9 * wanted.abs()) {
+        return Err(PositionsError::VolumeLost);
+    }
+    let welded = map.as_slice();
+    Ok(parallel::try_collect(after.len(), progress, |v| {
+        add_scaled(&after[v], offset, &normals[welded[v] as usize])
+    })?)
+}
