@@ -79,6 +79,12 @@ def read_ply(path):
     return Mesh(points, faces[corners].astype(int))
 
 
+def write_obj(path, mesh):
+    with open(path, "w") as out:
+        out.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in mesh.points.tolist())
+        out.writelines(f"f {a} {b} {c}\n" for a, b, c in (mesh.triangles + 1).tolist())
+
+
 def doubled_normals(mesh):
     a, b, c = mesh.points[mesh.triangles].transpose(1, 0, 2)
     return np.cross(b - a, c - a)
