@@ -113,7 +113,11 @@ impl ClassifiedError for CompareError {
         match self {
             Self::Bands(BandsError::Cancelled(_)) => ErrorKind::Cancelled,
             Self::Bands(BandsError::TooLarge { .. }) => ErrorKind::Memory,
-            Self::Bands(_) | Self::Saliency(_) | Self::Features(_) | Self::Channels(_) | Self::NotCoordinates => ErrorKind::Input,
+            Self::Bands(_)
+            | Self::Saliency(_)
+            | Self::Features(_)
+            | Self::Channels(_)
+            | Self::NotCoordinates => ErrorKind::Input,
             Self::Harmonics(error) => error.kind(),
             Self::Lee(error) => error.kind(),
             Self::FeatureMap(error) => error.kind(),
@@ -139,10 +143,7 @@ mod tests {
             CompareError::from(TaubinError::from(DifferentialError::from(stopped()))).kind(),
             ErrorKind::Cancelled
         );
-        assert_eq!(
-            CompareError::from(NormalFilterError::from(stopped())).kind(),
-            ErrorKind::Cancelled
-        );
+        assert_eq!(CompareError::from(NormalFilterError::from(stopped())).kind(), ErrorKind::Cancelled);
         assert_eq!(CompareError::from(LeeError::NotAMesh).kind(), ErrorKind::Input);
         assert_eq!(SgwtError::TooLarge { n: 9, most: 3 }.kind(), ErrorKind::Memory);
     }

@@ -33,9 +33,8 @@ pub(super) fn compare(
     let theirs = theirs.into_flattened();
     let [before, after, other] =
         [subject.signal, &ours, &theirs].map(|positions| Surface::new(geometry, positions));
-    let change = |surface: &Surface| {
-        (before.volume != 0.0).then(|| 100.0 * (surface.volume / before.volume - 1.0))
-    };
+    let change =
+        |surface: &Surface| (before.volume != 0.0).then(|| 100.0 * (surface.volume / before.volume - 1.0));
     let rows = vec![
         row("denoise, s", seconds, filtered),
         row("change of the volume, %", change(&after), change(&other)),
@@ -68,7 +67,8 @@ impl Surface {
     }
 
     fn turn(&self, other: &Self) -> f64 {
-        let (sum, count) = self.cosines(other).fold((0.0, 0.0), |(s, n), c| (s + c.acos().to_degrees(), n + 1.0));
+        let (sum, count) =
+            self.cosines(other).fold((0.0, 0.0), |(s, n), c| (s + c.acos().to_degrees(), n + 1.0));
         if count > 0.0 { sum / count } else { 0.0 }
     }
 

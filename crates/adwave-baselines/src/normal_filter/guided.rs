@@ -130,9 +130,8 @@ impl Patches {
     /// The consistency of a face's patch, the smaller the better, and its mean normal.
     fn measure(&self, f: usize, measures: &Measures) -> (f64, Vector) {
         let around = self.around.of(f);
-        let distance = |g: u32, h: u32| {
-            norm(&subtract(&measures.normals[g as usize], &measures.normals[h as usize]))
-        };
+        let distance =
+            |g: u32, h: u32| norm(&subtract(&measures.normals[g as usize], &measures.normals[h as usize]));
         let members = || around.iter().copied().chain([f as u32]);
         let (mut mean, mut widest, mut steepest, mut sum) = ([0.0; 3], 0.0_f64, 0.0_f64, 0.0);
         for (k, g) in members().enumerate() {
@@ -155,9 +154,7 @@ impl Patches {
             (0..self.around.len()).into_par_iter().map(|f| self.measure(f, measures)).collect();
         let best = |f: usize| {
             let patches = self.around.of(f).iter().copied().chain([f as u32]);
-            let order = |&g: &u32, &h: &u32| {
-                all[g as usize].0.total_cmp(&all[h as usize].0).then(g.cmp(&h))
-            };
+            let order = |&g: &u32, &h: &u32| all[g as usize].0.total_cmp(&all[h as usize].0).then(g.cmp(&h));
             patches.min_by(order).map_or(measures.normals[f], |g| all[g as usize].1)
         };
         (0..self.around.len()).into_par_iter().map(best).collect()

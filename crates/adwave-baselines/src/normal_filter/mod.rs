@@ -22,7 +22,6 @@ pub use vertex_update::{Border, update_vertices};
 use crate::linalg::LinalgError;
 use adwave::Cancelled;
 use adwave::shape::PreparedGeometry;
-use faces::Faces;
 use thiserror::Error;
 
 /// Why a mesh is not denoised.
@@ -42,7 +41,9 @@ pub enum NormalFilterError {
         wanted: &'static str,
     },
     /// So many faces at a vertex that lists of neighbours would fill the memory.
-    #[error("vertex {vertex} (counted from 0) has {n_faces} faces, more than the {most} that the filter takes; remesh it")]
+    #[error(
+        "vertex {vertex} (counted from 0) has {n_faces} faces, more than the {most} that the filter takes; remesh it"
+    )]
     TooManyFaces {
         /// The vertex in the order of the shape.
         vertex: usize,

@@ -58,8 +58,7 @@ fn noisy(points: &[[f64; 3]], sigma: f64, only_z: bool) -> Vec<[f64; 3]> {
     order.dedup();
     let mut random = Pcg64Mcg::seed_from_u64(7);
     let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
-    let shifts: Vec<[f64; 3]> =
-        order.iter().map(|_| [draw(), draw(), draw()].map(|d| sigma * d)).collect();
+    let shifts: Vec<[f64; 3]> = order.iter().map(|_| [draw(), draw(), draw()].map(|d| sigma * d)).collect();
     let moved = |p: &[f64; 3]| {
         let at = order.binary_search_by(|q| q.partial_cmp(p).unwrap()).unwrap();
         std::array::from_fn(|k| p[k] + if only_z && k < 2 { 0.0 } else { shifts[at][k] })
@@ -108,9 +107,12 @@ fn noise_goes_from_a_plane_and_the_border_stays_or_follows() {
     let free = bilateral(&prepared, &BilateralParams { border: Border::Free, ..params });
     let global = bilateral(&prepared, &params.with_scheme(NormalScheme::Global { smoothness: 0.01 }));
     let by_guidance = guided(&prepared);
-    for (name, points, part) in
-        [("fixed", &fixed, 0.7), ("free", &free, 0.4), ("global", &global, 0.7), ("guided", &by_guidance, 0.3)]
-    {
+    for (name, points, part) in [
+        ("fixed", &fixed, 0.7),
+        ("free", &free, 0.4),
+        ("global", &global, 0.7),
+        ("guided", &by_guidance, 0.3),
+    ] {
         let after = mean_angle(&clean, points, &triangles);
         assert!(after < part * before, "{name}: {before} to {after}");
     }
@@ -174,7 +176,11 @@ fn same_bits_on_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         let global = BilateralParams::default().with_scheme(NormalScheme::Global { smoothness: 0.01 });
         pool.install(|| {
-            (bilateral(&prepared, &BilateralParams::default()), bilateral(&prepared, &global), guided(&prepared))
+            (
+                bilateral(&prepared, &BilateralParams::default()),
+                bilateral(&prepared, &global),
+                guided(&prepared),
+            )
         })
     };
     let one = on(1);
@@ -185,13 +191,37 @@ fn same_bits_on_any_number_of_threads() {
 fn broken_meshes_give_finite_positions() {
     let p = |x: f64, y: f64, z: f64| [x, y, z];
     let cases: Vec<(&str, Vec<[f64; 3]>, Vec<[u32; 3]>)> = vec![
-        ("three faces at an edge", vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(0., -1., 0.), p(0., 0., 1.)], vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]),
-        ("zero area", vec![p(0., 0., 0.), p(1., 0., 0.), p(2., 0., 0.), p(0., 1., 0.)], vec![[0, 1, 2], [0, 1, 3], [0, 0, 1]]),
+        (
+            "three faces at an edge",
+            vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(0., -1., 0.), p(0., 0., 1.)],
+            vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]],
+        ),
+        (
+            "zero area",
+            vec![p(0., 0., 0.), p(1., 0., 0.), p(2., 0., 0.), p(0., 1., 0.)],
+            vec![[0, 1, 2], [0, 1, 3], [0, 0, 1]],
+        ),
         ("all points equal", vec![p(3., 3., 3.); 3], vec![[0, 1, 2]]),
-        ("a face alone and a vertex alone", vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(5., 5., 5.)], vec![[0, 1, 2]]),
-        ("turned inside out", vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(1., 1., 0.5)], vec![[0, 1, 2], [1, 2, 3]]),
-        ("twice the same face", vec![p(0., 0., 0.), p(1e99, 0., 0.), p(0., 1e99, 0.)], vec![[0, 1, 2], [0, 1, 2], [0, 2, 1]]),
-        ("tiny", vec![p(0., 0., 0.), p(1e-200, 0., 0.), p(0., 1e-200, 0.), p(1e-200, 1e-200, 1e-200)], vec![[0, 1, 2], [1, 3, 2]]),
+        (
+            "a face alone and a vertex alone",
+            vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(5., 5., 5.)],
+            vec![[0, 1, 2]],
+        ),
+        (
+            "turned inside out",
+            vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(1., 1., 0.5)],
+            vec![[0, 1, 2], [1, 2, 3]],
+        ),
+        (
+            "twice the same face",
+            vec![p(0., 0., 0.), p(1e99, 0., 0.), p(0., 1e99, 0.)],
+            vec![[0, 1, 2], [0, 1, 2], [0, 2, 1]],
+        ),
+        (
+            "tiny",
+            vec![p(0., 0., 0.), p(1e-200, 0., 0.), p(0., 1e-200, 0.), p(1e-200, 1e-200, 1e-200)],
+            vec![[0, 1, 2], [1, 3, 2]],
+        ),
     ];
     for (name, points, triangles) in cases {
         let prepared = geometry(points.clone(), &triangles);
@@ -216,7 +246,10 @@ fn what_cannot_be_filtered_is_an_error() {
     let none = Progress::none();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let params = BilateralParams::default().with_sigma_s(bad);
-        assert!(matches!(bilateral_normals(&prepared, &params, none), Err(NormalFilterError::Parameter { .. })));
+        assert!(matches!(
+            bilateral_normals(&prepared, &params, none),
+            Err(NormalFilterError::Parameter { .. })
+        ));
         let params = GuidedParams::default().with_sigma_r(bad);
         assert!(matches!(guided_normals(&prepared, &params, none), Err(NormalFilterError::Parameter { .. })));
     }
@@ -235,5 +268,8 @@ fn what_cannot_be_filtered_is_an_error() {
     let fan: Vec<[f64; 3]> = std::iter::once([0.0; 3]).chain(rim.map(|a| [a.cos(), a.sin(), 0.0])).collect();
     let blades: Vec<[u32; 3]> = (1..n).map(|k| [0, k, k + 1]).collect();
     let error = bilateral_normals(&geometry(fan, &blades), &BilateralParams::default(), none);
-    assert!(matches!(error, Err(NormalFilterError::TooManyFaces { vertex: 0, n_faces: 599, .. })), "{error:?}");
+    assert!(
+        matches!(error, Err(NormalFilterError::TooManyFaces { vertex: 0, n_faces: 599, .. })),
+        "{error:?}"
+    );
 }

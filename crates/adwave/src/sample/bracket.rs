@@ -94,10 +94,7 @@ fn flange() -> [(Piece, Piece); 2] {
     let start = 1.0 + FILLET;
     let fillet = Piece::Arc([start, FLANGE + FILLET], FILLET, [PI, 1.5 * PI]);
     let bottom = |from, to| Piece::Line([from, 0.0], [to, 0.0]);
-    [
-        (bottom(1.0, start), fillet),
-        (bottom(start, LENGTH), Piece::Line([start, FLANGE], [LENGTH, FLANGE])),
-    ]
+    [(bottom(1.0, start), fillet), (bottom(start, LENGTH), Piece::Line([start, FLANGE], [LENGTH, FLANGE]))]
 }
 
 /// A piece of the outline with its vertices on one of the flat faces, and on which side of it the solid is.
