@@ -168,9 +168,9 @@ fn bracket_is_closed_of_genus_one_and_tends_to_its_volume() {
         let got = bracket.points.len();
         assert!(n < 1_000 || got.abs_diff(n) * 50 <= n, "{got} vertices, asked for {n}");
         assert_eq!(euler_of_closed_manifold(&bracket), 0, "{n} vertices");
-        // The chords of the hole, the largest of the arcs, lose a part of h² ~ 9/n.
+        // Chords of the hole add θh²/12 to the area, θ = 2π; h² is about 9/n, twice that where segments are few.
         let error = volume(&bracket) / bracket::volume() - 1.0;
-        assert!(error.abs() < 4.0 / n as f64, "{error} at {n}");
+        assert!(error.abs() < 12.0 / n as f64, "{error} at {n}");
         // Half a step at the ends of every other row.
         let least = least_angles(&bracket);
         assert!(least[0] > 12.0, "least angle {} at {n}", least[0]);
