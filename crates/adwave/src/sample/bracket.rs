@@ -18,6 +18,9 @@ pub(super) const FLANGE: f64 = 0.12;
 const FILLET: f64 = 0.25;
 const ROUNDING: f64 = 0.3;
 const HOLE: f64 = 0.25;
+/// Where the cut between block and flange meets the bottom, model units: slanting, as the fillet leaves the block along its
+/// side, and triangles between the two would be slivers.
+const FOOT: f64 = 0.7;
 /// Middle of the hole, model units.
 const MIDDLE: [f64; 2] = [0.5, 0.5];
 /// Coarser brackets lose the roundness of the hole.
@@ -25,7 +28,10 @@ pub(super) const MIN_VERTICES: usize = 300;
 /// Vertices times the squared edge, model units: area · 2/√3, and a little for the ends of rows. A first guess only.
 const FIRST_GUESS: f64 = 9.2;
 /// Edges tried until the count fits, and how well it has to.
-const MAX_TRIES: usize = 10;
+const MAX_TRIES: usize = 36;
+const STEERED: usize = 6;
+/// Steps of the edge when it is no longer steered.
+const STEP: f64 = 0.004;
 const COUNT_TOLERANCE: f64 = 0.005;
 
 /// Volume of the exact solid, model units³: the outline's area times the depth.
@@ -68,7 +74,7 @@ impl Piece {
 /// The block's outline, counter-clockwise from the lower left, and the piece of the hole inside each.
 fn block() -> Vec<(Piece, Piece)> {
     let (top, left) = (FLANGE + FILLET, 1.0 - ROUNDING);
-    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, top], [1.0, 1.0], [ROUNDING, 1.0], [0.0, left]];
+    let corners = [[0.0, 0.0], [FOOT, 0.0], [1.0, top], [1.0, 1.0], [ROUNDING, 1.0], [0.0, left]];
     let mut angles = corners.map(|p| (p[1] - MIDDLE[1]).atan2(p[0] - MIDDLE[0]));
     for k in 1..angles.len() {
         if angles[k] < angles[k - 1] {
@@ -94,7 +100,7 @@ fn flange() -> [(Piece, Piece); 2] {
     let start = 1.0 + FILLET;
     let fillet = Piece::Arc([start, FLANGE + FILLET], FILLET, [PI, 1.5 * PI]);
     let bottom = |from, to| Piece::Line([from, 0.0], [to, 0.0]);
-    [(bottom(1.0, start), fillet), (bottom(start, LENGTH), Piece::Line([start, FLANGE], [LENGTH, FLANGE]))]
+    [(bottom(FOOT, start), fillet), (bottom(start, LENGTH), Piece::Line([start, FLANGE], [LENGTH, FLANGE]))]
 }
 
 /// A piece of the outline with its vertices on one of the flat faces, and on which side of it the solid is.
@@ -181,8 +187,10 @@ pub(super) fn bracket(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     let target = n_vertices as f64;
     let mut per_squared_edge = FIRST_GUESS;
     let mut best = Weave::default();
-    for _ in 0..MAX_TRIES {
-        let edge = (per_squared_edge / target).sqrt();
+    for k in 0..MAX_TRIES {
+        // The count jumps where a row comes or goes: first towards it by half the way, then round it by small steps.
+        let aside = if k < STEERED { 0 } else { k as i64 - (MAX_TRIES + STEERED) as i64 / 2 };
+        let edge = (per_squared_edge / target).sqrt() * (1.0 + STEP * aside as f64);
         let found = with_edge(edge);
         let count = found.points.len();
         if best.points.is_empty() || count.abs_diff(n_vertices) < best.points.len().abs_diff(n_vertices) {
@@ -191,8 +199,9 @@ pub(super) fn bracket(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
         if best.points.len().abs_diff(n_vertices) as f64 <= COUNT_TOLERANCE * target {
             break;
         }
-        // The count jumps where a row comes or goes; half the way does not swing round it.
-        per_squared_edge = 0.5 * (per_squared_edge + count as f64 * edge * edge);
+        if k < STEERED {
+            per_squared_edge = 0.5 * (per_squared_edge + count as f64 * edge * edge);
+        }
     }
     (best.points, best.triangles)
 }
