@@ -77,7 +77,8 @@ const EPSILON: f64 = 1e-9;
 /// distance of the normals across its inner edges. The guidance u_f is the mean normal of the most consistent patch that f
 /// is in. Then `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_s²) · e^(−‖u_f − u_g‖²/2σ_r²) · n_g)` over the faces g within the
 /// radius, f among them, as found on the noisy mesh, at most 500; then [`update_vertices`](super::update_vertices). Every
-/// round starts from the faces' own normals. O(rounds · (pairs of neighbours + pairs of faces in patches)).
+/// round starts from the faces' own normals. A corner of the shape that is one triangle on one of its sides is rounded off:
+/// all patches of that triangle go round an edge. O(rounds · (pairs of neighbours + pairs of faces in patches)).
 ///
 /// # Errors
 /// [`NormalFilterError`].

@@ -20,13 +20,15 @@ fn guided(geometry: &PreparedGeometry) -> Vec<[f64; 3]> {
     guided_normals(geometry, &GuidedParams::default(), Progress::none()).unwrap()
 }
 
-/// A grid of `n` × `n` cells in the plane z = 0, cells of side 1 cut along one diagonal.
+/// A grid of `n` × `n` cells in the plane z = 0, cells of side 1 cut so that two triangles meet in each corner of the whole.
 fn grid(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let points = (0..=n).flat_map(|j| (0..=n).map(move |i| [f64::from(i), f64::from(j), 0.0])).collect();
-    let triangles = (0..n)
-        .flat_map(|j| (0..n).map(move |i| j * (n + 1) + i))
-        .flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]])
-        .collect();
+    let cut = |(i, j): (u32, u32)| {
+        let a = j * (n + 1) + i;
+        let [b, c, d] = [a + 1, a + n + 2, a + n + 1];
+        if (2 * i < n) == (2 * j < n) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+    };
+    let triangles = (0..n).flat_map(|j| (0..n).map(move |i| (i, j))).flat_map(cut).collect();
     (points, triangles)
 }
 
