@@ -1,7 +1,9 @@
-//! What several of the programs need: meshes to measure on, and what the memory of the machine allows.
+//! What several of the programs need: meshes to measure on, noise for them, and what the memory of the machine allows.
 
+mod noise;
 mod triangles;
 
+pub use noise::Noise;
 pub use triangles::Triangles;
 
 use rayon::prelude::*;

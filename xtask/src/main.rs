@@ -1,5 +1,6 @@
 //! What `cargo xtask …` does: the checks and measurements of the project, each by one command on a bare machine.
 
+mod denoise;
 mod meshings;
 mod peers;
 mod python;
@@ -21,7 +22,8 @@ usage: cargo xtask COMMAND
   oracle-baselines
             compare eigenvalues with SciPy's on libigl's matrices, and spectral graph wavelets with PyGSP's
   bench-peers [--models DIR] [--only PART]
-            time other programs and ours on the same operators and write docs/PERFORMANCE.md
+            time other programs and ours on the same operators and write docs/PERFORMANCE.md; the part `denoise` runs
+            denoisers on pairs of noisy and clean meshes and writes docs/DENOISING.md
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps of several meshings of the same surfaces and write docs/MESHINGS.md
 
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
         ["fuzz", ref rest @ ..] => fuzz(rest),
+        ["bench-peers", ref rest @ ..] if rest.contains(&denoise::PART) => denoise::bench_denoise(rest),
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),
         ["help" | "--help" | "-h"] => {

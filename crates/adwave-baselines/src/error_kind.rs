@@ -7,6 +7,7 @@ use crate::harmonics::HarmonicsError;
 use crate::lee::LeeError;
 use crate::linalg::LinalgError;
 use crate::multiscale::MultiscaleError;
+use crate::normal_filter::NormalFilterError;
 use crate::sgwt::SgwtError;
 use crate::taubin::TaubinError;
 use adwave::bands::BandsError;
@@ -95,18 +96,35 @@ impl ClassifiedError for MultiscaleError {
     }
 }
 
+impl ClassifiedError for NormalFilterError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NotAMesh | Self::Parameter { .. } | Self::TooManyFaces { .. } | Self::Normals { .. } => {
+                ErrorKind::Input
+            }
+            Self::Linalg(error) => error.kind(),
+            Self::Cancelled(error) => error.kind(),
+        }
+    }
+}
+
 impl ClassifiedError for CompareError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Bands(BandsError::Cancelled(_)) => ErrorKind::Cancelled,
             Self::Bands(BandsError::TooLarge { .. }) => ErrorKind::Memory,
-            Self::Bands(_) | Self::Saliency(_) | Self::Features(_) | Self::Channels(_) => ErrorKind::Input,
+            Self::Bands(_)
+            | Self::Saliency(_)
+            | Self::Features(_)
+            | Self::Channels(_)
+            | Self::NotCoordinates => ErrorKind::Input,
             Self::Harmonics(error) => error.kind(),
             Self::Lee(error) => error.kind(),
             Self::FeatureMap(error) => error.kind(),
             Self::Sgwt(error) => error.kind(),
             Self::Multiscale(error) => error.kind(),
             Self::Taubin(error) => error.kind(),
+            Self::NormalFilter(error) => error.kind(),
             Self::Linalg(error) => error.kind(),
         }
     }
@@ -125,6 +143,7 @@ mod tests {
             CompareError::from(TaubinError::from(DifferentialError::from(stopped()))).kind(),
             ErrorKind::Cancelled
         );
+        assert_eq!(CompareError::from(NormalFilterError::from(stopped())).kind(), ErrorKind::Cancelled);
         assert_eq!(CompareError::from(LeeError::NotAMesh).kind(), ErrorKind::Input);
         assert_eq!(SgwtError::TooLarge { n: 9, most: 3 }.kind(), ErrorKind::Memory);
     }

@@ -10,6 +10,7 @@ pub mod lee;
 pub mod linalg;
 pub mod line;
 pub mod multiscale;
+pub mod normal_filter;
 pub mod sgwt;
 pub mod signature;
 pub mod taubin;

@@ -4,6 +4,7 @@ mod feature_map;
 mod harmonics;
 mod lee;
 mod multiscale;
+mod normal_filter;
 mod parts;
 mod sgwt;
 mod taubin;
@@ -13,6 +14,7 @@ use crate::harmonics::HarmonicsError;
 use crate::lee::LeeError;
 use crate::linalg::LinalgError;
 use crate::multiscale::MultiscaleError;
+use crate::normal_filter::NormalFilterError;
 use crate::sgwt::SgwtError;
 use crate::taubin::TaubinError;
 use adwave::bands::{BandsError, BandsParams, Schedule};
@@ -40,6 +42,10 @@ pub enum Method {
     Biorthogonal,
     /// Smoothing: the windowed sinc on the same diffusion operator, half gain at the same frequency.
     Taubin,
+    /// Denoising of a mesh's coordinates: bilateral normal filtering.
+    Bilateral,
+    /// Denoising of a mesh's coordinates: guided normal filtering.
+    Guided,
 }
 
 /// Why a comparison cannot be made.
@@ -61,6 +67,8 @@ pub enum CompareError {
     #[error(transparent)]
     Taubin(#[from] TaubinError),
     #[error(transparent)]
+    NormalFilter(#[from] NormalFilterError),
+    #[error(transparent)]
     Linalg(#[from] LinalgError),
     #[error(transparent)]
     Saliency(#[from] SaliencyError),
@@ -69,6 +77,9 @@ pub enum CompareError {
     /// The task takes a signal of one channel.
     #[error("critical points need a signal of one channel; this one has {0}")]
     Channels(usize),
+    /// The task takes the shape itself.
+    #[error("normals of faces are filtered to denoise the shape itself; leave the signal at its coordinates")]
+    NotCoordinates,
 }
 
 /// One measured quantity.
@@ -151,6 +162,9 @@ pub fn compare(
         Method::DiffusionWavelets | Method::Biorthogonal => {
             multiscale::compare(subject, &bands, seconds, method, progress)
         }
+        Method::Bilateral | Method::Guided => {
+            normal_filter::compare(subject, &bands, seconds, method, progress)
+        }
     }
 }
 
@@ -193,6 +207,11 @@ mod tests {
         }
         for method in [Method::Taubin, Method::Lee] {
             assert!(with(method, coords, 3).other[0].values.iter().all(|v| v.is_finite()), "{method:?}");
+        }
+        for method in [Method::Bilateral, Method::Guided] {
+            let denoised = with(method, coords, 3);
+            assert_eq!(value(&denoised, "faces turned"), 0.0, "{method:?}");
+            assert!(value(&denoised, "rms change") < moved, "less than a low-pass of six levels: {method:?}");
         }
         let critical = with(Method::FeatureMap, &heights, 1);
         assert_eq!(value(&critical, "sum of indices"), 0.0, "a torus");

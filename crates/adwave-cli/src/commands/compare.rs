@@ -25,6 +25,8 @@ Methods:
   lee          the saliency map of Lee, Varshney and Jacobs
   feature-map  critical points of a signal smoothed by heat [default signal: mean-curvature]
   sgwt         spectral graph wavelets of the same diffusion operator, as many bands, and back
+  bilateral    denoise a mesh by bilateral normal filtering, its own defaults; adwave takes out four levels
+  guided       the same by guided normal filtering
   dw, bdw      diffusion wavelets, biorthogonal ones (up to 6000 vertices), and back
 
 Both results go to DIR as adwave.ply and METHOD.ply, the table as comparison.json.
@@ -67,6 +69,10 @@ pub(crate) enum MethodArg {
     Bdw,
     /// Windowed sinc
     Taubin,
+    /// Bilateral normal filtering
+    Bilateral,
+    /// Guided normal filtering
+    Guided,
 }
 
 /// The signal of a feature map, which takes one channel.
@@ -166,6 +172,8 @@ impl From<MethodArg> for Method {
             MethodArg::Dw => Self::DiffusionWavelets,
             MethodArg::Bdw => Self::Biorthogonal,
             MethodArg::Taubin => Self::Taubin,
+            MethodArg::Bilateral => Self::Bilateral,
+            MethodArg::Guided => Self::Guided,
         }
     }
 }

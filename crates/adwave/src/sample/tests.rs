@@ -162,6 +162,50 @@ fn creature_is_one_closed_surface_of_genus_zero() {
 }
 
 #[test]
+fn bracket_is_closed_of_genus_one_and_tends_to_its_volume() {
+    for n in [bracket::MIN_VERTICES, 500, 1_000, 3_000, 10_007, 40_000] {
+        let bracket = make("bracket", n);
+        let got = bracket.points.len();
+        assert!(n < 1_000 || got.abs_diff(n) * 50 <= n, "{got} vertices, asked for {n}");
+        assert_eq!(euler_of_closed_manifold(&bracket), 0, "{n} vertices");
+        // Chords of the hole add θh²/12 to the area, θ = 2π; h² is about 9/n, twice that where segments are few.
+        let error = volume(&bracket) / bracket::volume() - 1.0;
+        assert!(error.abs() < 12.0 / n as f64, "{error} at {n}");
+        // Half a step at the ends of every other row.
+        let least = least_angles(&bracket);
+        assert!(least[0] > 12.0, "least angle {} at {n}", least[0]);
+        assert!(least[least.len() / 10] > 24.0, "{} at {n}", least[least.len() / 10]);
+    }
+}
+
+#[test]
+fn bracket_has_vertices_all_along_its_sharp_edges() {
+    let bracket = make("bracket", 10_000);
+    let edge = bracket.mean_edge_length();
+    let edges = directed_edges(&bracket);
+    let normals: BTreeMap<(u32, u32), V3> = bracket
+        .faces
+        .iter()
+        .flat_map(|f| (0..3).map(move |k| ((f[k], f[(k + 1) % 3]), bracket.area_normal(f).normalize())))
+        .collect();
+    // All faces meet flat, on an arc by at most its step's angle, or at 90°.
+    let mut sharp = 0.0;
+    for &(a, b) in edges.keys().filter(|(a, b)| a < b) {
+        let angle = normals[&(a, b)].angle(&normals[&(b, a)]).to_degrees();
+        if angle > 80.0 {
+            assert!((angle - 90.0).abs() < 4.0, "{angle}");
+            sharp += (bracket.corner(a) - bracket.corner(b)).norm();
+        } else {
+            assert!(angle < 60.0 * edge / 0.25 * 1.5, "{angle}");
+        }
+    }
+    // Twice the outline with the hole, and four lines through the depth: two corners of the block, two of the flange.
+    let outline = 2.0 * (2.2 + 0.7 + 0.7 + 0.63 + 0.95 + 0.12 + 0.15 * PI + 0.125 * PI);
+    let expected = outline + 2.0 * 0.5 * PI + 4.0 * 0.8;
+    assert!((sharp / expected - 1.0).abs() < 0.01, "{sharp}, expected {expected}");
+}
+
+#[test]
 fn creature_is_the_same_shape_at_every_count() {
     // What differs is the skin that the coarser grid cannot hold.
     let (coarse, fine) = (make("creature", 15_000), make("creature", 60_000));

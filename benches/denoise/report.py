@@ -1,0 +1,113 @@
+"""The tables of docs/DENOISING.md, between its markers."""
+
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+OURS = "adwave"
+TUNED = ("bilateral, tuned", "guided, tuned", "windowed sinc, tuned")
+COLUMNS = ("noisy", OURS, "bilateral", "guided", "MeshLib", "MeshLab two-step", "MeshLab Taubin", "windowed sinc", *TUNED, "learned")
+
+
+def machine():
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        cpu = next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        cpu = platform.processor()
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "pymeshlab", "meshlib"))
+    return f"{cpu}, {os.cpu_count()} cores; {platform.system()} {platform.machine()}, Python {platform.python_version()}, {packages}."
+
+
+def table(heads, rows):
+    line = lambda cells: "| " + " | ".join(str(c) for c in cells) + " |"
+    return "\n".join([line(heads), line(["---", *["--:"] * (len(heads) - 1)]), *map(line, rows)])
+
+
+def shown(measures, key, form):
+    value = (measures or {}).get(key)
+    return "–" if value is None else form(value)
+
+
+def angle(value):
+    return f"{value:.2f}"
+
+
+def summary(pairs):
+    """Mean angles, all programs on all pairs, and their means."""
+    columns = [c for c in COLUMNS if any(c in of for of in pairs.values())]
+    rows = []
+    for name, of in pairs.items():
+        known = [of[c]["angle"] for c in columns if c not in ("noisy", "learned") and "angle" in of.get(c, {})]
+        mark = lambda c: (lambda v: f"**{angle(v)}**" if c not in ("noisy", "learned") and v == min(known) else angle(v))
+        rows.append([name, *(shown(of.get(c), "angle", mark(c)) for c in columns)])
+    complete = [c for c in columns if all("angle" in of.get(c, {}) for of in pairs.values())]
+    mean = lambda c: angle(sum(of[c]["angle"] for of in pairs.values()) / len(pairs)) if c in complete else "–"
+    rows.append(["mean", *map(mean, columns)])
+    return table(["pair", *columns], rows)
+
+
+def verdict(pairs):
+    """Ours beside the best tuned rival, pair by pair, and beside the learned method."""
+    lines = []
+    against = {}
+    for name, of in pairs.items():
+        rivals = {c: of[c]["angle"] for c in TUNED if "angle" in of.get(c, {})}
+        if rivals and "angle" in of.get(OURS, {}):
+            best = min(rivals, key=rivals.get)
+            against[name] = (of[OURS]["angle"] / rivals[best], best)
+    if against:
+        worst = max(against, key=lambda name: against[name][0])
+        wins = sum(ratio <= 1 for ratio, _ in against.values())
+        lines.append(f"* Without knobs adwave is at least as good as the best rival that was tuned on the clean mesh on {wins} of "
+                     f"{len(against)} pairs; at worst its angle is {against[worst][0]:.2f} times as large ({worst}, {against[worst][1]}).")
+    learned = {name: of[OURS]["angle"] / of["learned"]["angle"] for name, of in pairs.items()
+               if "learned" in of and "angle" in of.get(OURS, {})}
+    for name, ratio in learned.items():
+        lines.append(f"* {name}: {ratio:.2f} times the angle of the learned method (trained on such noise).")
+    return "\n".join(lines)
+
+
+def of_pair(name, of):
+    rows = []
+    for program in COLUMNS:
+        m = of.get(program)
+        if m is None:
+            continue
+        if "failed" in m:
+            rows.append([program, m["failed"], *["–"] * 7])
+            continue
+        label = f"{program} ({m['settings']})" if "settings" in m else program
+        rows.append([label, angle(m["angle"]), *(shown(m, k, lambda v: f"{v:.3f}") for k in ("to_clean", "from_clean", "moved")),
+                     m["flipped"], shown(m, "volume", lambda v: f"{100 * v:+.2f}"), shown(m, "seconds", lambda v: f"{v:.2f}"),
+                     shown(m, "peak", lambda v: f"{v / 1e6:.0f}")])
+    return f"### {name}\n\n" + table(["", "angle, °", "to clean", "from clean", "moved", "flipped", "volume, %", "s", "MB"], rows)
+
+
+def untouched(clean):
+    programs = [c for c in COLUMNS if any(c in of for of in clean.values())]
+    cell = lambda m: "–" if m is None else f"{m['moved']:.3f} ({m['angle']:.1f}°)"
+    return table(["clean mesh", *programs], [[name, *(cell(of.get(p)) for p in programs)] for name, of in clean.items()])
+
+
+def measured(results):
+    parts = [f"{machine()} The whole run took {results['seconds'] / 60:.0f} minutes.",
+             "## Mean angle of the normals, degrees\n\n" + summary(results["pairs"]), verdict(results["pairs"])]
+    if results["clean"]:
+        parts.append("## Clean meshes\n\nRoot mean square way of the vertices in mean edges, and the mean turn of the normals, by programs "
+                     "without knobs: what is no noise should stay.\n\n" + untouched(results["clean"]))
+    parts.append("## Pair by pair\n\nDistances in mean edges of the clean mesh; *moved* is the root mean square distance of "
+                 "corresponding vertices. Tuned: the best settings in brackets (width of the range weight and rounds, or the pass band).")
+    parts += [of_pair(name, of) for name, of in results["pairs"].items()]
+    if results["notes"]:
+        parts.append("## What was left out\n\n" + "\n".join(f"* {note}" for note in dict.fromkeys(results["notes"])))
+    return "\n\n".join(part for part in parts if part)
+
+
+def write(results, docs):
+    path = docs / "DENOISING.md"
+    before, _, rest = path.read_text().partition(BEGIN)
+    after = rest.partition(END)[2]
+    path.write_text(f"{before}{BEGIN}\n\n{measured(results)}\n\n{END}{after}")

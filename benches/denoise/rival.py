@@ -1,0 +1,52 @@
+"""One library's denoiser with its defaults, in a process of its own: `rival.py NAME IN OUT`; prints the seconds of the call.
+
+Positions and triangles go in and come out as arrays, so that no library's file reader changes their order.
+"""
+
+import sys
+import time
+
+import numpy as np
+
+from measure import Mesh, read, write_obj
+
+
+def meshlib(mesh):
+    """Mumford–Shah normals and vertices after them."""
+    from meshlib import mrmeshnumpy, mrmeshpy
+
+    held = mrmeshnumpy.meshFromFacesVerts(mesh.triangles.astype(np.int32), mesh.points)
+    start = time.perf_counter()
+    mrmeshpy.meshDenoiseViaNormals(held)
+    return time.perf_counter() - start, mrmeshnumpy.getNumpyVerts(held)[: len(mesh.points)]
+
+
+def meshlab(mesh, filter_name):
+    import pymeshlab
+
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(mesh.points, mesh.triangles))
+    start = time.perf_counter()
+    meshes.apply_filter(filter_name)
+    return time.perf_counter() - start, meshes.current_mesh().vertex_matrix()
+
+
+CALLS = {
+    "meshlib": meshlib,
+    "two-step": lambda mesh: meshlab(mesh, "apply_coord_two_steps_smoothing"),
+    "taubin": lambda mesh: meshlab(mesh, "apply_coord_taubin_smoothing"),
+}
+
+
+def main():
+    name, source, out = sys.argv[1:]
+    mesh = read(source)
+    seconds, points = CALLS[name](mesh)
+    if points.shape != mesh.points.shape:
+        sys.exit(f"{name} gave {len(points)} vertices for {len(mesh.points)}")
+    write_obj(out, Mesh(points, mesh.triangles))
+    print(seconds)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+//! Noise for meshes and what removes it, one step a call, for `benches/denoise`:
+//!
+//!     denoise_case noise normal|isotropic|impulsive|scanner SIGMA SEED IN OUT
+//!     denoise_case bilateral SIGMA_S NORMAL_ROUNDS VERTEX_ROUNDS IN OUT
+//!     denoise_case guided SIGMA_R NORMAL_ROUNDS VERTEX_ROUNDS IN OUT
+//!     denoise_case sinc PASS_BAND DEGREE IN OUT
+//!
+//! A parameter `-` is the default. The seconds of the step itself, without reading and writing, are printed.
+
+use adwave::Progress;
+use adwave::shape::{Mesh, PreparedGeometry, Shape, WeldMode};
+use adwave_baselines::differential::{Differential, Weights};
+use adwave_baselines::normal_filter::{
+    BilateralParams, GuidedParams, NormalScheme, bilateral_normals, guided_normals,
+};
+use adwave_baselines::taubin::WindowedSinc;
+use adwave_bench_helpers::Noise;
+use adwave_io::{ReadLimits, read_path, write_path};
+use std::error::Error;
+use std::path::Path;
+use std::str::FromStr;
+use std::time::Instant;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let [step, parameters @ .., input, output] = &words[..] else {
+        return Err("give a step, its parameters, a mesh and a name for the result".into());
+    };
+    let mut file = read_path(Path::new(input), &ReadLimits::default())?;
+    let shape = file.to_shape()?;
+    let Shape::Mesh(mesh) = &shape else { return Err("give a mesh".into()) };
+    let start = Instant::now();
+    let points = result(step, parameters, &shape, mesh)?;
+    println!("{}", start.elapsed().as_secs_f64());
+    file.set_points(points)?;
+    write_path(&file, Path::new(output), None)?;
+    Ok(())
+}
+
+fn result(step: &str, parameters: &[String], shape: &Shape, mesh: &Mesh) -> Outcome<Vec<[f64; 3]>> {
+    let none = Progress::none();
+    let prepared = || PreparedGeometry::new(shape, WeldMode::default(), none);
+    Ok(match (step, parameters) {
+        ("noise", [kind, sigma, seed]) => {
+            let kind = Noise::by_name(kind).ok_or_else(|| format!("no noise is called {kind}"))?;
+            kind.added(mesh, sigma.parse()?, seed.parse()?)
+        }
+        ("bilateral", [sigma_s, normals, vertices]) => {
+            let default = BilateralParams::default();
+            let params = default
+                .with_sigma_s(given(sigma_s, default.sigma_s)?)
+                .with_scheme(NormalScheme::Local { iterations: given(normals, 20)? })
+                .with_vertex_iterations(given(vertices, default.vertex_iterations)?);
+            bilateral_normals(&prepared()?, &params, none)?
+        }
+        ("guided", [sigma_r, normals, vertices]) => {
+            let default = GuidedParams::default();
+            let params = default
+                .with_sigma_r(given(sigma_r, default.sigma_r)?)
+                .with_normal_iterations(given(normals, default.normal_iterations)?)
+                .with_vertex_iterations(given(vertices, default.vertex_iterations)?);
+            guided_normals(&prepared()?, &params, none)?
+        }
+        ("sinc", [pass_band, degree]) => {
+            let filter = WindowedSinc::new(given(pass_band, 0.1)?, given(degree, 20)?)?;
+            let k = Differential::new(shape, Weights::Uniform)?;
+            filter.apply(&k, mesh.points().as_flattened(), 3)?.as_chunks().0.to_vec()
+        }
+        _ => return Err(format!("{step} does not take {} parameters", parameters.len()).into()),
+    })
+}
+
+fn given<T: FromStr<Err: Error + 'static>>(word: &str, default: T) -> Outcome<T> {
+    if word == "-" { Ok(default) } else { Ok(word.parse()?) }
+}

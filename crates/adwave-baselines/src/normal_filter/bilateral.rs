@@ -1,0 +1,214 @@
+//! Bilateral normal filtering (`zheng2011`).
+
+use super::faces::{Faces, Lists, Measures, Widths, filtered, gaussian, mean_distance};
+use super::vertex_update::{Border, staying, updated};
+use super::{
+    FaceNeighbours, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
+};
+use crate::linalg::conjugate_gradients;
+use adwave::Progress;
+use adwave::shape::PreparedGeometry;
+use adwave::vector::{Vector, unit};
+use rayon::prelude::*;
+
+/// How the normals are found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NormalScheme {
+    /// The filter, again and again, weights from the normals of the round before.
+    Local {
+        /// How often.
+        iterations: usize,
+    },
+    /// `argmin (1 − s)·‖n − P n‖² + s·‖n − n⁰‖²`, P the filter with the weights of the noisy normals n⁰.
+    Global {
+        /// s, above 0, at most 1: the smaller, the smoother.
+        smoothness: f64,
+    },
+}
+
+/// Parameters of [`bilateral_normals`]; the defaults are those of the program of `zhang2015`, which has this method too. The
+/// method's own authors choose the range weight for each mesh, .2 to .6.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BilateralParams {
+    /// Which faces are averaged over; by default those that share a vertex.
+    pub neighbours: FaceNeighbours,
+    /// σ_c in mean distances of the centroids of faces that share an edge; 1 by default.
+    pub sigma_c: f64,
+    /// σ_s, a distance of unit normals: 2 sin of half the angle between them; 0.35 by default.
+    pub sigma_s: f64,
+    /// How the normals are found; local, 20 rounds by default.
+    pub scheme: NormalScheme,
+    /// Rounds of the vertices; 10 by default.
+    pub vertex_iterations: usize,
+    /// What vertices at the border do; fixed by default.
+    pub border: Border,
+}
+
+impl Default for BilateralParams {
+    fn default() -> Self {
+        Self {
+            neighbours: FaceNeighbours::ByVertex,
+            sigma_c: 1.0,
+            sigma_s: 0.35,
+            scheme: NormalScheme::Local { iterations: 20 },
+            vertex_iterations: 10,
+            border: Border::Fixed,
+        }
+    }
+}
+
+impl BilateralParams {
+    /// With another width of the range weight.
+    #[must_use]
+    pub fn with_sigma_s(self, sigma_s: f64) -> Self {
+        Self { sigma_s, ..self }
+    }
+
+    /// With another scheme.
+    #[must_use]
+    pub fn with_scheme(self, scheme: NormalScheme) -> Self {
+        Self { scheme, ..self }
+    }
+
+    /// With another number of rounds of the vertices.
+    #[must_use]
+    pub fn with_vertex_iterations(self, vertex_iterations: usize) -> Self {
+        Self { vertex_iterations, ..self }
+    }
+
+    fn check(&self) -> Result<(), NormalFilterError> {
+        check_positive("sigma_c", self.sigma_c)?;
+        check_positive("sigma_s", self.sigma_s)?;
+        check_iterations("vertex iterations", self.vertex_iterations)?;
+        match self.scheme {
+            NormalScheme::Local { iterations } => check_iterations("normal iterations", iterations),
+            NormalScheme::Global { smoothness } if smoothness > 0.0 && smoothness <= 1.0 => Ok(()),
+            NormalScheme::Global { smoothness: value } => Err(NormalFilterError::Parameter {
+                name: "smoothness",
+                value,
+                wanted: "a number above 0, at most 1",
+            }),
+        }
+    }
+}
+
+/// Accuracy and cap of the global scheme's equations.
+const RESIDUAL: f64 = 1e-8;
+const MAX_CG_ITERATIONS: usize = 100_000;
+
+/// The mesh with bilaterally filtered normals: positions in model units, in the order of the shape.
+///
+/// `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_c²) · e^(−‖n_f − n_g‖²/2σ_s²) · n_g)` over the neighbours g, A the areas and c the
+/// centroids of the noisy mesh; then [`update_vertices`](super::update_vertices). Faces without area have no normal at first
+/// and no weight, and take what their neighbours have; neighbours turned inside out are as far as normals can be.
+/// O(rounds · pairs of neighbours).
+///
+/// # Errors
+/// [`NormalFilterError`].
+///
+/// ```
+/// use adwave::{Progress, sample::{NoiseSigma, Sample}, shape::*};
+/// use adwave_baselines::normal_filter::{BilateralParams, bilateral_normals};
+/// let mut sphere = Sample::by_name("sphere", Some(500))?;
+/// sphere.add_noise(NoiseSigma::MeanEdge(0.1), 1)?;
+/// let shape = Shape::Mesh(Mesh::new(sphere.points.clone(), sphere.faces)?);
+/// let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none())?;
+/// let points = bilateral_normals(&geometry, &BilateralParams::default(), Progress::none())?;
+/// let roughness = |points: &[[f64; 3]]| points.iter().map(|p| (adwave::vector::norm(p) - 1.0).abs()).sum::<f64>();
+/// assert!(roughness(&points) < 0.7 * roughness(&sphere.points));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn bilateral_normals(
+    geometry: &PreparedGeometry,
+    params: &BilateralParams,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, NormalFilterError> {
+    params.check()?;
+    let faces = Faces::new(geometry)?;
+    let (mut points, unit) = unit_points(geometry);
+    let measures = faces.measures(&points);
+    let neighbours = faces.neighbours(params.neighbours);
+    let space = params.sigma_c * mean_distance(&faces.across_edges(), &measures.centroids);
+    let widths = Widths { space, range: params.sigma_s };
+    let normals = match params.scheme {
+        NormalScheme::Local { iterations } => local(&measures, &neighbours, widths, iterations, progress)?,
+        NormalScheme::Global { smoothness } => {
+            global(&measures, &neighbours, widths, smoothness, progress.quiet())?
+        }
+    };
+    let stays = staying(&faces, points.len(), params.border);
+    for _ in 0..params.vertex_iterations {
+        progress.check()?;
+        points = updated(&faces, &points, &normals, &stays);
+    }
+    Ok(in_shape_order(geometry, &points, unit))
+}
+
+fn local(
+    measures: &Measures,
+    neighbours: &Lists,
+    widths: Widths,
+    iterations: usize,
+    progress: Progress<'_>,
+) -> Result<Vec<Vector>, NormalFilterError> {
+    let mut normals = measures.normals.clone();
+    for round in 0..iterations {
+        progress.step(round as u64, iterations as u64)?;
+        normals = filtered(measures, &normals, &normals, neighbours, widths);
+    }
+    Ok(normals)
+}
+
+/// Solves `((1 − s)·MᵀM + s) n = s·n⁰`, `M = I − D⁻¹KA`, by conjugate gradients: K, the weights without areas, is symmetric, so
+/// that `Mᵀy = y − AKD⁻¹y` needs no transposed matrix.
+fn global(
+    measures: &Measures,
+    neighbours: &Lists,
+    widths: Widths,
+    smoothness: f64,
+    progress: Progress<'_>,
+) -> Result<Vec<Vector>, NormalFilterError> {
+    let (normals, centroids, areas) = (&measures.normals, &measures.centroids, &measures.areas);
+    let n = normals.len();
+    let kernel: Vec<Vec<f64>> = (0..n)
+        .into_par_iter()
+        .map(|f| {
+            let weight = |&g: &u32| {
+                let g = g as usize;
+                gaussian(&centroids[f], &centroids[g], widths.space)
+                    * gaussian(&normals[f], &normals[g], widths.range)
+            };
+            neighbours.of(f).iter().map(weight).collect()
+        })
+        .collect();
+    let product = |x: &[f64], f: usize| -> f64 {
+        neighbours.of(f).iter().zip(&kernel[f]).map(|(&g, k)| k * x[g as usize]).sum()
+    };
+    let inverse: Vec<f64> = (0..n)
+        .into_par_iter()
+        .map(|f| {
+            let sum = product(areas, f);
+            if sum > 0.0 { 1.0 / sum } else { 0.0 }
+        })
+        .collect();
+    let apply = |x: &[f64], y: &mut [f64]| {
+        let weighted: Vec<f64> = x.iter().zip(areas).map(|(x, a)| x * a).collect();
+        let moved: Vec<f64> = (0..n)
+            .into_par_iter()
+            // A face whose neighbours have no weight keeps its normal.
+            .map(|f| if inverse[f] > 0.0 { x[f] - inverse[f] * product(&weighted, f) } else { 0.0 })
+            .collect();
+        let scaled: Vec<f64> = moved.iter().zip(&inverse).map(|(m, i)| m * i).collect();
+        y.par_iter_mut().enumerate().for_each(|(f, y)| {
+            let back = moved[f] - areas[f] * product(&scaled, f);
+            *y = (1.0 - smoothness) * back + smoothness * x[f];
+        });
+    };
+    let mut found = vec![[0.0; 3]; n];
+    for c in 0..3 {
+        let noisy: Vec<f64> = normals.iter().map(|v| smoothness * v[c]).collect();
+        let (x, _) = conjugate_gradients(apply, &noisy, RESIDUAL, MAX_CG_ITERATIONS, progress)?;
+        found.iter_mut().zip(x).for_each(|(v, x)| v[c] = x);
+    }
+    Ok(found.iter().zip(normals).map(|(v, noisy)| unit(v).unwrap_or(*noisy)).collect())
+}

@@ -1,0 +1,29 @@
+//! Denoisers beside each other: builds ours, makes their environment, runs `benches/denoise`.
+
+use crate::{Outcome, cargo, data, models_and_part, python, root, run, target};
+use std::process::Command;
+
+/// The part of `bench-peers` that has a document of its own.
+pub(crate) const PART: &str = "denoise";
+
+/// Runs all denoisers on pairs of noisy and clean meshes and writes `docs/DENOISING.md`. `arguments`: `--models DIR`, where pairs
+/// `noisy.obj` and `clean.obj` may be found, and `--only denoise`.
+pub(crate) fn bench_denoise(arguments: &[&str]) -> Outcome {
+    let (models, _) = models_and_part("bench-peers", arguments, data().join(PART))?;
+    let release = ["build", "--release", "--locked", "--quiet"];
+    cargo(&[&release[..], &["-p", "adwave-cli"]].concat(), &[])?;
+    cargo(&[&release[..], &["-p", "adwave-bench-helpers", "--bin", "denoise_case"]].concat(), &[])?;
+    let python = python::environment(&root(), PART)?;
+    run(Command::new(python)
+        .arg(root().join("benches/denoise/bench_denoise.py"))
+        .arg("--adwave")
+        .arg(target().join("release/adwave"))
+        .arg("--steps")
+        .arg(target().join("release/denoise_case"))
+        .arg("--models")
+        .arg(models)
+        .arg("--work")
+        .arg(root().join("target/denoise"))
+        .arg("--docs")
+        .arg(root().join("docs")))
+}
