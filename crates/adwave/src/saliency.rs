@@ -1,6 +1,8 @@
-//! Saliency: where a signal stands out, over all scales (eq. 17).
+//! Saliency: where a signal stands out, over all scales (eq. 17), and to which side.
 //!
-//! `Λ = Σ_{j > skip} α_j·|W_f(j)|`. A signal of several channels is measured by the Euclidean norm over them.
+//! The paper's map is `Λ = Σ_{j > skip} α_j·|W_f(j)|`, a signal of several channels being measured by the Euclidean norm over
+//! them. It ties a bump with a dent. The signed map keeps the sign of a scalar signal, and of coordinates that of the part along
+//! the outward normal, so that it is positive where the shape is convex and negative where it is concave.
 
 use crate::bands::Wavelets;
 use crate::population::Population;
@@ -11,15 +13,25 @@ use thiserror::Error;
 /// Vertices that a thread treats at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
 
+/// The width, as a share of the diagonal, up to which the levels of the signed map go where none are asked for.
+pub const SALIENCY_EXTENT: f64 = 0.16;
+
+/// What a height counts for beside what stands out, both as ranks in [0, 1].
+const HEIGHT_WEIGHT: f64 = 0.5;
+
 /// How the levels are weighed against each other: the α_j.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weighting {
     /// `α_j = (max_x|W_f(j,x)| − mean_x|W_f(j,x)|)²`, one number a level: what the paper's text describes.
-    #[default]
     PerLevel,
     /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as (eq. 17) is printed. It gives the strongest response of a level the
     /// weight 0.
     AsPrinted,
+    /// `α_j = mean_x(r·ln r)/mean_x|W_f(j,x)|` with `r(x) = |W_f(j,x)|/mean|W_f(j)|`: every level by its own mean, and by how
+    /// unevenly it is spread. mean(r·ln r) ≥ 0 is what the entropy of the level falls short of that of an even one, 0 where |W| is the
+    /// same everywhere (a sphere): a level on which nothing stands out says nothing.
+    #[default]
+    Entropy,
     /// `α_j = 1/mean_x|W_f(j,x)|`: every level counts alike, as for features.
     Normalised,
     /// Every level by its ranks in place of its values: the share of vertices with a smaller |W_f(j)|, equal ones counting
@@ -29,19 +41,34 @@ pub enum Weighting {
     Uniform,
 }
 
+/// Whether what stands out to one side counts against what stands out to the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sign {
+    /// W_f(j) with its sign: that of a scalar signal, or of coordinates along the outward normal. Norms of several channels have
+    /// none, and their map is the unsigned one.
+    #[default]
+    Signed,
+    /// |W_f(j)|: bumps and dents alike, as the paper has it.
+    Unsigned,
+}
+
 /// Which levels count, and how much.
 ///
 /// ```
-/// use adwave::saliency::{SaliencyParams, Weighting};
+/// use adwave::saliency::{SaliencyParams, Sign, Weighting};
 /// let params = SaliencyParams::default();
-/// assert_eq!((params.skip, params.weighting), (2, Weighting::PerLevel));
+/// assert_eq!((params.skip, params.weighting, params.sign), (0, Weighting::Entropy, Sign::Signed));
+/// let params = SaliencyParams::paper();
+/// assert_eq!((params.skip, params.weighting, params.sign), (2, Weighting::PerLevel, Sign::Unsigned));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SaliencyParams {
-    /// How many of the finest levels are skipped: they hold the noise.
+    /// How many of the finest levels are skipped.
     pub skip: usize,
     /// The α_j.
     pub weighting: Weighting,
+    /// Whether the sign counts.
+    pub sign: Sign,
     /// Fade out what the border of a mesh or cloud, or of masked vertices, gives by itself: with S
     /// given, ≥ 0, |W_f(j)| is multiplied by 0 within S·σ_j of the border along the surface and by 1 beyond 2S·σ_j, with a
     /// smooth step between. The factor is each level's own, so what is too near for a coarse level is still judged by fine
@@ -50,13 +77,19 @@ pub struct SaliencyParams {
     pub border_sigmas: Option<f64>,
 }
 
-impl Default for SaliencyParams {
-    fn default() -> Self {
-        Self { skip: 2, weighting: Weighting::default(), border_sigmas: None }
-    }
-}
-
 impl SaliencyParams {
+    /// What the paper's map takes (eq. 17): all but the two finest levels, which hold the noise, by [`Weighting::PerLevel`], without
+    /// a sign.
+    pub fn paper() -> Self {
+        Self { skip: 2, weighting: Weighting::PerLevel, sign: Sign::Unsigned, border_sigmas: None }
+    }
+
+    /// Sets whether the sign counts.
+    #[must_use]
+    pub fn with_sign(self, sign: Sign) -> Self {
+        Self { sign, ..self }
+    }
+
     /// Sets how many of the finest levels are skipped.
     #[must_use]
     pub fn with_skip(self, skip: usize) -> Self {
@@ -140,7 +173,7 @@ pub struct SaliencyLevel {
     pub alpha: f64,
 }
 
-/// A saliency map in the order of the shape, ≥ 0; NaN at masked vertices.
+/// A saliency map in the order of the shape; ≥ 0 where the sign does not count; NaN at masked vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saliency {
     /// Λ at each vertex.
@@ -149,12 +182,18 @@ pub struct Saliency {
     pub levels: Vec<SaliencyLevel>,
 }
 
-/// The saliency map `Λ(x) = Σ_{j > skip} α_j·|W_f(j,x)|` (eq. 17) of a signal on a shape, from its wavelets or their norms
-/// ([`BandsRequest::norms`](crate::BandsRequest::norms)). O(n × levels × channels).
+/// The saliency map of a signal on a shape, from its wavelets, their norms ([`BandsRequest::norms`](crate::BandsRequest::norms)), or of
+/// coordinates their parts along the outward normals ([`BandsRequest::along`](crate::BandsRequest::along)).
+/// O(n × levels × channels).
 ///
-/// Means and maxima run over the welded vertices, so that a vertex that the file repeats counts once.
+/// With [`Sign::Signed`] `Λ±(x) = Σ_{j > skip} α_j·W(j,x)`, by default without a unit: in means of |W| over each level. With [`Sign::Unsigned`] |W| takes the place of W, which with
+/// [`SaliencyParams::paper`] is `Λ(x) = Σ_{j > skip} α_j·|W_f(j,x)|` (eq. 17).
 ///
-/// Source: (eq. 17), whose α lost a bar in print: read literally it would give the strongest response the weight 0.
+/// Means and maxima run over the welded vertices, so that a vertex that the file repeats counts once; where diffusion is that of the
+/// surface, means are by area.
+///
+/// Source: (eq. 17), whose α lost a bar in print: read literally it would give the strongest response the weight 0. The sign, and the
+/// weights that go with it, are ours; docs/EVALUATION.md has what they are worth.
 ///
 /// # Errors
 /// [`SaliencyError`] when no level is left, a parameter has no meaning, the bands are another shape's, or when cancelled.
@@ -169,6 +208,10 @@ pub struct Saliency {
 /// let wavelets = path.request(&signal, 1, &Schedule::dyadic(5)?).norms()?;
 /// let map = saliency(&path, &wavelets, &SaliencyParams::default(), Progress::none())?.map;
 /// assert_eq!((0..60).max_by(|&a, &b| map[a].total_cmp(&map[b])), Some(30));
+/// let upside_down = signal.map(|f| -f);
+/// let wavelets = path.request(&upside_down, 1, &Schedule::dyadic(5)?).norms()?;
+/// let map = saliency(&path, &wavelets, &SaliencyParams::default(), Progress::none())?.map;
+/// assert_eq!((0..60).min_by(|&a, &b| map[a].total_cmp(&map[b])), Some(30));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn saliency(
@@ -181,14 +224,14 @@ pub fn saliency(
     let mut map = vec![0.0; decomposer.geometry().n_vertices()];
     parallel::try_for_rows(&mut map, 1, VERTICES_AT_A_TIME, progress, |first, map| {
         for (x, sum) in (first..).zip(map) {
-            *sum = parts.iter().map(|part| part.at(x)).sum(); // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17)
+            *sum = parts.iter().map(|part| part.at(x)).sum(); // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17), or with the sign
         }
     })?;
     let map = decomposer.geometry().vertex_map().scatter(&map, 1);
     Ok(Saliency { map, levels: parts.into_iter().map(|part| part.level).collect() })
 }
 
-/// What each level adds to the map, `α_j·|W_f(j)|` for the levels after the skipped ones, in the order of the shape; their
+/// What each level adds to the map, `α_j·|W_f(j)|` or `α_j·W_f(j)` for the levels after the skipped ones, in the order of the shape; their
 /// sum is [`saliency`]'s map.
 ///
 /// # Errors
@@ -207,19 +250,59 @@ pub fn saliency_per_level(
     Ok(parts(decomposer, wavelets, params, progress)?.into_iter().map(scatter).collect())
 }
 
+/// A map of where people look, in [0, 1]: the mean of the rank of a saliency map and, for half as much, the rank of the height.
+/// O(n log n).
+///
+/// `(r(Λ) + ½·r(h))/1.5`, r the share of the other vertices with a smaller value, equal ones counting half. NaN where either is.
+///
+/// People look at heads and tops. The half is not fitted: docs/EVALUATION.md has other shares too.
+///
+/// ```
+/// use adwave::saliency::with_height;
+/// assert_eq!(with_height(&[3.0, -1.0, 0.5], &[0.0, 0.0, 7.0]), [2.25 / 3.0, 0.25 / 3.0, 2.0 / 3.0]);
+/// ```
+///
+/// # Panics
+/// Unless there is one height for each value of the map.
+pub fn with_height(map: &[f64], heights: &[f64]) -> Vec<f64> {
+    assert_eq!(map.len(), heights.len(), "a height at each vertex");
+    let known = |x: usize| !map[x].is_nan() && !heights[x].is_nan();
+    let (map, heights) = (shares(map, known), shares(heights, known));
+    let mean = |(m, h): (&f64, &f64)| (m + HEIGHT_WEIGHT * h) / (1.0 + HEIGHT_WEIGHT);
+    map.iter().zip(&heights).map(mean).collect()
+}
+
+/// The share of the other known values that are smaller, equal ones counting half; NaN of what is not known.
+fn shares(values: &[f64], known: impl Fn(usize) -> bool) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).filter(|&x| known(x)).collect();
+    // −0 is 0.
+    order.sort_by(|&a, &b| (values[a] + 0.0).total_cmp(&(values[b] + 0.0)));
+    let others = order.len().saturating_sub(1).max(1) as f64;
+    let mut shares = vec![f64::NAN; values.len()];
+    let mut smaller = 0;
+    for equal in order.chunk_by(|&a, &b| values[a] == values[b]) {
+        for &x in equal {
+            shares[x] = (smaller as f64 + 0.5 * (equal.len() - 1) as f64) / others;
+        }
+        smaller += equal.len();
+    }
+    shares
+}
+
 /// A level, and W_f(j) or its norm at the welded vertices.
 struct Part<'a> {
     level: SaliencyLevel,
     norms: Cow<'a, [f64]>,
+    sign: Sign,
 }
 
 impl Part<'_> {
-    /// `α_j·|W_f(j,x)|`.
+    /// `α_j·|W_f(j,x)|`, or with the sign.
     #[inline]
     fn at(&self, x: usize) -> f64 {
-        let (w, alpha) = (self.norms[x].abs(), self.level.alpha);
-        let alpha = if alpha.is_nan() { (self.level.max - w).powi(2) } else { alpha };
-        alpha * w
+        let (w, alpha) = (self.norms[x], self.level.alpha);
+        let alpha = if alpha.is_nan() { (self.level.max - w.abs()).powi(2) } else { alpha };
+        alpha * if self.sign == Sign::Signed { w } else { w.abs() }
     }
 }
 
@@ -256,16 +339,32 @@ fn parts<'a>(
             Weighting::PerLevel => (max - mean).powi(2),
             Weighting::AsPrinted => f64::NAN,
             // A level without any response adds nothing.
-            Weighting::Normalised if mean == 0.0 => 0.0,
+            Weighting::Normalised | Weighting::Entropy if mean == 0.0 => 0.0,
             Weighting::Normalised => 1.0 / mean,
+            Weighting::Entropy => unevenness(&population, &norms, left.as_deref(), mean) / mean,
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         if params.weighting == Weighting::Ranks {
             ranks(norms.to_mut(), left.as_deref(), progress)?;
         }
-        Ok(Part { level: SaliencyLevel { level, sigma, mean, max, alpha }, norms })
+        Ok(Part { level: SaliencyLevel { level, sigma, mean, max, alpha }, norms, sign: params.sign })
     };
     (skip + 1..=n_levels).map(part).collect()
+}
+
+/// `mean(r·ln r)`, r = |value|/mean: by how much the entropy of the values' shares is below that of equal ones, in nats; ≥ 0.
+///
+/// Source: `shannon1948`.
+fn unevenness(population: &Population<'_>, values: &[f64], left: Option<&[f64]>, mean: f64) -> f64 {
+    let left = |x: usize| left.map_or(1.0, |left| left[x]);
+    let term = |x: usize| {
+        let (left, value) = (left(x), values[x].abs());
+        let r = if left > 0.0 { value / (left * mean) } else { 0.0 };
+        // r·ln r − r + 1 has the same mean, is nowhere negative, and does not cancel near 1.
+        left * if r > 0.0 { (r * r.ln() - r + 1.0).max(0.0) } else { 1.0 }
+    };
+    let n = values.len();
+    population.mean_of(n, term) / population.mean_of(n, left)
 }
 
 /// How far the welded vertices are from the border.
@@ -304,23 +403,20 @@ impl Border {
     }
 }
 
-/// Replaces each value by the share of the others that are smaller, equal ones counting half; NaN stays, and what is faded
-/// out wholly is 0 and nobody's other.
+/// Replaces each value by the share of the others that are smaller in magnitude, equal ones counting half, with the sign of the
+/// value; NaN stays, and what is faded out wholly is 0 and nobody's other.
 fn ranks(values: &mut [f64], left: Option<&[f64]>, progress: Progress<'_>) -> Result<(), Cancelled> {
-    for value in &mut *values {
-        *value = value.abs();
-    }
     let gone = |x: usize| left.is_some_and(|left| left[x] == 0.0);
     let ranked = |x: &u32| !values[*x as usize].is_nan() && !gone(*x as usize);
     let mut order: Vec<u32> = (0..values.len() as u32).filter(ranked).collect();
     parallel::sort_unstable_by(&mut order, progress, |&a, &b| {
-        values[a as usize].total_cmp(&values[b as usize])
+        values[a as usize].abs().total_cmp(&values[b as usize].abs())
     })?;
     // One vertex alone stands out from nobody.
     let others = order.len().saturating_sub(1).max(1) as f64;
     let mut share = vec![f64::NAN; values.len()];
     let mut smaller = 0;
-    for equal in order.chunk_by(|&a, &b| values[a as usize] == values[b as usize]) {
+    for equal in order.chunk_by(|&a, &b| values[a as usize].abs() == values[b as usize].abs()) {
         for &x in equal {
             share[x as usize] = (smaller as f64 + 0.5 * (equal.len() - 1) as f64) / others;
         }
@@ -328,7 +424,7 @@ fn ranks(values: &mut [f64], left: Option<&[f64]>, progress: Progress<'_>) -> Re
     }
     // What does not respond at all does not stand out either, however many are like it.
     for (value, share) in values.iter_mut().zip(share) {
-        *value = if *value == 0.0 { 0.0 } else { share };
+        *value = if *value == 0.0 { 0.0 } else { share.copysign(*value) };
     }
     Ok(())
 }

@@ -102,7 +102,7 @@ fn saliency_fades_from_one_to_two_times_the_width_of_each_level() {
                 Weighting::Ranks,
                 Weighting::Uniform,
             ] {
-                let params = SaliencyParams::default().with_skip(1).with_weighting(weighting);
+                let params = SaliencyParams::paper().with_skip(1).with_weighting(weighting);
                 let mut expected = vec![0.0; n];
                 for j in 2..=LEVELS {
                     let left: Vec<f64> = distance.iter().map(|&d| share_left(d, sigmas * SIGMA[j])).collect();
