@@ -55,7 +55,7 @@ impl OutwardInfo {
     /// use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
     /// use adwave::signal::outward_normals;
     /// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    /// let flat = Shape::Mesh(Mesh::new(square, Polygons::triangles(&[[0, 1, 2], [0, 2, 3]]))?);
+    /// let flat = Shape::Mesh(Mesh::new(square, Polygons::from_triangles(&[[0, 1, 2], [0, 2, 3]]))?);
     /// let geometry = PreparedGeometry::new(&flat, WeldMode::EqualPositions, Progress::none())?;
     /// let info = outward_normals(&geometry, None, Progress::none())?.info;
     /// assert!(!info.has_outside());
