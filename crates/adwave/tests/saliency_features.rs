@@ -191,6 +191,7 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
         let alpha = match weighting {
             Weighting::PerLevel => (level.max - level.mean).powi(2),
             Weighting::AsPrinted => (level.max - norm(5)).powi(2),
+            Weighting::Entropy => unreachable!("not among those of this test"),
             Weighting::Normalised => 1.0 / level.mean,
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };

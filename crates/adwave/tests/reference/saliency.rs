@@ -12,8 +12,14 @@ const MAP: f64 = 1e-10;
 
 const LEVELS: usize = 6;
 
-const WEIGHTINGS: [Weighting; 5] =
-    [Weighting::PerLevel, Weighting::AsPrinted, Weighting::Normalised, Weighting::Ranks, Weighting::Uniform];
+const WEIGHTINGS: [Weighting; 6] = [
+    Weighting::Entropy,
+    Weighting::PerLevel,
+    Weighting::AsPrinted,
+    Weighting::Normalised,
+    Weighting::Ranks,
+    Weighting::Uniform,
+];
 
 /// |W_f(j)| of the welded vertices, for each level.
 fn responses(case: &Case, f: &[f64], n_channels: usize, is_masked: &[bool]) -> Vec<Vec<f64>> {
@@ -32,8 +38,11 @@ fn level_map(w: &[f64], weighting: Weighting, is_masked: &[bool]) -> Vec<f64> {
         let equal = known.iter().filter(|&&other| other == v).count() as f64 - 1.0;
         if v == 0.0 { 0.0 } else { (smaller + equal / 2.0) / (known.len() as f64 - 1.0) }
     };
+    let share = |v: &f64| v / known.iter().sum::<f64>();
+    let entropy: f64 = known.iter().map(share).filter(|p| *p > 0.0).map(|p| -p * p.ln()).sum();
     w.iter()
         .map(|&v| match weighting {
+            Weighting::Entropy => ((known.len() as f64).ln() - entropy) / mean * v,
             Weighting::PerLevel => (max - mean).powi(2) * v,
             Weighting::AsPrinted => (max - v).powi(2) * v,
             Weighting::Normalised => v / mean,
