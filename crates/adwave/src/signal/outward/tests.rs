@@ -130,7 +130,8 @@ fn triangles_without_area_and_edges_of_many_have_a_say_but_no_veto() {
     assert!(lone.normals[6] == [0.0; 3] && lone.info.n_closed == 1 && lone.info.has_outside());
     // Two octahedra that share an edge: four triangles at it, so each is open there.
     let shared: Vec<[u32; 3]> = octahedron([0.0; 3], 0).1;
-    let mirrored = |v: u32| if v < 2 { v } else { v + 4 };
+    // The point reflection that swaps the ends of the edge.
+    let mirrored = |v: u32| if v < 2 { 1 - v } else { v + 4 };
     let other: Vec<[f64; 3]> =
         (2..6).map(|v| points[v].map(|c| -c)).map(|p| [p[0] + 1.0, p[1] + 1.0, p[2]]).collect();
     points.truncate(6);
