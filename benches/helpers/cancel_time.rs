@@ -80,7 +80,7 @@ fn work(shape: &Shape, n_tries: u32) {
     measure("editor", n_tries, |progress| request().progress(progress).editor().is_err());
     let norms = request().norms().expect("nobody stops it");
     measure("saliency", n_tries, |progress| {
-        saliency(&decomposer, &norms, &SaliencyParams::default(), progress).is_err()
+        saliency(&decomposer, &norms, &SaliencyParams::paper(), progress).is_err()
     });
     measure("features", n_tries, |progress| {
         features(&decomposer, &norms, &FeatureParams::default(), progress).is_err()

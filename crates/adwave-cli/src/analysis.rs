@@ -1,18 +1,20 @@
 //! What `saliency`, `features`, `evaluate` and `report` begin with: a shape, a signal on it, its diffusion operator, and the bands.
 
-use crate::args::FieldArgs;
-use crate::args::{LevelArgs, ShapeArgs};
+use crate::args::{BorderArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{bands_params, check_levels, schedule_reaching};
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
-use crate::signal::{self, Signal};
+use crate::signal::{self, Signal, Values};
 use crate::stopwatch::Stopwatch;
 use adwave::bands::{Bands, BandsError, BandsParams, Schedule, Wavelets};
 use adwave::features::Response;
+use adwave::saliency::{Saliency, SaliencyParams, Sign, saliency, with_height};
+use adwave::shape::Shape;
+use adwave::signal::{OutwardInfo, outward_normals};
 use adwave::{BandsRequest, Decomposer};
-use std::time::Duration;
+use serde_json::{Value, json};
 
 /// A shape that is prepared for a signal.
 pub(crate) struct Analysis {
@@ -31,6 +33,44 @@ pub(crate) struct Seconds {
     pub(crate) read: f64,
     pub(crate) diffusion: f64,
     pub(crate) bands: f64,
+}
+
+/// A saliency map, and what it was made of.
+pub(crate) struct Map {
+    pub(crate) saliency: Saliency,
+    /// One channel: what the map is the sum of.
+    pub(crate) wavelets: Wavelets,
+    pub(crate) params: SaliencyParams,
+    /// Whether + and - are different sides.
+    pub(crate) is_signed: bool,
+    /// How the outside was found, where the signal is the shape.
+    pub(crate) outward: Option<OutwardInfo>,
+    /// Seconds for the map alone.
+    pub(crate) took: f64,
+}
+
+impl Map {
+    /// In a line which sides the signs stand for, or why there are none.
+    pub(crate) fn sides(&self) -> String {
+        match (&self.outward, self.is_signed) {
+            (Some(outward), true) => format!("+ convex, - concave; {outward}"),
+            (Some(outward), false) if !outward.has_outside() => format!("unsigned: {outward}"),
+            (None, true) => "+ above its surroundings, - below".to_owned(),
+            (_, false) => "unsigned".to_owned(),
+        }
+    }
+
+    /// The same for machines.
+    pub(crate) fn sides_json(&self) -> Value {
+        let outside = self.outward.as_ref().map(|o| {
+            json!({
+                "found": o.has_outside(), "how": o.to_string(), "parts": o.n_parts, "closed": o.n_closed,
+                "by_file": o.n_by_file, "by_majority": o.n_by_majority, "as_given": o.n_as_given,
+                "without": o.n_without, "turned_triangles": o.n_turned, "share_without": o.without,
+            })
+        });
+        json!({ "signed": self.is_signed, "outside": outside })
+    }
 }
 
 impl Analysis {
@@ -103,6 +143,50 @@ impl Analysis {
         }
     }
 
+    /// The map of where the signal stands out; of coordinates to which side, where one is outside.
+    pub(crate) fn saliency(
+        &mut self,
+        map: &MapArgs,
+        border: &BorderArgs,
+        global: &Global<'_>,
+    ) -> Result<Map, CliError> {
+        let outward = if map.is_along_normals() && self.is_geometry() {
+            let normals = signal::file_normals(&self.input);
+            let found = outward_normals(self.walk.geometry(), normals.as_deref(), global.progress());
+            Some(found.map_err(|e| CliError::classified(&e))?)
+        } else {
+            None
+        };
+        let (wavelets, has_sign) = match &outward {
+            Some(outward) if outward.info.has_outside() => {
+                (self.ask(global, |request| request.along(&outward.normals))?, true)
+            }
+            _ => (self.wavelets(global, None)?, self.signal.n_channels == 1),
+        };
+        let params = map.params(border);
+        let mut watch = Stopwatch::start();
+        let mut saliency = saliency(&self.walk, &wavelets, &params, global.progress())
+            .map_err(|e| CliError::classified(&e))?;
+        if let Some(axis) = map.up {
+            let Some(points) = self.input.shape.points() else {
+                return Err(CliError::Input(format!(
+                    "{}: a graph has no heights; leave out --up",
+                    self.input.name
+                )));
+            };
+            let heights: Vec<f64> = points.iter().map(|p| p[axis as usize]).collect();
+            saliency.map = with_height(&saliency.map, &heights);
+        }
+        let took = watch.lap();
+        let is_signed = has_sign && params.sign == Sign::Signed && map.up.is_none();
+        Ok(Map { saliency, wavelets, params, is_signed, outward: outward.map(|o| o.info), took })
+    }
+
+    /// Whether the signal is the shape itself.
+    fn is_geometry(&self) -> bool {
+        matches!(self.signal.values, Values::Coordinates(_)) && !matches!(self.input.shape, Shape::Graph(_))
+    }
+
     /// Widths σ_j of the levels 0 … J in model units.
     pub(crate) fn sigma(&self) -> Vec<f64> {
         self.schedule.sigma(self.walk.diffusion().step_length())
@@ -123,11 +207,11 @@ impl Analysis {
     }
 
     /// How long it took, in words.
-    pub(crate) fn timing(&self, what: &str, took: Duration) -> String {
+    pub(crate) fn timing(&self, what: &str, took: f64) -> String {
         let Seconds { read, diffusion, bands } = self.seconds;
         format!(
             "read {read:.3} s, diffusion {diffusion:.3} s, bands {bands:.3} s, {what} {:.2} ms\n",
-            1e3 * took.as_secs_f64()
+            1e3 * took
         )
     }
 }

@@ -87,7 +87,7 @@ mod tests {
     use adwave::bands::{BandsParams, DEFAULT_EXTENT};
     use adwave::features::{FEATURE_EXTENT, FeatureParams};
     use adwave::operator::OperatorParams;
-    use adwave::saliency::SaliencyParams;
+    use adwave::saliency::{SALIENCY_EXTENT, SaliencyParams};
     use clap::CommandFactory;
 
     #[test]
@@ -111,7 +111,10 @@ mod tests {
         let mut command = Cli::command();
         let info = command.find_subcommand_mut("info").unwrap().render_long_help().to_string();
         let (levels, features) = (100.0 * DEFAULT_EXTENT, 100.0 * FEATURE_EXTENT);
-        let named = format!("until a level is {levels} % of the diagonal wide, for features {features} %");
+        let saliency = 100.0 * SALIENCY_EXTENT;
+        let named = format!(
+            "until a level is {levels} % of the diagonal wide, for features {features} %, for signed saliency {saliency} %"
+        );
         assert!(info.split_whitespace().collect::<Vec<_>>().join(" ").contains(&named), "{named}: {info}");
     }
 }

@@ -224,6 +224,12 @@ pub(crate) fn field(file: &ShapeFile, name: &str) -> Option<(usize, Vec<f64>)> {
     file.field(name).map(|field| (field.n_channels, field.to_f64()))
 }
 
+/// The normals of the file, three numbers for each vertex.
+pub(crate) fn file_normals(input: &Input) -> Option<Vec<f64>> {
+    let normals = field(&input.file, "normal").filter(|(n_channels, _)| *n_channels == 3)?.1;
+    (normals.len() == 3 * input.shape.n_vertices()).then_some(normals)
+}
+
 /// The names of the file's fields.
 pub(crate) fn field_names(file: &ShapeFile) -> Vec<String> {
     file.field_names().into_iter().map(str::to_owned).collect()

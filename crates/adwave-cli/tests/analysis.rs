@@ -25,7 +25,10 @@ fn a_map_is_written_with_its_colours_or_as_an_array() {
     const N: usize = 40;
     let folder = torus();
     let n = n_vertices(folder.path());
-    let report = json(folder.path(), "saliency a.ply -o map.ply --levels 6 --per-level --color-map magma");
+    let report = json(
+        folder.path(),
+        "saliency a.ply -o map.ply --levels 6 --weighting paper --per-level --color-map magma",
+    );
     let written = read_path(&folder.path().join("map.ply"), &ReadLimits::default()).unwrap();
     let map = written.field("saliency").unwrap().to_f64();
     assert_eq!(map.len(), n);
@@ -38,7 +41,7 @@ fn a_map_is_written_with_its_colours_or_as_an_array() {
     assert!(colors.get(at, 0) > 240.0 && colors.get(at, 1) > 240.0);
     let parts = (3..=6).map(|j| written.field(&format!("saliency{j}")).unwrap().get(at, 0));
     assert!((parts.sum::<f64>() - map[at]).abs() < 1e-12 * map[at]);
-    json(folder.path(), "saliency a.ply -o map.npy --levels 6 --per-level");
+    json(folder.path(), "saliency a.ply -o map.npy --levels 6 --weighting paper --per-level");
     let array = read_npy(&folder.path().join("map.npy"), &ReadLimits::default()).unwrap();
     assert_eq!(array.shape, [n, 5]);
     assert_eq!(array.values.get(5 * at), map[at]);
@@ -57,6 +60,38 @@ fn a_map_is_written_with_its_colours_or_as_an_array() {
         json(folder.path(), &line)["largest"].as_f64().unwrap()
     };
     assert!(edge(" --border 1") < 0.1 * edge(""));
+}
+
+#[test]
+fn a_map_of_coordinates_says_which_side_is_outside_and_is_red_where_convex() {
+    let folder = torus();
+    let report = json(folder.path(), "saliency a.ply -o map.ply --levels 6");
+    assert_eq!(report["sides"]["signed"], true);
+    assert_eq!(report["sides"]["outside"]["how"], "outside by the volume enclosed");
+    let written = read_path(&folder.path().join("map.ply"), &ReadLimits::default()).unwrap();
+    let (map, colors) = (written.field("saliency").unwrap().to_f64(), written.field("color").unwrap());
+    let [most, least] = ["largest_vertex", "smallest_vertex"].map(|k| report[k].as_u64().unwrap() as usize);
+    assert!(map[most] > 0.0 && colors.get(most, 0) > colors.get(most, 2), "red at {most}");
+    assert!(map[least] < 0.0 && colors.get(least, 2) > colors.get(least, 0), "blue at {least}");
+    let unsigned = json(folder.path(), "saliency a.ply -o map.npy --levels 6 --unsigned");
+    assert_eq!(unsigned["sides"]["signed"], false);
+    let array = read_npy(&folder.path().join("map.npy"), &ReadLimits::default()).unwrap();
+    assert!((0..map.len()).all(|x| array.values.get(x) >= 0.0 && array.values.get(x) + 1e-9 >= map[x].abs()));
+    let up = json(folder.path(), "saliency a.ply -o up.npy --levels 6 --up z");
+    assert!(up["largest"].as_f64().unwrap() <= 1.0 && up["sides"]["signed"] == false);
+}
+
+#[test]
+fn a_flat_sheet_has_no_outside_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("f.off"), "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n")
+        .unwrap();
+    let report = json(folder.path(), "saliency f.off -o m.npy --levels 4");
+    assert_eq!(
+        (&report["sides"]["signed"], &report["sides"]["outside"]["found"]),
+        (&false.into(), &false.into())
+    );
+    assert!(report["sides"]["outside"]["how"].as_str().unwrap().starts_with("no side is outside"));
 }
 
 #[test]
@@ -210,7 +245,7 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("features a.ply -o f.obj", ".csv, .json, .ply or .vtp"),
         ("features a.ply --match a.ply -o f.csv", ".json"),
         ("saliency a.ply -o m.obj", ".ply, .vtp or .npy"),
-        ("saliency a.ply -o m.ply --levels 2", "skip fewer"),
+        ("saliency a.ply -o m.ply --levels 2 --weighting paper", "skip fewer"),
         ("saliency a.ply -o m.ply --color-map sepia", "viridis"),
         ("saliency a.ply -o m.ply --border -1", "distance from the border is -1"),
         ("features a.ply --border nan", "distance from the border is NaN"),

@@ -1,19 +1,18 @@
 //! The page of the demo: one shape before and after each edit, its saliency map, its features, and what to do next.
 
 use crate::analysis::features as find;
-use crate::analysis::saliency as map_saliency;
+use crate::analysis::signed_saliency;
 use crate::page::{Block, Figure, Link, Page, Section};
 use crate::shape_report::drawing::{Frame, Studio};
 use crate::shape_report::presets::words;
 use crate::shape_report::{Subject, Viewpoint, features, saliency};
 use crate::table::{Table, grouped};
 use adwave::features::FeatureParams;
-use adwave::saliency::SaliencyParams;
 use adwave::shape::{Shape, triangulate};
 use adwave::{Cancelled, Progress};
 use adwave_render::{
-    Ball, FieldPaint, Paint, Panel, Picture, RenderError, RenderParams, SharedCamera, Surface, ValueRange,
-    grid, render, value_range,
+    Ball, ColorMap, FieldPaint, Paint, Panel, Picture, RenderError, RenderParams, SharedCamera, Surface,
+    ValueRange, grid, render, value_range,
 };
 
 /// What marks a feature in the picture of all of them.
@@ -205,13 +204,18 @@ fn saliency_picture(
     triangles: &[[u32; 3]],
     progress: Progress<'_>,
 ) -> Result<Picture, RenderError> {
-    let map = map_saliency(subject.walk, subject.bands, &SaliencyParams::default()).map(|s| s.map);
+    let map = signed_saliency(subject.walk, subject.bands, true, None).map(|s| s.map);
     let points = subject.shape.points().unwrap_or_default();
     let map = map.unwrap_or_else(|_| vec![0.0; points.len()]);
-    let high = value_range(&map, 0.0, 1.0 - TOP).1;
-    let range = if high > 0.0 { ValueRange::Fixed(0.0, high) } else { ValueRange::Auto };
-    let paint =
-        Paint::Field(FieldPaint { values: &map, label: "saliency".to_owned(), color_map: None, range });
+    let sizes: Vec<f64> = map.iter().map(|v| v.abs()).collect();
+    let high = value_range(&sizes, 0.0, 1.0 - TOP).1;
+    let range = if high > 0.0 { ValueRange::Fixed(-high, high) } else { ValueRange::Auto };
+    let paint = Paint::Field(FieldPaint {
+        values: &map,
+        label: "saliency".to_owned(),
+        color_map: ColorMap::from_name("coolwarm"),
+        range,
+    });
     render(&Surface { points, triangles, paint }, &[], &RenderParams::default(), progress.quiet())
 }
 

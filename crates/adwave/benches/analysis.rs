@@ -24,8 +24,7 @@ fn analysis(criterion: &mut Criterion) {
         let bands = walk.request(points, 3, &schedule).wavelets().expect("a valid request");
         group.bench_function(format!("{kind}: saliency, 6 levels"), |b| {
             b.iter(|| {
-                saliency(&walk, &bands, &SaliencyParams::default(), Progress::none())
-                    .expect("a valid request")
+                saliency(&walk, &bands, &SaliencyParams::paper(), Progress::none()).expect("a valid request")
             });
         });
         let default = FeatureParams::default();

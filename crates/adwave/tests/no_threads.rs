@@ -85,7 +85,7 @@ fn all_that_is_asked_of_a_small_mesh_and_cloud_starts_no_thread() {
         watch.after("the energy");
         let norms = request.norms().expect("a valid request");
         watch.after("norms");
-        saliency(&decomposer, &norms, &SaliencyParams::default(), Progress::none()).expect("levels");
+        saliency(&decomposer, &norms, &SaliencyParams::paper(), Progress::none()).expect("levels");
         watch.after("saliency");
         features(&decomposer, &norms, &FeatureParams::default(), Progress::none()).expect("levels");
         watch.after("features");

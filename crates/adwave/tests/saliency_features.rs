@@ -75,7 +75,7 @@ fn a_constant_signal_has_no_saliency_and_no_features() {
         for channels in [1, 3] {
             let bands = bands(&walk, &vec![0.3; channels * shape.n_vertices()], channels, 7);
             for weighting in WEIGHTINGS {
-                let params = SaliencyParams::default().with_weighting(weighting);
+                let params = SaliencyParams::paper().with_weighting(weighting);
                 let map = saliency(&walk, &bands, &params, Progress::none()).unwrap().map;
                 assert!(map.iter().all(|&v| v == 0.0), "{weighting:?}");
             }
@@ -136,7 +136,7 @@ fn any_order_of_the_vertices_and_any_number_of_threads_gives_the_same_bits() {
     let map = |shape: &Shape| {
         let walk = walk(shape);
         let bands = bands(&walk, shape.points().unwrap().as_flattened(), 3, 7);
-        saliency(&walk, &bands, &SaliencyParams::default(), Progress::none()).unwrap().map
+        saliency(&walk, &bands, &SaliencyParams::paper(), Progress::none()).unwrap().map
     };
     let (a, b) = (map(&plain), map(&shuffled));
     assert!((0..n).all(|x| a[x].to_bits() == b[place[x]].to_bits()));
@@ -171,7 +171,7 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
     let walk = walk(&shape);
     let bands = bands(&walk, shape.points().unwrap().as_flattened(), 3, 6);
     for weighting in WEIGHTINGS {
-        let params = SaliencyParams::default().with_weighting(weighting).with_skip(1);
+        let params = SaliencyParams::paper().with_weighting(weighting).with_skip(1);
         let whole = saliency(&walk, &bands, &params, Progress::none()).unwrap();
         let levels = saliency_per_level(&walk, &bands, &params, Progress::none()).unwrap();
         assert_eq!(levels.len(), 5);
@@ -191,6 +191,7 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
         let alpha = match weighting {
             Weighting::PerLevel => (level.max - level.mean).powi(2),
             Weighting::AsPrinted => (level.max - norm(5)).powi(2),
+            Weighting::Entropy => unreachable!("not among those of this test"),
             Weighting::Normalised => 1.0 / level.mean,
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
@@ -203,7 +204,7 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     // Beyond σ a straight border draws coordinates by less than a tenth of what it does at itself, and there the level has
     // only begun to fade in.
     const LEFT: f64 = 0.03;
-    let faded = SaliencyParams::default().with_weighting(Weighting::Uniform).with_border_sigmas(1.0);
+    let faded = SaliencyParams::paper().with_weighting(Weighting::Uniform).with_border_sigmas(1.0);
     let plain = SaliencyParams { border_sigmas: None, ..faded };
     let largest = |map: &[f64]| map.iter().copied().fold(0.0, f64::max);
     // A flat plane has nothing but its border. The last level is wider than the plane and has nothing left at all.
@@ -288,7 +289,7 @@ fn a_mask_is_left_out_and_not_spread() {
         let sum: f64 = weights.iter().sum();
         assert!(columns.is_empty() || (sum - 0.5).abs() < ROUNDING);
     }
-    let map = saliency(&masked, &split, &SaliencyParams::default(), Progress::none()).unwrap().map;
+    let map = saliency(&masked, &split, &SaliencyParams::paper(), Progress::none()).unwrap().map;
     assert!(map.iter().zip(&flags).all(|(v, &out)| v.is_nan() == out));
     let found =
         features(&masked, &split, &FeatureParams::default().with_theta(1.6), Progress::none()).unwrap();
@@ -414,7 +415,7 @@ fn bad_parameters_are_named() {
         features(&walk, &two, &FeatureParams::default(), Progress::none()),
         Err(FeatureError::TooFewLevels { n_levels: 2 })
     );
-    let error = saliency(&walk, &two, &SaliencyParams::default(), Progress::none()).unwrap_err();
+    let error = saliency(&walk, &two, &SaliencyParams::paper(), Progress::none()).unwrap_err();
     assert_eq!(error, SaliencyError::NoLevelLeft { skip: 2, n_levels: 2 });
     let three = bands(&walk, shape.points().unwrap().as_flattened(), 3, 3);
     for theta in [0.0, -1.0, f64::NAN, f64::INFINITY] {

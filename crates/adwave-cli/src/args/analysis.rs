@@ -1,9 +1,10 @@
 //! The signal, the map of where it stands out, and its features.
 
 use super::named::named;
+use adwave::bands::DEFAULT_EXTENT;
 use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope};
-use adwave::saliency::{SaliencyParams, Weighting};
-use clap::Args;
+use adwave::saliency::{SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 /// The signal that is analysed.
@@ -30,34 +31,73 @@ pub(crate) struct BorderArgs {
 /// How the levels are put together to a map.
 #[derive(Debug, Args)]
 pub(crate) struct MapArgs {
-    /// How many of the finest levels are skipped
-    #[arg(long, value_name = "N", default_value_t = SaliencyParams::default().skip, help_heading = "Map")]
-    pub(crate) skip: usize,
-    /// How the levels are weighed
-    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Map")]
+    /// How many of the finest levels are skipped [default: 0, with another weighting than signed 2]
+    #[arg(long, value_name = "N", help_heading = "Map")]
+    pub(crate) skip: Option<usize>,
+    /// How the levels are weighed; all but signed give a map without a sign
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = WeightingArg::Signed, help_heading = "Map")]
     pub(crate) weighting: WeightingArg,
+    /// Leave out the sign: bumps and dents alike
+    #[arg(long, help_heading = "Map")]
+    pub(crate) unsigned: bool,
+    /// Which axis points up: the map becomes ranks in [0, 1], a third of them by height, as people look at what is up
+    #[arg(long, value_name = "AXIS", value_enum, help_heading = "Map")]
+    pub(crate) up: Option<Axis>,
 }
 
 impl MapArgs {
     pub(crate) fn params(&self, border: &BorderArgs) -> SaliencyParams {
-        SaliencyParams { skip: self.skip, weighting: self.weighting.into(), border_sigmas: border.sigmas }
+        let weighting = match self.weighting {
+            WeightingArg::Signed => None,
+            WeightingArg::Paper => Some(Weighting::PerLevel),
+            WeightingArg::Printed => Some(Weighting::AsPrinted),
+            WeightingArg::Normalised => Some(Weighting::Normalised),
+            WeightingArg::Ranks => Some(Weighting::Ranks),
+            WeightingArg::None => Some(Weighting::Uniform),
+        };
+        let params = match weighting {
+            None if self.unsigned => SaliencyParams::default().with_sign(Sign::Unsigned),
+            None => SaliencyParams::default(),
+            Some(weighting) => SaliencyParams::paper().with_weighting(weighting),
+        };
+        SaliencyParams { skip: self.skip.unwrap_or(params.skip), border_sigmas: border.sigmas, ..params }
+    }
+
+    /// Up to which share of the diagonal levels go where none are asked for.
+    pub(crate) fn extent(&self) -> f64 {
+        if self.is_along_normals() { SALIENCY_EXTENT } else { DEFAULT_EXTENT }
+    }
+
+    /// Whether coordinates are measured along the normals.
+    pub(crate) fn is_along_normals(&self) -> bool {
+        self.weighting == WeightingArg::Signed
     }
 }
 
-named! {
-    /// `adwave::saliency::Weighting` by its names here.
-    WeightingArg for Weighting {
-        /// (max − mean)², one number per level
-        Level = PerLevel,
-        /// (max − |W|)² at each vertex, as eq. 17 is printed
-        Printed = AsPrinted,
-        /// 1/mean, so that every level counts alike
-        Normalised = Normalised,
-        /// Ranks in place of values
-        Ranks = Ranks,
-        /// 1
-        None = Uniform,
-    }
+/// An axis of the shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// How levels are weighed, by its name here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum WeightingArg {
+    /// 1/mean by how unevenly the level is spread, with the sign: of coordinates + where the shape is convex, - where concave
+    Signed,
+    /// (max − mean)², one number per level
+    #[value(alias = "level")]
+    Paper,
+    /// (max − |W|)² at each vertex, as eq. 17 is printed
+    Printed,
+    /// 1/mean, so that every level counts alike
+    Normalised,
+    /// Ranks in place of values
+    Ranks,
+    /// 1
+    None,
 }
 
 /// What counts as a feature.

@@ -95,6 +95,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         walk: &decomposer,
         signal: COORDS,
         values: coords,
+        normals: None,
         bands: &bands,
         levels_reason: &why,
         command: "adwave demo",

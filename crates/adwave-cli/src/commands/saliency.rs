@@ -1,20 +1,18 @@
 //! `adwave saliency`: where a signal stands out.
 
-use crate::analysis::Analysis;
+use crate::analysis::{Analysis, Map};
 use crate::args::{BorderArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
 use crate::commands::transform::fresh;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, number, print, table, write_error, write_shape};
 use crate::progress::with_spinner;
-use adwave::bands::DEFAULT_EXTENT;
-use adwave::saliency::{Saliency, SaliencyLevel, saliency, saliency_per_level};
+use adwave::saliency::{Saliency, SaliencyLevel, saliency_per_level};
 use adwave_io::{ArrayValues, Field, FieldValues, Format, write_npy};
 use adwave_render::{ColorMap, value_range};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
-use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -22,10 +20,13 @@ Output by extension:
   .ply .vtp   the shape with the fields saliency and color
   .npy        the map, one number per vertex; with --per-level one row per vertex: the map, then each level
 
+Coordinates have + where the shape is convex and - where it is concave, where one of its sides is outside; a scalar signal has
+its own sign: + above its surroundings. Other vectors, --unsigned and --weighting give a map without a sign.
 Where the signal is NaN, vertices are masked and the map is NaN.
 
 Examples:
   adwave saliency bunny.obj -o map.ply
+  adwave saliency bunny.obj -o map.ply --weighting paper
   adwave saliency scan.pcd -o map.vtp --field mean-curvature --color-map magma
   adwave saliency face-scan.ply -o map.ply --border 1
   adwave saliency cow.obj -o map.ply --field texture-lightness --texture cow.png
@@ -48,9 +49,10 @@ pub(crate) struct SaliencyArgs {
     #[arg(long, help_heading = "Map")]
     pub(crate) per_level: bool,
     /// The colours: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, grey, coolwarm, red-blue or spectral
-    #[arg(long, alias = "colormap", value_name = "NAME", default_value = "viridis", help_heading = "Map")]
-    pub(crate) color_map: String,
-    /// The last colour stands for this percentile of the map and all above
+    /// [default: coolwarm about 0 where the map has a sign, else viridis]
+    #[arg(long, alias = "colormap", value_name = "NAME", help_heading = "Map")]
+    pub(crate) color_map: Option<String>,
+    /// The last colour stands for this percentile of the map, of its size where it has a sign, and all above
     #[arg(long, value_name = "P", default_value_t = 99.0, help_heading = "Map")]
     pub(crate) color_top: f64,
 }
@@ -62,50 +64,47 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
         return Err(CliError::Input(format!("{output}: a map is written as .ply, .vtp or .npy")));
     }
     check_writable(&args.output)?;
-    let colors = ColorMap::from_name(&args.color_map).ok_or_else(|| {
-        let names: Vec<&str> = ColorMap::names().collect();
-        CliError::Input(format!("there is no colour map '{}'; there is {}", args.color_map, names.join(", ")))
-    })?;
+    let colors = color_map(args)?;
     if !(args.color_top > 0.0 && args.color_top <= 100.0) {
         return Err(CliError::Input(format!(
             "--color-top is {}; it is above 0 and at most 100",
             args.color_top
         )));
     }
-    let params = args.map.params(&args.border);
-    params.check().map_err(CliError::input)?;
-    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, DEFAULT_EXTENT, global)?;
+    args.map.params(&args.border).check().map_err(CliError::input)?;
+    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, args.map.extent(), global)?;
     // The map goes into a new file, and the bytes of the old one would lie beside the bands.
     analysis.input.file.forget_original();
-    let wavelets = analysis.wavelets(global, None)?;
-    let start = Instant::now();
-    let saliency = saliency(&analysis.walk, &wavelets, &params, global.progress())
-        .map_err(|e| CliError::classified(&e))?;
-    let took = start.elapsed();
+    let map = analysis.saliency(&args.map, &args.border, global)?;
     let levels = if args.per_level {
-        saliency_per_level(&analysis.walk, &wavelets, &params, global.progress())
+        saliency_per_level(&analysis.walk, &map.wavelets, &map.params, global.progress())
             .map_err(|e| CliError::classified(&e))?
     } else {
         Vec::new()
     };
     with_spinner(global, "writing", || {
         if npy {
-            write_map(args, &saliency, &levels)
+            write_map(args, &map.saliency, &levels)
         } else {
-            write_field(args, global, &analysis, &saliency, &levels, colors)
+            write_field(args, global, &analysis, &map, &levels, colors)
         }
     })?;
-    report(args, global, &analysis, &saliency, took)
+    report(args, global, &analysis, &map)
 }
 
-fn report(
-    args: &SaliencyArgs,
-    global: &Global<'_>,
-    analysis: &Analysis,
-    saliency: &Saliency,
-    took: std::time::Duration,
-) -> Result<(), CliError> {
-    let mut text = analysis.headline(&args.field.field) + "\n";
+/// The colours of a map, by default diverging round 0 where it has a sign.
+fn color_map(args: &SaliencyArgs) -> Result<Option<ColorMap>, CliError> {
+    let Some(name) = &args.color_map else { return Ok(None) };
+    ColorMap::from_name(name).map(Some).ok_or_else(|| {
+        let names: Vec<&str> = ColorMap::names().collect();
+        CliError::Input(format!("there is no colour map '{name}'; there is {}", names.join(", ")))
+    })
+}
+
+fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &Map) -> Result<(), CliError> {
+    let saliency = &map.saliency;
+    let mut text = analysis.headline(&args.field.field);
+    text += &format!("{}\n\n", map.sides());
     text += &table(
         ["level", "sigma", "% of diagonal", "mean of |W|", "max of |W|", "alpha"],
         saliency.levels.iter().map(|l| {
@@ -114,11 +113,16 @@ fn report(
             [l.level.to_string(), number(l.sigma), percent, number(l.mean), number(l.max), alpha]
         }),
     );
-    let most = saliency.map.iter().enumerate().filter(|(_, v)| !v.is_nan()).max_by(|a, b| a.1.total_cmp(b.1));
+    let known = || saliency.map.iter().enumerate().filter(|(_, v)| !v.is_nan());
+    let most = known().max_by(|a, b| a.1.total_cmp(b.1));
+    let least = known().min_by(|a, b| a.1.total_cmp(b.1)).filter(|_| map.is_signed);
     if let Some((vertex, value)) = most {
         text += &format!("\nlargest at vertex {vertex}: {}\n", number(*value));
     }
-    text += &analysis.timing("map", took);
+    if let Some((vertex, value)) = least {
+        text += &format!("smallest at vertex {vertex}: {}\n", number(*value));
+    }
+    text += &analysis.timing("map", map.took);
     text += &args.output.display().to_string();
     let json = json!({
         "shape": analysis.input.name,
@@ -126,6 +130,7 @@ fn report(
         "field": args.field.field,
         "vertices": analysis.walk.n_vertices(),
         "operator": analysis.walk.operator_kind().name(),
+        "sides": map.sides_json(),
         "levels_reason": analysis.why,
         "levels": saliency.levels.iter().map(|l| json!({
             "level": l.level, "sigma": l.sigma, "mean": l.mean, "max": l.max,
@@ -133,9 +138,11 @@ fn report(
         })).collect::<Vec<_>>(),
         "largest_vertex": most.map(|m| m.0),
         "largest": most.map(|m| m.1),
+        "smallest_vertex": least.map(|m| m.0),
+        "smallest": least.map(|m| m.1),
         "seconds": {
             "read": analysis.seconds.read, "diffusion": analysis.seconds.diffusion, "bands": analysis.seconds.bands,
-            "map": took.as_secs_f64(),
+            "map": map.took,
         },
     });
     print(global, &text, &json)
@@ -159,20 +166,24 @@ fn write_field(
     args: &SaliencyArgs,
     global: &Global<'_>,
     analysis: &Analysis,
-    saliency: &Saliency,
+    map: &Map,
     levels: &[(SaliencyLevel, Vec<f64>)],
-    colors: ColorMap,
+    colors: Option<ColorMap>,
 ) -> Result<(), CliError> {
     let mut file = fresh(&analysis.input.file);
     let mut add = |name: String, map: &[f64]| {
         file.add_vertex_field(Field::new(name, 1, FieldValues::F64(map.to_vec())))
     };
-    add("saliency".to_owned(), &saliency.map)?;
+    let values = &map.saliency.map;
+    add("saliency".to_owned(), values)?;
     for (level, map) in levels {
         add(format!("saliency{}", level.level), map)?;
     }
-    let top = value_range(&saliency.map, 0.0, args.color_top / 100.0).1;
-    let color = colors.colors(&saliency.map, 0.0, top);
+    let sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+    let top = value_range(&sizes, 0.0, args.color_top / 100.0).1;
+    let (name, bottom) = if map.is_signed { ("coolwarm", -top) } else { ("viridis", 0.0) };
+    let colors = colors.or_else(|| ColorMap::from_name(name)).expect("a name of the list");
+    let color = colors.colors(values, bottom, top);
     file.add_vertex_field(Field::new("color", 3, FieldValues::U8(color)))?;
     write_shape(global, &file, &args.output).map(|_| ())
 }

@@ -27,7 +27,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let size = diagonal(model.points());
     let error = rms(&bands.reconstruct(), coords, 3) / size;
 
-    let map = saliency(&walk, &bands, &SaliencyParams::default())?.map;
+    let map = saliency(&walk, &bands, &SaliencyParams::paper())?.map;
     let found = features(&walk, &bands, &FeatureParams::default())?;
     let (low, high) = bounding_box(model.points()).ok_or("the model has no vertices")?;
     let middle = std::array::from_fn(|c| 0.5 * (low[c] + high[c]));

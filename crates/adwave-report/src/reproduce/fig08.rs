@@ -20,7 +20,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let size = diagonal(model.points());
     let curvature = mean_curvature(&walk)?;
     let bands = bands(context, &walk, &curvature, 1, N_LEVELS)?;
-    let params = SaliencyParams::default();
+    let params = SaliencyParams::paper();
     let map = saliency(&walk, &bands, &params)?.map;
     let levels = saliency_per_level(&walk, &bands, &params)?;
 

@@ -33,9 +33,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let walk = walk(pose);
         let curvature = mean_curvature(&walk)?;
         let bands = bands(context, &walk, &curvature, 1, N_LEVELS)?;
-        ours.push(saliency(&walk, &bands, &SaliencyParams::default())?.map);
+        ours.push(saliency(&walk, &bands, &SaliencyParams::paper())?.map);
         our_seconds += 0.5 * start.elapsed().as_secs_f64();
-        let equal = SaliencyParams::default().with_weighting(Weighting::Normalised);
+        let equal = SaliencyParams::paper().with_weighting(Weighting::Normalised);
         alike.push(saliency(&walk, &bands, &equal)?.map);
         let start = Instant::now();
         theirs.push(lee_saliency(&pose.shape, context.progress)?.saliency);

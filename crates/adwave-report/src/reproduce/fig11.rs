@@ -67,7 +67,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let signal: Vec<f64> = case.colors.iter().map(|&rgb| luminance(rgb)).collect();
         let walk = walk(model);
         let bands = bands(context, &walk, &signal, 1, N_LEVELS)?;
-        let map = saliency(&walk, &bands, &SaliencyParams::default())?.map;
+        let map = saliency(&walk, &bands, &SaliencyParams::paper())?.map;
         let ours = features(&walk, &bands, &FeatureParams::default())?;
         // e^(−tΔ) of the same width: its mean square displacement is 4t.
         let times: Vec<f64> = bands.sigma[2..N_LEVELS].iter().map(|s| s * s / 4.0).collect();

@@ -54,7 +54,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     for (model, cloud) in models.iter().zip(&clouds) {
         let walk_of_cloud = walk(cloud);
         let split = bands(context, &walk_of_cloud, cloud.coordinates(), 3, N_LEVELS)?;
-        let map = saliency(&walk_of_cloud, &split, &SaliencyParams::default())?.map;
+        let map = saliency(&walk_of_cloud, &split, &SaliencyParams::paper())?.map;
         let found = features(&walk_of_cloud, &split, &FeatureParams::default())?;
         let short = bands(context, &walk_of_cloud, cloud.coordinates(), 3, PAPER_LEVELS)?;
         let few = features(&walk_of_cloud, &short, &FeatureParams::default())?;
@@ -73,8 +73,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
                 .params(&params)
                 .progress(context.progress)
                 .bands()?;
-            let skip = SaliencyParams::default().skip.min(of_mesh.n_levels() - 1);
-            let of_mesh = saliency(&walk_of_mesh, &of_mesh, &SaliencyParams::default().with_skip(skip))?.map;
+            let skip = SaliencyParams::paper().skip.min(of_mesh.n_levels() - 1);
+            let of_mesh = saliency(&walk_of_mesh, &of_mesh, &SaliencyParams::paper().with_skip(skip))?.map;
             (correlation(&map, &of_mesh), rank_correlation(&map, &of_mesh))
         };
         least = if alike.0.is_nan() { least } else { least.min(alike.0) };

@@ -100,6 +100,13 @@ impl Scale {
         Self::new(0.0, value_range(values, 0.0, share).1)
     }
 
+    /// Symmetric about 0, up to the size below which that share of the sizes lies.
+    pub(crate) fn about_zero(values: &[f64], share: f64) -> Self {
+        let sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+        let most = value_range(&sizes, 0.0, share).1;
+        Self::new(-most, most)
+    }
+
     /// From the 1st to the 99th percentile; symmetric about 0 for a field of both signs.
     pub(crate) fn of(values: &[f64]) -> Self {
         /// A field whose smaller side reaches this part of its larger side has both signs.

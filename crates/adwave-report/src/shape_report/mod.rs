@@ -48,6 +48,8 @@ pub struct Subject<'a> {
     pub signal: &'a str,
     /// The signal: n_vertices × n_channels, in the order of the shape.
     pub values: &'a [f64],
+    /// The normals of the file, three numbers for each vertex, where it has some.
+    pub normals: Option<&'a [f64]>,
     /// The signal's bands.
     pub bands: &'a Bands,
     /// Why there are so many levels.

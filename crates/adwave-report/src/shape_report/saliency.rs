@@ -3,15 +3,16 @@
 use super::Subject;
 use super::drawing::{FieldLook, Frame, Scale, Studio};
 use super::place::{Places, patches, vertex_of};
-use crate::analysis::saliency;
+use crate::analysis::{SignedMap, signed_saliency};
 use crate::page::{Block, Section};
 use crate::table::{NONE, Table};
-use adwave::saliency::SaliencyParams;
 use adwave_render::value_range;
 use std::time::Instant;
 
 /// The part of the vertices that is called salient.
 const TOP: f64 = 0.05;
+/// A map that nowhere is larger than this, in means of a level, is rounding.
+const NOTHING: f64 = 1e-9;
 /// Patches that are listed.
 const MAX_PATCHES: usize = 8;
 
@@ -32,10 +33,10 @@ pub struct SaliencySummary {
 
 pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Option<SaliencySummary>) {
     let mut section = Section::new("saliency", "Saliency");
-    let params = SaliencyParams::default();
     let start = Instant::now();
-    let map = match saliency(subject.walk, subject.bands, &params) {
-        Ok(saliency) => saliency.map,
+    let found = signed_saliency(subject.walk, subject.bands, subject.is_geometry(), subject.normals);
+    let SignedMap { map, is_signed, outward } = match found {
+        Ok(found) => found,
         Err(why) => {
             section.note(format!("There is no map: {why}."));
             return (section, None);
@@ -43,17 +44,30 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     };
     let seconds = start.elapsed().as_secs_f64();
     section.say(format!(
-        "The sum of |W_j| over the levels from {} on, each weighed by (max − mean)², so that levels with few strong places \
-         count most. Only where it is large matters, not how large: its unit is that of the signal, cubed.",
-        params.skip + 1
+        "The sum of {} over the levels, each in means of |W_j| and weighed by how unevenly it is spread, so that a level on which \
+         nothing stands out says nothing.",
+        match (&outward, is_signed) {
+            (Some(_), true) =>
+                "W_j along the outward normal: above 0 where the shape is convex at the size of the level, below where it is concave,",
+            (_, true) => "W_j: above 0 where the signal is above its surroundings, below where it is below,",
+            _ => "|W_j|",
+        }
     ));
+    if let Some(outward) = &outward {
+        let words = outward.to_string();
+        section.say(if is_signed {
+            format!("How the outside was found: {words}.")
+        } else {
+            format!("The map has no sign, as {words}.")
+        });
+    }
     let by_class = subject.walk.geometry().vertex_map().mean(&map, 1);
-    let sum: f64 = by_class.iter().filter(|v| v.is_finite()).sum();
+    let sum: f64 = by_class.iter().filter(|v| v.is_finite()).map(|v| v.max(0.0)).sum();
     let threshold = value_range(&by_class, 0.0, 1.0 - TOP).1;
     let found = patches(subject, &by_class, threshold);
     // What rounding leaves of a signal without details is no place that stands out.
-    let size = subject.values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
-    if sum <= (1e-12 * size).powi(3) || found.is_empty() {
+    let largest = by_class.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+    if largest <= NOTHING || found.is_empty() {
         section.note("The map is the same everywhere: nothing stands out.");
         return (
             section,
@@ -73,14 +87,14 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         _ => String::new(),
     };
     section.say(format!(
-        "It is largest at {} {vertex}{at}. The most salient {:.0} % of the {} hold {:.0} % of the map's sum; they form {}.",
+        "It is largest at {} {vertex}{at}. The most salient {:.0} % of the {} hold {:.0} % of the sum of what is above 0; they form {}.",
         subject.vertex(),
         100.0 * TOP,
         subject.vertices(),
         100.0 * top / sum,
         if found.len() == 1 { "one patch".to_owned() } else { format!("{} patches", found.len()) }
     ));
-    section.gallery(pictures(subject, studio, &map));
+    section.gallery(pictures(subject, studio, &map, is_signed));
     let mut table = Table::new(
         "saliency.csv",
         &format!(
@@ -93,7 +107,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
             &format!("largest at {}", subject.vertex()),
             "where",
             subject.vertices(),
-            "% of the map's sum",
+            "% of the sum",
             "x, y, z",
         ],
     );
@@ -123,12 +137,18 @@ fn pictures(
     subject: &Subject<'_>,
     studio: &mut Studio<'_>,
     map: &[f64],
+    is_signed: bool,
 ) -> Result<Vec<crate::page::Figure>, String> {
-    let scale = Scale::from_zero(map, 1.0 - TOP);
+    let scale = if is_signed { Scale::about_zero(map, 1.0 - TOP) } else { Scale::from_zero(map, 1.0 - TOP) };
     let look = || FieldLook::new(map.to_vec(), "saliency", scale);
     let front = Frame::plain(
         format!("Saliency of {}", subject.name),
-        format!("Saliency; the most salient {:.0} % of the vertices all have the last colour.", 100.0 * TOP),
+        format!(
+            "Saliency{}; the most salient {:.0} % of the vertices all have the last colour{}.",
+            if is_signed { ", red above 0 and blue below" } else { "" },
+            100.0 * TOP,
+            if is_signed { " of their side" } else { "" }
+        ),
     );
     let back = Frame::plain(
         format!("Saliency of {} from the opposite side", subject.name),

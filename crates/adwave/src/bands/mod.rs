@@ -27,4 +27,5 @@ pub use schedule::{
     DEFAULT_EXTENT, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
 };
 pub use transform::Transform;
+pub(crate) use wavelets::Measure;
 pub use wavelets::Wavelets;

@@ -1,10 +1,10 @@
-//! Norms of the wavelet coefficients over the channels, without all coefficients at a time.
+//! One number for each wavelet coefficient of several channels, without all coefficients at a time.
 
 use super::chebyshev::{Outcome, Passes};
 use super::error::check_signal;
 use super::real_series::LADDER;
 use super::series::Series;
-use super::wavelets::norms;
+use super::wavelets::Measure;
 use super::{BandsError, Engine, Schedule, Transform, Wavelets};
 use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
@@ -14,34 +14,40 @@ use std::ops::Range;
 const LARGE: usize = 64 << 20;
 
 impl Transform {
-    /// [`Wavelets::into_norms`] of the wavelets of a signal at the welded vertices, the same bits.
+    /// [`Wavelets::into_norms`] or [`Wavelets::into_along`] of the wavelets of a signal at the welded vertices, the same bits.
     ///
-    /// Of a large signal the coarse levels come first, and the fine ones when of those only the norms are left: three fifths of
+    /// Of a large signal the coarse levels come first, and the fine ones when of those only one channel is left: three fifths of
     /// the memory, for the few products that fine levels take.
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
-    pub(crate) fn norms_of_mean(
+    pub(crate) fn one_channel_of_mean(
         &self,
         mean: &[f64],
         n_channels: usize,
+        measure: Measure<'_>,
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Wavelets, BandsError> {
         if n_channels > 1
             && schedule.n_levels() * size_of_val(mean) >= LARGE
-            && let Some(norms) = self.norms_in_two_calls(mean, n_channels, schedule, progress)?
+            && let Some(found) = self.in_two_calls(mean, n_channels, measure, schedule, progress)?
         {
-            return Ok(norms);
+            return Ok(found);
         }
-        Ok(self.wavelets_of_mean(mean, n_channels, schedule, progress)?.into_norms())
+        let wavelets = self.wavelets_of_mean(mean, n_channels, schedule, progress)?;
+        Ok(match measure {
+            Measure::Norm => wavelets.into_norms(),
+            Measure::Along(normals) => wavelets.into_along(normals),
+        })
     }
 
     /// Nothing where two calls cannot give the bits of one.
-    fn norms_in_two_calls(
+    fn in_two_calls(
         &self,
         mean: &[f64],
         n_channels: usize,
+        measure: Measure<'_>,
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Option<Wavelets>, BandsError> {
@@ -66,7 +72,7 @@ impl Transform {
             let accuracy = self.params().accuracy;
             let outcome = prepared.evaluate(mean, n_channels, polynomials, accuracy, &mut outs, progress)?;
             for level in &mut levels {
-                *level = norms(level, n_channels);
+                *level = measure.of(level, n_channels);
             }
             Ok((levels, outcome))
         };
@@ -93,6 +99,7 @@ impl Transform {
 
 #[cfg(test)]
 mod tests {
+    use crate::bands::wavelets::Measure;
     use crate::bands::{Schedule, Transform};
     use crate::sample::Sample;
     use crate::shape::{Mesh, Shape};
@@ -122,7 +129,7 @@ mod tests {
                 let schedule = Schedule::dyadic(n_levels).expect("levels");
                 let one = transform.wavelets_of_mean(&signal, n_channels, &schedule, none);
                 let one = one.expect("a signal").into_norms();
-                let two = transform.norms_in_two_calls(&signal, n_channels, &schedule, none);
+                let two = transform.in_two_calls(&signal, n_channels, Measure::Norm, &schedule, none);
                 let Some(two) = two.expect("a signal") else { continue };
                 assert!(one.levels == two.levels, "{n_levels} levels of {n_channels} channels");
                 assert_eq!((one.steps, one.sigma), (two.steps, two.sigma));
@@ -138,9 +145,12 @@ mod tests {
         let (decomposer, mean) = creature();
         let schedule = Schedule::voices(3, 2).expect("levels");
         let transform = decomposer.transform();
-        let two = transform.norms_in_two_calls(&mean, 3, &schedule, Progress::none()).expect("a signal");
+        let two =
+            transform.in_two_calls(&mean, 3, Measure::Norm, &schedule, Progress::none()).expect("a signal");
         assert!(two.is_none());
-        let norms = transform.norms_of_mean(&mean, 3, &schedule, Progress::none()).expect("a signal");
+        let norms = transform
+            .one_channel_of_mean(&mean, 3, Measure::Norm, &schedule, Progress::none())
+            .expect("a signal");
         let one = transform.wavelets_of_mean(&mean, 3, &schedule, Progress::none()).expect("a signal");
         assert!(norms.levels == one.into_norms().levels);
     }

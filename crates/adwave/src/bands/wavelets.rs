@@ -67,19 +67,64 @@ impl Wavelets {
     /// The Euclidean norms `‖W_f(j,x)‖` over the channels as wavelets of one channel; a signal of one channel keeps its sign.
     /// Level after level gives its memory back. O(n × levels × channels).
     #[must_use]
-    pub fn into_norms(mut self) -> Self {
+    pub fn into_norms(self) -> Self {
+        self.into_one_channel(Measure::Norm)
+    }
+
+    /// `W_f(j,x)·n(x)`, how far the details go along the normals n (unit vectors at the welded vertices, in the analysis order),
+    /// as wavelets of one channel: of coordinates and outward normals > 0 where the surface is convex at the size σ_j. Level
+    /// after level gives its memory back. O(n × levels).
+    ///
+    /// # Panics
+    /// Unless the signal has three channels, and there is one normal for each welded vertex.
+    #[must_use]
+    pub fn into_along(self, normals: &[[f64; 3]]) -> Self {
+        assert_eq!(
+            (self.n_channels, self.n_welded()),
+            (3, normals.len()),
+            "a vector and a normal at each vertex"
+        );
+        self.into_one_channel(Measure::Along(normals))
+    }
+
+    fn into_one_channel(mut self, measure: Measure<'_>) -> Self {
         let d = std::mem::replace(&mut self.n_channels, 1);
         if d != 1 {
             for level in &mut self.levels {
-                *level = norms(level, d);
+                *level = measure.of(level, d);
             }
         }
         self
     }
 }
 
+/// The one number that is kept of a row of several channels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Measure<'a> {
+    /// Its Euclidean norm.
+    Norm,
+    /// Its part along the normal of the vertex.
+    Along(&'a [[f64; 3]]),
+}
+
+impl Measure<'_> {
+    /// Of each row of `d` values.
+    pub(super) fn of(self, rows: &[f64], d: usize) -> Vec<f64> {
+        let Self::Along(normals) = self else { return norms(rows, d) };
+        let mut along = zeros(normals.len());
+        parallel::for_rows(&mut along, 1, VERTICES_AT_A_TIME, |first, along| {
+            for ((w, row), n) in
+                along.iter_mut().zip(rows[first * 3..].chunks_exact(3)).zip(&normals[first..])
+            {
+                *w = row[0] * n[0] + row[1] * n[1] + row[2] * n[2];
+            }
+        });
+        along
+    }
+}
+
 /// The Euclidean norm of each row of `d` values.
-pub(super) fn norms(rows: &[f64], d: usize) -> Vec<f64> {
+fn norms(rows: &[f64], d: usize) -> Vec<f64> {
     let mut norms = zeros(rows.len() / d);
     parallel::for_rows(&mut norms, 1, VERTICES_AT_A_TIME, |first, norms| {
         for (norm, row) in norms.iter_mut().zip(rows[first * d..].chunks_exact(d)) {

@@ -2,7 +2,9 @@
 
 use super::Decomposer;
 use crate::Progress;
-use crate::bands::{Bands, BandsError, BandsInfo, BandsParams, Schedule, Transform, Wavelets, check_signal};
+use crate::bands::{
+    Bands, BandsError, BandsInfo, BandsParams, Measure, Schedule, Transform, Wavelets, check_signal,
+};
 use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
 use crate::mask::Mask;
 use crate::parallel;
@@ -17,6 +19,7 @@ use std::borrow::Cow;
 /// | [`bands_into`](Self::bands_into) | the same, into the caller's buffer | the shape's | n·d |
 /// | [`wavelets`](Self::wavelets) | W_f(1..J) | analysis | J·n·d |
 /// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n; less where that is much |
+/// | [`along`](Self::along) | W_f(1..J)·n, along the normals | analysis | as for norms |
 /// | [`weighted`](Self::weighted) | Σ_j a_j·W_f(j) by one polynomial | the shape's | 2·n·d |
 /// | [`filter`](Self::filter), [`filter_layers`](Self::filter_layers) | the edited signal (eq. 18), once | the shape's | 2·n·d for one layer |
 /// | [`editor`](Self::editor) | an [`Editor`](crate::Editor) that keeps the bands | both | (J + 3)·n·d |
@@ -170,11 +173,30 @@ impl<'a> BandsRequest<'a> {
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
     pub fn norms(&self) -> Result<Wavelets, BandsError> {
+        self.one_channel(Measure::Norm)
+    }
+
+    /// `W_f(j,x)·n(x)` of a vector signal and the normals n of the welded vertices, in the analysis order
+    /// ([`outward_normals`](crate::signal::outward_normals)): what signed saliency reads.
+    ///
+    /// # Errors
+    /// As for [`wavelets`](Self::wavelets).
+    ///
+    /// # Panics
+    /// Unless the signal has three channels, and there is one normal for each welded vertex.
+    pub fn along(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
+        let n_welded = self.decomposer.geometry().n_vertices();
+        assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
+        self.one_channel(Measure::Along(normals))
+    }
+
+    fn one_channel(&self, measure: Measure<'_>) -> Result<Wavelets, BandsError> {
         let (filled, transform) = (self.filled()?, self.transform()?);
         let mean = self.mean(&filled)?;
-        let mut norms = transform.norms_of_mean(&mean, self.n_channels, self.schedule, self.progress)?;
-        self.clear_masked(&mut norms);
-        Ok(norms)
+        let (schedule, progress) = (self.schedule, self.progress);
+        let mut found = transform.one_channel_of_mean(&mean, self.n_channels, measure, schedule, progress)?;
+        self.clear_masked(&mut found);
+        Ok(found)
     }
 
     /// `Σ_j factors[j−1]·W_f(j)` by a single polynomial of Φ₁: [`Transform::weighted`]. NaN at masked vertices.

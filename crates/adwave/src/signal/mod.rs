@@ -9,6 +9,7 @@ mod curvature;
 mod degree;
 mod luminance;
 mod mesh_curvature;
+mod outward;
 mod quadric;
 
 pub(crate) use cloud_normals::cloud_border;
@@ -19,6 +20,7 @@ pub use degree::degree;
 pub use luminance::{lightness, luminance};
 pub use mesh_curvature::mesh_curvature;
 use mesh_curvature::try_mesh_curvature;
+pub use outward::{OutwardError, OutwardInfo, OutwardNormals, outward_normals};
 pub use quadric::cloud_curvature;
 use quadric::try_cloud_curvature;
 pub(crate) use quadric::{Frame, fit_quadric};

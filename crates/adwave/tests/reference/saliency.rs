@@ -12,8 +12,14 @@ const MAP: f64 = 1e-10;
 
 const LEVELS: usize = 6;
 
-const WEIGHTINGS: [Weighting; 5] =
-    [Weighting::PerLevel, Weighting::AsPrinted, Weighting::Normalised, Weighting::Ranks, Weighting::Uniform];
+const WEIGHTINGS: [Weighting; 6] = [
+    Weighting::Entropy,
+    Weighting::PerLevel,
+    Weighting::AsPrinted,
+    Weighting::Normalised,
+    Weighting::Ranks,
+    Weighting::Uniform,
+];
 
 /// |W_f(j)| of the welded vertices, for each level.
 fn responses(case: &Case, f: &[f64], n_channels: usize, is_masked: &[bool]) -> Vec<Vec<f64>> {
@@ -32,8 +38,11 @@ fn level_map(w: &[f64], weighting: Weighting, is_masked: &[bool]) -> Vec<f64> {
         let equal = known.iter().filter(|&&other| other == v).count() as f64 - 1.0;
         if v == 0.0 { 0.0 } else { (smaller + equal / 2.0) / (known.len() as f64 - 1.0) }
     };
+    let share = |v: &f64| v / known.iter().sum::<f64>();
+    let entropy: f64 = known.iter().map(share).filter(|p| *p > 0.0).map(|p| -p * p.ln()).sum();
     w.iter()
         .map(|&v| match weighting {
+            Weighting::Entropy => ((known.len() as f64).ln() - entropy) / mean * v,
             Weighting::PerLevel => (max - mean).powi(2) * v,
             Weighting::AsPrinted => (max - v).powi(2) * v,
             Weighting::Normalised => v / mean,
@@ -69,7 +78,7 @@ fn the_map_is_the_weighted_sum_of_the_bands_norms() {
             let responses = responses(&case, &f, n_channels, &none);
             for weighting in WEIGHTINGS {
                 for skip in [0, 2, 5] {
-                    let params = SaliencyParams::default().with_weighting(weighting).with_skip(skip);
+                    let params = SaliencyParams::paper().with_weighting(weighting).with_skip(skip);
                     let (found, by_level) = fast.saliency(&f, n_channels, LEVELS, &params);
                     let maps: Vec<Vec<f64>> = responses[skip..]
                         .iter()
@@ -95,7 +104,7 @@ fn the_map_is_the_weighted_sum_of_the_bands_norms() {
 
 #[test]
 fn two_levels_are_skipped_and_levels_weighed_by_default() {
-    let params = SaliencyParams::default();
+    let params = SaliencyParams::paper();
     assert_eq!((params.skip, params.weighting), (2, Weighting::PerLevel));
 }
 
@@ -114,7 +123,7 @@ fn masked_vertices_count_neither_in_means_nor_in_maxima_nor_in_ranks() {
             if weighting == Weighting::Ranks && responses.iter().any(|w| has_ties(w, &is_masked)) {
                 continue; // rounding decides which of two comes first
             }
-            let params = SaliencyParams::default().with_weighting(weighting);
+            let params = SaliencyParams::paper().with_weighting(weighting);
             let (found, _) = fast.saliency(&f, 2, LEVELS, &params);
             let maps: Vec<Vec<f64>> = responses[2..]
                 .iter()
@@ -134,7 +143,7 @@ fn missing_bars_squares_and_means_by_area_would_be_seen() {
         let (fast, welded) = (Fast::new(&case), weld(&case.parts));
         let none = vec![false; welded.first.len()];
         let f = signal(case.parts.n_vertices(), 1, 19);
-        let (found, _) = fast.saliency(&f, 1, LEVELS, &SaliencyParams::default());
+        let (found, _) = fast.saliency(&f, 1, LEVELS, &SaliencyParams::paper());
         let responses = responses(&case, &f, 1, &none);
         let pi = stationary(&local_operator(&case, Mutant::None));
         let alphas: [(&str, Alpha<'_>); 4] = [

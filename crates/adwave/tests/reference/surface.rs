@@ -162,7 +162,7 @@ fn saliency_has_means_by_area() {
                 map.iter_mut().zip(w).for_each(|(m, w)| *m += alpha * w);
             }
             let map: Vec<f64> = welded.class.iter().map(|&c| map[c]).collect();
-            let params = SaliencyParams::default().with_weighting(weighting).with_skip(1);
+            let params = SaliencyParams::paper().with_weighting(weighting).with_skip(1);
             let (found, _) = fast.saliency(&f, 3, LEVELS, &params);
             if by_area {
                 assert_close(&found.map, &map, MAP, &format!("{}, {weighting:?}", case.name));

@@ -46,7 +46,7 @@ fn check(name: &str, shape: &Shape) -> (Decomposer, Bands) {
         assert!(bands.wavelets().flatten().all(|v| v.is_finite()), "{name}");
     }
     let wavelets = decomposer.request(&f, 1, &schedule).norms().unwrap();
-    let map = saliency(&decomposer, &wavelets, &SaliencyParams::default(), Progress::none()).unwrap().map;
+    let map = saliency(&decomposer, &wavelets, &SaliencyParams::paper(), Progress::none()).unwrap().map;
     assert!(map.iter().all(|v| v.is_finite()), "{name}: {map:?}");
     for feature in features(&decomposer, &wavelets, &FeatureParams::default(), Progress::none()).unwrap() {
         assert!(feature.response.is_finite(), "{name}");

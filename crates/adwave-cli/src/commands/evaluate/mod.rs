@@ -9,13 +9,12 @@ use crate::output::{bands_params, print, table};
 use crate::progress::prepare;
 use crate::shape_input::Input;
 use crate::signal;
-use adwave::bands::{DEFAULT_EXTENT, Schedule};
+use adwave::bands::Schedule;
 use adwave::features::{FEATURE_EXTENT, Feature, Response, features};
 use adwave::measure::{
     Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
     repeatability,
 };
-use adwave::saliency::saliency;
 use adwave_io::ShapeFile;
 pub(crate) use args::EvaluateArgs;
 use serde_json::{Value, json};
@@ -24,7 +23,7 @@ use std::fmt::Write;
 pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> {
     args.detect.params(&args.border).check().map_err(CliError::input)?;
     args.map.params(&args.border).check().map_err(CliError::input)?;
-    let share = if args.fixations.is_some() { DEFAULT_EXTENT } else { FEATURE_EXTENT };
+    let share = if args.fixations.is_some() { args.map.extent() } else { FEATURE_EXTENT };
     let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, share, global)?;
     match &args.fixations {
         Some(fixations) => against(args, global, &mut analysis, fixations),
@@ -39,7 +38,7 @@ fn against(
     analysis: &mut Analysis,
     fixations: &str,
 ) -> Result<(), CliError> {
-    let wavelets = analysis.wavelets(global, None)?;
+    let found = analysis.saliency(&args.map, &args.border, global)?;
     let one_channel = |name: &str| {
         let signal = signal::load(&analysis.input, name)?;
         if signal.n_channels != 1 {
@@ -48,9 +47,8 @@ fn against(
         Ok(signal.values.to_vec())
     };
     let fixations = one_channel(fixations)?;
-    let own = saliency(&analysis.walk, &wavelets, &args.map.params(&args.border), global.progress())
-        .map_err(|e| CliError::classified(&e))?
-        .map;
+    let sides = (found.sides(), found.sides_json());
+    let own = found.saliency.map;
     let control = analysis.input.shape.points().map(centre_distance);
     let mut maps = vec![(format!("saliency of {}", args.field.field), own)];
     for name in &args.maps {
@@ -67,6 +65,7 @@ fn against(
         rows.push(("distance from the centre".to_owned(), compare(control, None)?));
     }
     let mut text = analysis.headline(&args.field.field);
+    text += &format!("{}\n", sides.0);
     text += &format!("{} of {} vertices were looked at\n\n", rows[0].1.n_positive, rows[0].1.n_vertices);
     text += &table(
         ["map", "AUC", "NSS", "correlation", "without centre"],
@@ -79,6 +78,7 @@ fn against(
     let json = json!({
         "shape": analysis.input.name,
         "levels": analysis.schedule.n_levels(),
+        "sides": sides.1,
         "maps": rows.iter().map(|(name, a)| json!({
             "map": name, "vertices": a.n_vertices, "looked_at": a.n_positive, "auc": a.auc, "nss": a.nss,
             "correlation": a.correlation, "partial_correlation": a.partial_correlation,

@@ -148,7 +148,7 @@ fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) 
             );
         }
     }
-    text += &analysis.timing("features", std::time::Duration::from_secs_f64(found.seconds));
+    text += &analysis.timing("features", found.seconds);
     if let Some(path) = &args.output {
         text += &path.display().to_string();
     }

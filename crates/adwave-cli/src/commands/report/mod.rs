@@ -10,7 +10,7 @@ use crate::global::Global;
 use crate::output::{bands_params, check_levels, check_writable, print, steps_json, write_error};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::load;
-use crate::signal::{default_name, field_names};
+use crate::signal::{default_name, field_names, file_normals};
 use crate::stopwatch::Stopwatch;
 use adwave::bands::Bands;
 use adwave::features::FEATURE_EXTENT;
@@ -64,6 +64,7 @@ fn report(
     // Scans of land have their heights in z.
     let up = if matches!(format, Some(Format::Las | Format::Laz)) { Up::Z } else { Up::default() };
     let seconds = &analysis.seconds;
+    let normals = file_normals(input);
     let subject = Subject {
         name: last_part(&input.name),
         format: &format.map_or_else(|| "built-in".to_owned(), |f| f.to_string()),
@@ -72,6 +73,7 @@ fn report(
         walk: &analysis.walk,
         signal: if input.file.field(field).is_some() { field } else { signal_name(field) },
         values: &analysis.signal.values,
+        normals: normals.as_deref(),
         bands,
         levels_reason: &analysis.why,
         command: &command_line(global.arguments),

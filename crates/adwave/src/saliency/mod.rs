@@ -1,6 +1,14 @@
-//! Saliency: where a signal stands out, over all scales (eq. 17).
+//! Saliency: where a signal stands out, over all scales (eq. 17), and to which side.
 //!
-//! `Λ = Σ_{j > skip} α_j·|W_f(j)|`. A signal of several channels is measured by the Euclidean norm over them.
+//! The paper's map is `Λ = Σ_{j > skip} α_j·|W_f(j)|`, a signal of several channels being measured by the Euclidean norm over
+//! them. It ties a bump with a dent. The signed map keeps the sign of a scalar signal, and of coordinates that of the part along
+//! the outward normal, so that it is positive where the shape is convex and negative where it is concave.
+
+mod height;
+mod params;
+
+pub use height::with_height;
+pub use params::{SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
 
 use crate::bands::Wavelets;
 use crate::population::Population;
@@ -10,82 +18,6 @@ use thiserror::Error;
 
 /// Vertices that a thread treats at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
-
-/// How the levels are weighed against each other: the α_j.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Weighting {
-    /// `α_j = (max_x|W_f(j,x)| − mean_x|W_f(j,x)|)²`, one number a level: what the paper's text describes.
-    #[default]
-    PerLevel,
-    /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as (eq. 17) is printed. It gives the strongest response of a level the
-    /// weight 0.
-    AsPrinted,
-    /// `α_j = 1/mean_x|W_f(j,x)|`: every level counts alike, as for features.
-    Normalised,
-    /// Every level by its ranks in place of its values: the share of vertices with a smaller |W_f(j)|, equal ones counting
-    /// half, so that no level and no outlier outweighs the rest.
-    Ranks,
-    /// `α_j = 1`.
-    Uniform,
-}
-
-/// Which levels count, and how much.
-///
-/// ```
-/// use adwave::saliency::{SaliencyParams, Weighting};
-/// let params = SaliencyParams::default();
-/// assert_eq!((params.skip, params.weighting), (2, Weighting::PerLevel));
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SaliencyParams {
-    /// How many of the finest levels are skipped: they hold the noise.
-    pub skip: usize,
-    /// The α_j.
-    pub weighting: Weighting,
-    /// Fade out what the border of a mesh or cloud, or of masked vertices, gives by itself: with S
-    /// given, ≥ 0, |W_f(j)| is multiplied by 0 within S·σ_j of the border along the surface and by 1 beyond 2S·σ_j, with a
-    /// smooth step between. The factor is each level's own, so what is too near for a coarse level is still judged by fine
-    /// ones, and the map stays a number everywhere. Coordinates need S = 1: along a straight border S_f(j) is drawn inwards
-    /// by σ_j/√π, at a distance of σ_j by a tenth of that. A graph has no border.
-    pub border_sigmas: Option<f64>,
-}
-
-impl Default for SaliencyParams {
-    fn default() -> Self {
-        Self { skip: 2, weighting: Weighting::default(), border_sigmas: None }
-    }
-}
-
-impl SaliencyParams {
-    /// Sets how many of the finest levels are skipped.
-    #[must_use]
-    pub fn with_skip(self, skip: usize) -> Self {
-        Self { skip, ..self }
-    }
-
-    /// Sets the α_j.
-    #[must_use]
-    pub fn with_weighting(self, weighting: Weighting) -> Self {
-        Self { weighting, ..self }
-    }
-
-    /// Fades out the border.
-    #[must_use]
-    pub fn with_border_sigmas(self, sigmas: f64) -> Self {
-        Self { border_sigmas: Some(sigmas), ..self }
-    }
-
-    /// Checks that the numbers make sense.
-    ///
-    /// # Errors
-    /// [`SaliencyError::Border`].
-    pub fn check(&self) -> Result<(), SaliencyError> {
-        match self.border_sigmas {
-            Some(sigmas) if !(sigmas.is_finite() && sigmas >= 0.0) => Err(SaliencyError::Border { sigmas }),
-            _ => Ok(()),
-        }
-    }
-}
 
 /// Why there is no saliency.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -140,7 +72,7 @@ pub struct SaliencyLevel {
     pub alpha: f64,
 }
 
-/// A saliency map in the order of the shape, ≥ 0; NaN at masked vertices.
+/// A saliency map in the order of the shape; ≥ 0 where the sign does not count; NaN at masked vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saliency {
     /// Λ at each vertex.
@@ -149,12 +81,18 @@ pub struct Saliency {
     pub levels: Vec<SaliencyLevel>,
 }
 
-/// The saliency map `Λ(x) = Σ_{j > skip} α_j·|W_f(j,x)|` (eq. 17) of a signal on a shape, from its wavelets or their norms
-/// ([`BandsRequest::norms`](crate::BandsRequest::norms)). O(n × levels × channels).
+/// The saliency map of a signal on a shape, from its wavelets, their norms ([`BandsRequest::norms`](crate::BandsRequest::norms)), or of
+/// coordinates their parts along the outward normals ([`BandsRequest::along`](crate::BandsRequest::along)).
+/// O(n × levels × channels).
 ///
-/// Means and maxima run over the welded vertices, so that a vertex that the file repeats counts once.
+/// With [`Sign::Signed`] `Λ±(x) = Σ_{j > skip} α_j·W(j,x)`, by default without a unit: in means of |W| over each level. With [`Sign::Unsigned`] |W| takes the place of W, which with
+/// [`SaliencyParams::paper`] is `Λ(x) = Σ_{j > skip} α_j·|W_f(j,x)|` (eq. 17).
 ///
-/// Source: (eq. 17), whose α lost a bar in print: read literally it would give the strongest response the weight 0.
+/// Means and maxima run over the welded vertices, so that a vertex that the file repeats counts once; where diffusion is that of the
+/// surface, means are by area.
+///
+/// Source: (eq. 17), whose α lost a bar in print: read literally it would give the strongest response the weight 0. The sign, and the
+/// weights that go with it, are ours; docs/EVALUATION.md has what they are worth.
 ///
 /// # Errors
 /// [`SaliencyError`] when no level is left, a parameter has no meaning, the bands are another shape's, or when cancelled.
@@ -169,6 +107,10 @@ pub struct Saliency {
 /// let wavelets = path.request(&signal, 1, &Schedule::dyadic(5)?).norms()?;
 /// let map = saliency(&path, &wavelets, &SaliencyParams::default(), Progress::none())?.map;
 /// assert_eq!((0..60).max_by(|&a, &b| map[a].total_cmp(&map[b])), Some(30));
+/// let upside_down = signal.map(|f| -f);
+/// let wavelets = path.request(&upside_down, 1, &Schedule::dyadic(5)?).norms()?;
+/// let map = saliency(&path, &wavelets, &SaliencyParams::default(), Progress::none())?.map;
+/// assert_eq!((0..60).min_by(|&a, &b| map[a].total_cmp(&map[b])), Some(30));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn saliency(
@@ -181,14 +123,14 @@ pub fn saliency(
     let mut map = vec![0.0; decomposer.geometry().n_vertices()];
     parallel::try_for_rows(&mut map, 1, VERTICES_AT_A_TIME, progress, |first, map| {
         for (x, sum) in (first..).zip(map) {
-            *sum = parts.iter().map(|part| part.at(x)).sum(); // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17)
+            *sum = parts.iter().map(|part| part.at(x)).sum(); // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17), or with the sign
         }
     })?;
     let map = decomposer.geometry().vertex_map().scatter(&map, 1);
     Ok(Saliency { map, levels: parts.into_iter().map(|part| part.level).collect() })
 }
 
-/// What each level adds to the map, `α_j·|W_f(j)|` for the levels after the skipped ones, in the order of the shape; their
+/// What each level adds to the map, `α_j·|W_f(j)|` or `α_j·W_f(j)` for the levels after the skipped ones, in the order of the shape; their
 /// sum is [`saliency`]'s map.
 ///
 /// # Errors
@@ -211,15 +153,16 @@ pub fn saliency_per_level(
 struct Part<'a> {
     level: SaliencyLevel,
     norms: Cow<'a, [f64]>,
+    sign: Sign,
 }
 
 impl Part<'_> {
-    /// `α_j·|W_f(j,x)|`.
+    /// `α_j·|W_f(j,x)|`, or with the sign.
     #[inline]
     fn at(&self, x: usize) -> f64 {
-        let (w, alpha) = (self.norms[x].abs(), self.level.alpha);
-        let alpha = if alpha.is_nan() { (self.level.max - w).powi(2) } else { alpha };
-        alpha * w
+        let (w, alpha) = (self.norms[x], self.level.alpha);
+        let alpha = if alpha.is_nan() { (self.level.max - w.abs()).powi(2) } else { alpha };
+        alpha * if self.sign == Sign::Signed { w } else { w.abs() }
     }
 }
 
@@ -256,16 +199,32 @@ fn parts<'a>(
             Weighting::PerLevel => (max - mean).powi(2),
             Weighting::AsPrinted => f64::NAN,
             // A level without any response adds nothing.
-            Weighting::Normalised if mean == 0.0 => 0.0,
+            Weighting::Normalised | Weighting::Entropy if mean == 0.0 => 0.0,
             Weighting::Normalised => 1.0 / mean,
+            Weighting::Entropy => unevenness(&population, &norms, left.as_deref(), mean) / mean,
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         if params.weighting == Weighting::Ranks {
             ranks(norms.to_mut(), left.as_deref(), progress)?;
         }
-        Ok(Part { level: SaliencyLevel { level, sigma, mean, max, alpha }, norms })
+        Ok(Part { level: SaliencyLevel { level, sigma, mean, max, alpha }, norms, sign: params.sign })
     };
     (skip + 1..=n_levels).map(part).collect()
+}
+
+/// `mean(r·ln r)`, r = |value|/mean: by how much the entropy of the values' shares is below that of equal ones, in nats; ≥ 0.
+///
+/// Source: `shannon1948`.
+fn unevenness(population: &Population<'_>, values: &[f64], left: Option<&[f64]>, mean: f64) -> f64 {
+    let left = |x: usize| left.map_or(1.0, |left| left[x]);
+    let term = |x: usize| {
+        let (left, value) = (left(x), values[x].abs());
+        let r = if left > 0.0 { value / (left * mean) } else { 0.0 };
+        // r·ln r − r + 1 has the same mean, is nowhere negative, and does not cancel near 1.
+        left * if r > 0.0 { (r * r.ln() - r + 1.0).max(0.0) } else { 1.0 }
+    };
+    let n = values.len();
+    population.mean_of(n, term) / population.mean_of(n, left)
 }
 
 /// How far the welded vertices are from the border.
@@ -304,23 +263,20 @@ impl Border {
     }
 }
 
-/// Replaces each value by the share of the others that are smaller, equal ones counting half; NaN stays, and what is faded
-/// out wholly is 0 and nobody's other.
+/// Replaces each value by the share of the others that are smaller in magnitude, equal ones counting half, with the sign of the
+/// value; NaN stays, and what is faded out wholly is 0 and nobody's other.
 fn ranks(values: &mut [f64], left: Option<&[f64]>, progress: Progress<'_>) -> Result<(), Cancelled> {
-    for value in &mut *values {
-        *value = value.abs();
-    }
     let gone = |x: usize| left.is_some_and(|left| left[x] == 0.0);
     let ranked = |x: &u32| !values[*x as usize].is_nan() && !gone(*x as usize);
     let mut order: Vec<u32> = (0..values.len() as u32).filter(ranked).collect();
     parallel::sort_unstable_by(&mut order, progress, |&a, &b| {
-        values[a as usize].total_cmp(&values[b as usize])
+        values[a as usize].abs().total_cmp(&values[b as usize].abs())
     })?;
     // One vertex alone stands out from nobody.
     let others = order.len().saturating_sub(1).max(1) as f64;
     let mut share = vec![f64::NAN; values.len()];
     let mut smaller = 0;
-    for equal in order.chunk_by(|&a, &b| values[a as usize] == values[b as usize]) {
+    for equal in order.chunk_by(|&a, &b| values[a as usize].abs() == values[b as usize].abs()) {
         for &x in equal {
             share[x as usize] = (smaller as f64 + 0.5 * (equal.len() - 1) as f64) / others;
         }
@@ -328,7 +284,7 @@ fn ranks(values: &mut [f64], left: Option<&[f64]>, progress: Progress<'_>) -> Re
     }
     // What does not respond at all does not stand out either, however many are like it.
     for (value, share) in values.iter_mut().zip(share) {
-        *value = if *value == 0.0 { 0.0 } else { share };
+        *value = if *value == 0.0 { 0.0 } else { share.copysign(*value) };
     }
     Ok(())
 }

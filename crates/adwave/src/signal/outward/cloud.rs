@@ -1,0 +1,84 @@
+//! The outside of a point cloud.
+
+use super::vote::Vote;
+use super::{OutwardInfo, OutwardNormals};
+use crate::shape::{Adjacency, try_nearest_neighbours};
+use crate::signal::{FIT_NEIGHBOURS, try_cloud_normals};
+use crate::{Cancelled, Progress};
+
+/// The normals of the file, or those that are spread from point to point.
+pub(super) fn normals(
+    points: &[[f64; 3]],
+    file: Option<&[[f64; 3]]>,
+    progress: Progress<'_>,
+) -> Result<OutwardNormals, Cancelled> {
+    let near = try_nearest_neighbours(points, FIT_NEIGHBOURS, progress)?;
+    let is_known = |normals: &&[[f64; 3]]| normals.iter().any(|n| *n != [0.0; 3]);
+    let file = file.filter(is_known);
+    let mut normals = match file {
+        Some(normals) => normals.to_vec(),
+        None => try_cloud_normals(points, &near, progress)?,
+    };
+    let parts = parts(&near.adjacency.union_with_transpose(progress)?, progress)?;
+    let mut info = OutwardInfo {
+        n_parts: parts.len(),
+        n_closed: 0,
+        n_by_file: 0,
+        n_by_majority: 0,
+        n_as_given: 0,
+        n_without: 0,
+        n_turned: 0,
+        without: 0.0,
+    };
+    for part in &parts {
+        if file.is_some() {
+            info.n_by_file += 1;
+            continue;
+        }
+        let centre = centre(points, part);
+        let mut vote = Vote::default();
+        for &x in part {
+            vote.add(&points[x as usize], &normals[x as usize], &centre);
+        }
+        match vote.of_open() {
+            Some(_) => info.n_by_majority += 1,
+            None => {
+                info.n_without += 1;
+                part.iter().for_each(|&x| normals[x as usize] = [0.0; 3]);
+            }
+        }
+    }
+    let n_without = normals.iter().filter(|n| **n == [0.0; 3]).count();
+    info.without = n_without as f64 / points.len().max(1) as f64;
+    Ok(OutwardNormals { normals, info })
+}
+
+fn centre(points: &[[f64; 3]], part: &[u32]) -> [f64; 3] {
+    let n = part.len() as f64;
+    std::array::from_fn(|c| part.iter().map(|&x| points[x as usize][c] / n).sum())
+}
+
+/// The points of each part, by rising index, in the order of their first points.
+fn parts(near: &Adjacency, progress: Progress<'_>) -> Result<Vec<Vec<u32>>, Cancelled> {
+    let mut seen = vec![false; near.n_rows()];
+    let mut parts = Vec::new();
+    for start in 0..seen.len() {
+        if std::mem::replace(&mut seen[start], true) {
+            continue;
+        }
+        progress.check()?;
+        let mut part = vec![start as u32];
+        let mut at = 0;
+        while at < part.len() {
+            for &y in near.of(part[at] as usize) {
+                if !std::mem::replace(&mut seen[y as usize], true) {
+                    part.push(y);
+                }
+            }
+            at += 1;
+        }
+        part.sort_unstable();
+        parts.push(part);
+    }
+    Ok(parts)
+}

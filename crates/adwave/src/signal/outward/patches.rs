@@ -1,0 +1,246 @@
+//! The outside of a mesh, patch by patch.
+
+use super::vote::Vote;
+use super::{OutwardInfo, OutwardNormals};
+use crate::shape::{triangles_at_vertices, try_vertex_normals};
+use crate::vector::{cross, dot, norm, subtract};
+use crate::{Cancelled, Progress, parallel};
+
+/// Triangles between two looks at whether to go on.
+const AT_A_TIME: usize = 1 << 13;
+
+/// A normal is known where the triangles' cancel to no less than this share of their area.
+const CANCELLED: f64 = 1e-9;
+
+/// How a triangle meets the one across an edge: not at all, running alike, or the other way round.
+#[derive(Clone, Copy, Default, PartialEq)]
+enum Across {
+    #[default]
+    Nothing,
+    Alike(u32),
+    Reversed(u32),
+}
+
+/// Outward normals of the vertices.
+pub(super) fn normals(
+    points: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    file: Option<&[[f64; 3]]>,
+    progress: Progress<'_>,
+) -> Result<OutwardNormals, Cancelled> {
+    let across = neighbours(triangles, progress)?;
+    let mut turned = vec![false; triangles.len()];
+    let patches = spread(&across, triangles, &mut turned, progress)?;
+    let mut info = OutwardInfo {
+        n_parts: patches.len(),
+        n_closed: 0,
+        n_by_file: 0,
+        n_by_majority: 0,
+        n_as_given: 0,
+        n_without: 0,
+        n_turned: 0,
+        without: 0.0,
+    };
+    let mut has_side = vec![true; triangles.len()];
+    for patch in &patches {
+        progress.check()?;
+        let mesh = Faces { points, triangles, turned: &turned };
+        let sign = mesh.side(patch, file, &mut info);
+        for &f in &patch.triangles {
+            let f = f as usize;
+            turned[f] ^= sign == Some(-1.0);
+            has_side[f] = sign.is_some();
+        }
+    }
+    let of_sided = |f: usize| if has_side[f] { turned[f] } else { false };
+    info.n_turned = (0..triangles.len()).filter(|&f| of_sided(f)).count();
+    let outward: Vec<[u32; 3]> = parallel::try_collect(triangles.len(), progress, |f| {
+        let [a, b, c] = triangles[f];
+        match (has_side[f], turned[f]) {
+            (false, _) => [a; 3], // without area, so without a say
+            (true, false) => [a, b, c],
+            (true, true) => [a, c, b],
+        }
+    })?;
+    let at_vertex = triangles_at_vertices(points.len(), &outward, progress)?;
+    let mut normals = try_vertex_normals(points, &outward, &at_vertex, progress)?;
+    let area = |f: usize| norm(&doubled_normal(points, triangles[f]));
+    let (mut total, mut without) = (0.0, 0.0);
+    let around = triangles_at_vertices(points.len(), triangles, progress)?;
+    for (x, normal) in normals.iter_mut().enumerate() {
+        let all: f64 = around.of(x).iter().map(|&f| area(f as usize)).sum();
+        let sum = at_vertex.of(x).iter().fold([0.0; 3], |s, &f| {
+            crate::vector::add_scaled(&s, 1.0, &doubled_normal(points, outward[f as usize]))
+        });
+        if norm(&sum) <= CANCELLED * all {
+            *normal = [0.0; 3];
+            without += all;
+        }
+        total += all;
+    }
+    info.without = if total > 0.0 { without / total } else { 1.0 };
+    Ok(OutwardNormals { normals, info })
+}
+
+/// For each triangle what is across its edges ab, bc, ca.
+fn neighbours(triangles: &[[u32; 3]], progress: Progress<'_>) -> Result<Vec<[Across; 3]>, Cancelled> {
+    let mut edges: Vec<(u32, u32, u32, bool)> = Vec::with_capacity(3 * triangles.len());
+    for (f, corners) in triangles.iter().enumerate().filter(|(_, corners)| is_proper(corners)) {
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            edges.push((a.min(b), a.max(b), (3 * f + k) as u32, a < b));
+        }
+    }
+    parallel::sort_unstable_by(&mut edges, progress, Ord::cmp)?;
+    let mut across = vec![[Across::Nothing; 3]; triangles.len()];
+    for edge in edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
+        let [e, f] = edge else { continue };
+        let meets = |other: &(u32, u32, u32, bool)| {
+            if e.3 == f.3 { Across::Reversed(other.2 / 3) } else { Across::Alike(other.2 / 3) }
+        };
+        across[e.2 as usize / 3][e.2 as usize % 3] = meets(f);
+        across[f.2 as usize / 3][f.2 as usize % 3] = meets(e);
+    }
+    Ok(across)
+}
+
+/// Whether a triangle has three corners.
+fn is_proper(corners: &[u32; 3]) -> bool {
+    corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0]
+}
+
+/// Triangles that hang together by edges of two.
+struct Patch {
+    triangles: Vec<u32>,
+    is_closed: bool,
+    /// Whether all can run alike.
+    is_two_sided: bool,
+    /// Whether they did.
+    agrees: bool,
+}
+
+/// Turns the triangles of each patch to run as its first does.
+fn spread(
+    across: &[[Across; 3]],
+    triangles: &[[u32; 3]],
+    turned: &mut [bool],
+    progress: Progress<'_>,
+) -> Result<Vec<Patch>, Cancelled> {
+    let mut seen = vec![false; triangles.len()];
+    let mut patches = Vec::new();
+    for start in (0..triangles.len()).filter(|&f| is_proper(&triangles[f])) {
+        if std::mem::replace(&mut seen[start], true) {
+            continue;
+        }
+        let mut patch =
+            Patch { triangles: vec![start as u32], is_closed: true, is_two_sided: true, agrees: true };
+        let mut at = 0;
+        while at < patch.triangles.len() {
+            let f = patch.triangles[at] as usize;
+            for &side in &across[f] {
+                let (g, differs) = match side {
+                    Across::Nothing => {
+                        patch.is_closed = false;
+                        continue;
+                    }
+                    Across::Alike(g) => (g as usize, false),
+                    Across::Reversed(g) => (g as usize, true),
+                };
+                patch.agrees &= !differs;
+                if std::mem::replace(&mut seen[g], true) {
+                    patch.is_two_sided &= turned[g] == (turned[f] ^ differs);
+                } else {
+                    turned[g] = turned[f] ^ differs;
+                    patch.triangles.push(g as u32);
+                }
+            }
+            at += 1;
+            if at.is_multiple_of(AT_A_TIME) {
+                progress.check()?;
+            }
+        }
+        patches.push(patch);
+    }
+    Ok(patches)
+}
+
+/// Twice the area of a triangle times its unit normal.
+fn doubled_normal(points: &[[f64; 3]], corners: [u32; 3]) -> [f64; 3] {
+    let [a, b, c] = corners.map(|v| &points[v as usize]);
+    cross(&subtract(b, a), &subtract(c, a))
+}
+
+/// Triangles as they are turned so far.
+struct Faces<'a> {
+    points: &'a [[f64; 3]],
+    triangles: &'a [[u32; 3]],
+    turned: &'a [bool],
+}
+
+impl Faces<'_> {
+    fn doubled_normal(&self, f: u32) -> [f64; 3] {
+        let sign = if self.turned[f as usize] { -1.0 } else { 1.0 };
+        doubled_normal(self.points, self.triangles[f as usize]).map(|c| sign * c)
+    }
+
+    fn centre(&self, f: u32) -> [f64; 3] {
+        let [a, b, c] = self.triangles[f as usize].map(|v| self.points[v as usize]);
+        std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0)
+    }
+
+    /// 1 where the patch is right as it is turned, −1 where it is inside out; nothing where it has no outside. Counts how that
+    /// was found.
+    fn side(&self, patch: &Patch, file: Option<&[[f64; 3]]>, info: &mut OutwardInfo) -> Option<f64> {
+        let vote = self.vote(patch);
+        let by_file = || file.and_then(|normals| self.by_file(patch, normals));
+        let (count, sign) = if !patch.is_two_sided {
+            (&mut info.n_without, None)
+        } else if let Some(sign) = vote.of_closed().filter(|_| patch.is_closed) {
+            (&mut info.n_closed, Some(sign))
+        } else if vote.is_flat() || patch.is_closed {
+            (&mut info.n_without, None)
+        } else if let Some(sign) = by_file() {
+            (&mut info.n_by_file, Some(sign))
+        } else if let Some(sign) = vote.of_open() {
+            (&mut info.n_by_majority, Some(sign))
+        } else if patch.agrees {
+            (&mut info.n_as_given, Some(1.0))
+        } else {
+            (&mut info.n_without, None)
+        };
+        *count += 1;
+        sign
+    }
+
+    /// Whether the patch turns its front or its back to its own centre.
+    fn vote(&self, patch: &Patch) -> Vote {
+        let origin = self.centre(patch.triangles[0]);
+        let (mut moment, mut total) = ([0.0; 3], 0.0);
+        for &f in &patch.triangles {
+            let area = norm(&self.doubled_normal(f));
+            let from = subtract(&self.centre(f), &origin);
+            moment = crate::vector::add_scaled(&moment, area, &from);
+            total += area;
+        }
+        let mean = moment.map(|m| if total > 0.0 { m / total } else { 0.0 });
+        let mut vote = Vote::default();
+        for &f in &patch.triangles {
+            vote.add(&subtract(&self.centre(f), &origin), &self.doubled_normal(f), &mean);
+        }
+        vote
+    }
+
+    /// Which side the file's normals are on, weighed by area; nothing where there are none or they do not agree.
+    fn by_file(&self, patch: &Patch, normals: &[[f64; 3]]) -> Option<f64> {
+        let (mut signed, mut size) = (0.0, 0.0);
+        for &f in &patch.triangles {
+            let n = self.doubled_normal(f);
+            for &v in &self.triangles[f as usize] {
+                let along = dot(&n, &normals[v as usize]);
+                signed += along;
+                size += along.abs();
+            }
+        }
+        (signed.abs() > 0.5 * size && size > 0.0).then(|| signed.signum())
+    }
+}
