@@ -9,6 +9,7 @@ mod curvature;
 mod degree;
 mod luminance;
 mod mesh_curvature;
+mod orientation;
 mod quadric;
 
 pub(crate) use cloud_normals::cloud_border;
