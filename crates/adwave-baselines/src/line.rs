@@ -251,7 +251,7 @@ mod tests {
         // 7 steps of a lazy walk reach 7 points on each side, the furthest with (1/4)^7 = 6e-5 of a step.
         let middle = &of("ADW").middle_scaling;
         let reached = middle.iter().filter(|v| **v > 0.0).count();
-        assert_eq!((of("ADW").steps, reached, crate::multiscale::locality(middle).support), (7, 15, 15));
+        assert_eq!((of("ADW").steps, reached, locality(middle).support), (7, 15, 15));
         assert!((of("BDW").scaling.support - of("ADW").scaling.support).abs() < 1.0, "{cases:?}");
     }
 

@@ -98,7 +98,7 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
         "steps": steps,
         "sigma": sigma,
         "support": functions.support,
-        "vertices_holding_999_per_mille": functions.n_holding(0.999),
+        "vertices_with_99_9_percent": functions.n_holding(0.999),
         "phi_at_vertex": phi,
         "psi_at_vertex": psi,
         "seconds": seconds,

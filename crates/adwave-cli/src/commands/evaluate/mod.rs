@@ -91,7 +91,11 @@ fn against(
 /// Repeatability under changes.
 fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<(), CliError> {
     let reference = find(args, global, analysis)?;
-    let area = surface_area(analysis.walk.geometry().points(), analysis.walk.geometry().triangles());
+    let geometry = analysis.walk.geometry();
+    let area = match geometry.triangles() {
+        [] => analysis.walk.areas().iter().sum(),
+        triangles => surface_area(geometry.points(), triangles),
+    };
     let mut rows: Vec<Again> = Vec::new();
     let percents = args.percents.iter().map(|p| (format!("noise {p} %"), Some(p / 100.0)));
     let kinds = percents.chain([("rotation".to_owned(), None)]);
@@ -192,13 +196,17 @@ fn repeatability_table(reference: &[Feature], rows: &[Again]) -> String {
         .map(|l| format!("level {l}"))
         .chain(["all", "4 up", "chance", "right"].map(str::to_owned));
     text += &line("", &heads.collect::<Vec<_>>());
-    for Again { name, levels, by_chance, .. } in rows {
+    let two_digits = |v: f64| if v.is_nan() { "-".to_owned() } else { format!("{v:.2}") };
+    for row in rows {
+        let Again { name, levels, .. } = row;
+        let beside = [row.by_chance, row.precision().unwrap_or(f64::NAN)].map(two_digits);
         let share = |from: usize| {
             let kept = levels.iter().filter(|l| l.level >= from);
             let (n, of) = kept.fold((0, 0), |(n, of), l| (n + l.n_found, of + l.n_reference));
             if of == 0 { "-".to_owned() } else { format!("{:.2}", n as f64 / of as f64) }
         };
-        let cells = levels.iter().map(|l| format!("{:.2}", l.share())).chain([share(0), share(4)]);
+        let cells =
+            levels.iter().map(|l| format!("{:.2}", l.share())).chain([share(0), share(4)]).chain(beside);
         text += &line(name, &cells.collect::<Vec<_>>());
     }
     text
