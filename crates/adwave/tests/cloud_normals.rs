@@ -31,16 +31,18 @@ fn meshes_below(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
+/// The least vertex that is known to be connected with `x`.
+fn root(parent: &mut [usize], mut x: usize) -> usize {
+    while parent[x] != x {
+        parent[x] = parent[parent[x]];
+        x = parent[x];
+    }
+    x
+}
+
 /// The mesh's connected component of each vertex, as the least vertex in it.
 fn components(n: usize, triangles: &[[u32; 3]]) -> Vec<usize> {
     let mut parent: Vec<usize> = (0..n).collect();
-    fn root(parent: &mut [usize], mut x: usize) -> usize {
-        while parent[x] != x {
-            parent[x] = parent[parent[x]];
-            x = parent[x];
-        }
-        x
-    }
     for t in triangles {
         for k in 1..3 {
             let (a, b) = (root(&mut parent, t[0] as usize), root(&mut parent, t[k] as usize));

@@ -89,7 +89,7 @@ pub fn share_by_chance(
     params: &RepeatabilityParams,
     area: f64,
 ) -> f64 {
-    if !(area > 0.0) || reference.iter().any(|f| f.position.is_none()) {
+    if area.is_nan() || area <= 0.0 || reference.iter().any(|f| f.position.is_none()) {
         return f64::NAN;
     }
     let by_chance = |feature: &Feature| {
