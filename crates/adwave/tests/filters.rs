@@ -142,7 +142,10 @@ fn a_ball_round_a_vertex_measures_as_the_vertex_itself_does() {
         let radius = Length::PercentOfDiagonal(6.0);
         let ball = Region::Ball { centre: Place::Vertex(vertex), radius, falloff: Some(radius) };
         let vertices = Region::Vertices { indices: vec![vertex], radius };
-        assert_eq!(weights(&f.decomposer, &ball), weights(&f.decomposer, &vertices), "{vertex}");
+        let (ball, vertices) = (weights(&f.decomposer, &ball), weights(&f.decomposer, &vertices));
+        let apart = ball.iter().zip(&vertices).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // The two divide by the radius in another order.
+        assert!(apart < 1e-13, "{vertex}: {apart}");
     }
 }
 
