@@ -83,8 +83,8 @@ pub struct WindowedSinc {
 }
 
 impl WindowedSinc {
-    /// The filter that passes frequencies below `pass_band`, in (0, 2), by a polynomial of `degree`: the gain at the edge is
-    /// 0.9995, before the gain at 0 is made 1.
+    /// The filter that passes frequencies below `pass_band`, in (0, 2), by a polynomial of `degree`: the gain is 1 at 0 and 0.9995 at the
+    /// edge.
     ///
     /// # Errors
     /// [`TaubinError`].
@@ -102,9 +102,9 @@ impl WindowedSinc {
         let edge = (1.0 - pass_band / 2.0).acos();
         // The gain at the pass band rises with the shift, through the width of the window's main lobe, then ripples round 1.
         let most = (PI - edge).min(4.0 * PI / (degree + 1) as f64);
-        let reaches = |shift: f64| Self::with_edge(edge + shift, degree).gain(pass_band) >= PASSED;
-        let shift = first_that(reaches, most);
-        Ok(Self::with_edge(edge + shift, degree).keeping_constants())
+        let make = |shift: f64| Self::with_edge(edge + shift, degree).keeping_constants();
+        let shift = first_that(|shift| make(shift).gain(pass_band) >= PASSED, most);
+        Ok(make(shift))
     }
 
     /// The filter whose gain is ½ at `frequency`, in (0, 2), by a polynomial of `degree`: for comparisons with other filters.
