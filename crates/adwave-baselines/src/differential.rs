@@ -114,7 +114,10 @@ impl Differential {
     pub fn from_walk(walk: &Diffusion, vertex_map: VertexMap) -> Self {
         let row = |x: usize| {
             let (columns, values) = walk.row(x);
-            columns.iter().copied().zip(values.iter().copied()).collect()
+            // K = 2(I − Φ₁) = I − P, whose diagonal P(x,x) = 2Φ₁(x,x) − 1 is 0 on the lazy walk.
+            let stays = (!columns.is_empty()).then(|| (x as u32, 2.0 * walk.diagonal(x) - 1.0));
+            let steps = columns.iter().copied().zip(values.iter().map(|w| 2.0 * w));
+            steps.chain(stays.filter(|s| s.1 != 0.0)).collect()
         };
         Self::from_rows(&(0..walk.n_vertices()).map(row).collect::<Vec<_>>(), vertex_map)
     }

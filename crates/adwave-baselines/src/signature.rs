@@ -50,13 +50,13 @@ pub fn heat_kernel_signature(harmonics: &Harmonics, times: &[f64]) -> Signature 
 }
 
 /// `WKS(x, e) = Σ_k φ_k(x)² exp(−(e − ln λ_k)²/2σ²) / Σ_k exp(−(e − ln λ_k)²/2σ²)` at `n_energies` energies, `σ` seven times
-/// their distance, from `ln λ_1 + 2σ` to `ln λ_last − 2σ`. O(n·k·energies).
+/// their distance, from `ln λ_1 + 2σ` to `ln λ_last − 2σ`, both included. O(n·k·energies).
 pub fn wave_kernel_signature(harmonics: &Harmonics, n_energies: usize) -> Signature {
     const SIGMA: f64 = 7.0;
     let Some((first, last)) = range(harmonics) else {
         return Signature { scales: Vec::new(), values: Vec::new() };
     };
-    let step = (last.ln() - first.ln()) / (n_energies as f64 + 4.0 * SIGMA);
+    let step = (last.ln() - first.ln()) / (n_energies.saturating_sub(1) as f64 + 4.0 * SIGMA);
     let sigma = SIGMA * step;
     let energies: Vec<f64> = (0..n_energies).map(|i| first.ln() + 2.0 * sigma + step * i as f64).collect();
     let weight = |lambda: f64, e: f64| {

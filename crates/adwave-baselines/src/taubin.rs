@@ -35,8 +35,8 @@ pub enum TaubinError {
     Signal(#[from] DifferentialError),
 }
 
-/// The gain asked for at the edge of the pass band: the window's ripple is 0.002, so that 1 itself may never be reached.
-const PASSED: f64 = 0.995;
+/// The gain at the edge of the pass band, within the 1 ± 0.001 at which VTK's search for the shift ends.
+const PASSED: f64 = 0.9995;
 /// Cap on the products.
 const MAX_ITERATIONS: usize = 100_000;
 
@@ -74,7 +74,8 @@ pub fn lambda_mu(
 }
 
 /// The low-pass filter of `taubin1996`: the ideal one cut after `degree` Chebyshev terms and windowed after
-/// Hamming, its edge moved until the gain at the pass band is 1 again but for the ripple, as VTK has it.
+/// Hamming, its edge moved until the gain at a given frequency is a given one. The windows of Blackman, Hann and Nuttall, which
+/// some programs take, give wider transitions at the same degree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowedSinc {
     /// Coefficients of `T_k(1 − K/2)`.
@@ -82,7 +83,8 @@ pub struct WindowedSinc {
 }
 
 impl WindowedSinc {
-    /// The filter that passes frequencies below `pass_band`, in (0, 2), by a polynomial of `degree`.
+    /// The filter that passes frequencies below `pass_band`, in (0, 2), by a polynomial of `degree`: the gain is 1 at 0 and 0.9995 at the
+    /// edge.
     ///
     /// # Errors
     /// [`TaubinError`].
@@ -98,28 +100,52 @@ impl WindowedSinc {
         }
         check_iterations(degree)?;
         let edge = (1.0 - pass_band / 2.0).acos();
-        let make = |shift: f64| {
-            let theta = (edge + shift).min(PI);
-            let coefficients = (0..=degree)
-                .map(|k| {
-                    let kf = k as f64;
-                    let ideal = if k == 0 { theta / PI } else { 2.0 * (kf * theta).sin() / (kf * PI) };
-                    ideal * (0.54 + 0.46 * (kf * PI / (degree + 1) as f64).cos())
-                })
-                .collect();
-            Self { coefficients }
-        };
-        // Bisection for the shift; the gain at the pass band rises with it, through the width of the window's main lobe.
-        let (mut low, mut high) = (0.0, (PI - edge).min(4.0 * PI / (degree + 1) as f64));
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if make(middle).gain(pass_band) < PASSED { low = middle } else { high = middle }
+        // The gain at the pass band rises with the shift, through the width of the window's main lobe, then ripples round 1.
+        let most = (PI - edge).min(4.0 * PI / (degree + 1) as f64);
+        let make = |shift: f64| Self::with_edge(edge + shift, degree).keeping_constants();
+        let shift = first_that(|shift| make(shift).gain(pass_band) >= PASSED, most);
+        Ok(make(shift))
+    }
+
+    /// The filter whose gain is ½ at `frequency`, in (0, 2), by a polynomial of `degree`: for comparisons with other filters.
+    /// Where the degree is too low for so narrow a band, the gain at `frequency` stays above ½.
+    ///
+    /// # Errors
+    /// [`TaubinError`].
+    ///
+    /// ```
+    /// let filter = adwave_baselines::taubin::WindowedSinc::half_gain(0.04, 60)?;
+    /// assert!((filter.gain(0.04) - 0.5).abs() < 1e-12 && (filter.gain(0.0) - 1.0).abs() < 1e-14);
+    /// # Ok::<(), adwave_baselines::taubin::TaubinError>(())
+    /// ```
+    pub fn half_gain(frequency: f64, degree: usize) -> Result<Self, TaubinError> {
+        if !(frequency > 0.0 && frequency < 2.0) {
+            return Err(TaubinError::PassBand(frequency));
         }
-        let mut filter = make(low);
-        // Constants are kept exactly, or a shape far from the origin would move.
-        let at_zero: f64 = filter.coefficients.iter().sum();
-        filter.coefficients.iter_mut().for_each(|c| *c /= at_zero);
-        Ok(filter)
+        check_iterations(degree)?;
+        let make = |theta: f64| Self::with_edge(theta, degree).keeping_constants();
+        let theta = first_that(|theta| theta > 0.0 && make(theta).gain(frequency) >= 0.5, PI);
+        Ok(make(theta.max(1e-9)))
+    }
+
+    /// The ideal low-pass of the frequencies `2 − 2 cos θ`, cut and windowed.
+    fn with_edge(theta: f64, degree: usize) -> Self {
+        let theta = theta.min(PI);
+        let coefficients = (0..=degree)
+            .map(|k| {
+                let kf = k as f64;
+                let ideal = if k == 0 { theta / PI } else { 2.0 * (kf * theta).sin() / (kf * PI) };
+                ideal * (0.54 + 0.46 * (kf * PI / (degree + 1) as f64).cos())
+            })
+            .collect();
+        Self { coefficients }
+    }
+
+    /// The same with the gain 1 at 0, or a shape far from the origin would move.
+    fn keeping_constants(mut self) -> Self {
+        let at_zero: f64 = self.coefficients.iter().sum();
+        self.coefficients.iter_mut().for_each(|c| *c /= at_zero);
+        self
     }
 
     /// The gain at `frequency`, an eigenvalue of K.
@@ -165,6 +191,39 @@ impl WindowedSinc {
         let out: Vec<f64> = f.iter().zip(&sum).map(|(f, s)| f + s).collect();
         Ok(k.scattered(&out, n_channels))
     }
+}
+
+/// The least value up to `most` at which a condition holds, to rounding; `most` where it holds nowhere. The condition is looked at
+/// in so many steps that no ripple of a filter is passed over.
+fn first_that(holds: impl Fn(f64) -> bool, most: f64) -> f64 {
+    const STEPS: u32 = 64;
+    let place = |k: u32| most * f64::from(k) / f64::from(STEPS);
+    let Some(k) = (0..=STEPS).find(|&k| holds(place(k))) else { return most };
+    let (mut low, mut high) = (place(k.saturating_sub(1)), place(k));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if holds(middle) { high = middle } else { low = middle }
+    }
+    high
+}
+
+/// λ, μ and the fewest iterations by which [`lambda_mu`] has the gain ½ at `frequency` exactly, for comparisons: λ = 0.5, and what
+/// is below about a quarter of the frequency is kept, `1/λ + 1/μ` being the frequency at which the gain is 1 again. O(1).
+///
+/// ```
+/// let (lambda, mu, iterations) = adwave_baselines::taubin::lambda_mu_with_half_gain(0.1);
+/// let gain = ((1.0 - 0.1 * lambda) * (1.0 - 0.1 * mu)).powi(iterations as i32);
+/// assert!((gain - 0.5).abs() < 1e-9 && iterations > 300);
+/// ```
+pub fn lambda_mu_with_half_gain(frequency: f64) -> (f64, f64, usize) {
+    const LAMBDA: f64 = 0.5;
+    let mu = |kept: f64| 1.0 / (kept - 1.0 / LAMBDA);
+    let once = |kept: f64| (1.0 - LAMBDA * frequency) * (1.0 - mu(kept) * frequency);
+    let iterations = (-std::f64::consts::LN_2 / once(frequency / 4.0).abs().ln()).ceil().max(1.0);
+    // More iterations keep more: up to the frequency itself, where the gain is 1.
+    let reaches = |kept: f64| once(kept).abs().powf(iterations) >= 0.5;
+    let kept = first_that(reaches, frequency);
+    (LAMBDA, mu(kept), iterations as usize)
 }
 
 #[cfg(test)]

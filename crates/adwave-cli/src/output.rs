@@ -29,6 +29,11 @@ pub(crate) fn print(global: &Global<'_>, text: &str, json: &Value) -> Result<(),
     })
 }
 
+/// A length in % of the diagonal; a dash where there is none, as on a graph.
+pub(crate) fn percent_of(length: f64, diagonal: f64) -> String {
+    if diagonal > 0.0 { number(100.0 * length / diagonal) } else { "–".to_owned() }
+}
+
 /// Says something that is not the result, to people only.
 pub(crate) fn note(global: &Global<'_>, text: &str) {
     if !global.quiet {

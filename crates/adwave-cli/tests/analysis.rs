@@ -171,6 +171,7 @@ fn fields_come_from_tables_arrays_colours_and_textures() {
     }
     assert_eq!(json(at, "transform s.obj -o w.npz --field t.csv")["channels"], 2);
     json(at, "saliency s.obj -o m.ply --field texture-lightness --texture p.png");
+    json(at, "transform s.obj -o t.npz --levels 3 --field texture-lightness --texture p.png");
     for (line, words) in [
         ("saliency s.obj -o m.ply --field t.csv:width", "depth, gaze"),
         ("saliency s.obj -o m.ply --field texture --texture gone.png", "gone.png"),

@@ -26,6 +26,36 @@ fn write_strip(folder: &Path) {
 }
 
 #[test]
+fn what_a_graph_has_not_and_what_was_made_of_its_matrix_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_strip(path);
+    let head = "%%MatrixMarket matrix coordinate real general\n3 3 3\n";
+    fs::write(path.join("oneway.mtx"), format!("{head}1 2 1\n2 3 1\n3 2 1\n")).unwrap();
+    assert_eq!(json(path, "info oneway.mtx")["made_symmetric"], true);
+    assert_eq!(json(path, "info strip.mtx")["made_symmetric"], false);
+    let text = |line: &str| {
+        let output = adwave(path).args(words(line)).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert!(text("info oneway.mtx").contains("(M + Mᵀ)/2"));
+    assert!(!text("info strip.mtx").contains("(M + Mᵀ)/2"));
+    let last = text("info strip.mtx --levels 4").trim_end().lines().last().unwrap().to_owned();
+    assert!(last.trim_end().ends_with('–'), "a graph has no diagonal: {last}");
+}
+
+#[test]
+fn a_basis_says_what_was_dropped_and_where_most_of_a_function_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let all =
+        json(folder.path(), "basis sample:torus --vertices 400 --levels 3 -o b.npz --drop-tolerance 1e-4");
+    assert_eq!(all["drop_tolerance"], 1e-4);
+    let one = json(folder.path(), "basis sample:torus --vertices 400 --vertex 7 --level 6 -o f.ply");
+    let count = |name: &str| one[name].as_u64().unwrap();
+    assert!(count("vertices_with_99_9_percent") < count("support"), "{one}");
+}
+
+#[test]
 fn voices_divide_every_octave_alike() {
     let folder = tempfile::tempdir().unwrap();
     let info = json(folder.path(), "info sample:torus --vertices 900 --levels 4 --voices 3");

@@ -2,6 +2,7 @@
 
 use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
 use adwave::{ClassifiedError, ErrorKind};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::{Direction, Edges, ShapeFile};
@@ -145,6 +146,34 @@ impl ShapeFile {
         Ok(Graph::new(self.n_vertices, &list)?)
     }
 
+    /// Whether the edges are the entries of a matrix M that is not symmetric, of which [`to_shape`](Self::to_shape) takes
+    /// (M + Mᵀ)/2. O(edges log edges).
+    ///
+    /// ```
+    /// use adwave_io::{ReadLimits, read_bytes};
+    /// let matrix = |entries: &str| {
+    ///     let text = format!("%%MatrixMarket matrix coordinate real general\n2 2 2\n{entries}");
+    ///     read_bytes(text.into_bytes(), Some("a.mtx"), &ReadLimits::default()).unwrap()
+    /// };
+    /// assert!(!matrix("1 2 3\n2 1 3\n").is_unsymmetric());
+    /// assert!(matrix("1 2 3\n2 1 4\n").is_unsymmetric());
+    /// ```
+    pub fn is_unsymmetric(&self) -> bool {
+        let edges = self.edges();
+        if edges.direction == Direction::Both {
+            return false;
+        }
+        let mut sums: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+        for (k, pair) in edges.pairs.iter().enumerate().filter(|(_, [a, b])| a != b) {
+            *sums.entry(*pair).or_default() += edges.weights.get(k).copied().unwrap_or(1.0);
+        }
+        let is_matched = |(&[a, b], weight): (&[u32; 2], &f64)| {
+            let other = sums.get(&[b, a]).copied().unwrap_or(0.0);
+            (weight - other).abs() <= 1e-12 * weight.abs().max(other.abs())
+        };
+        !sums.iter().all(is_matched)
+    }
+
     /// The distinct undirected edges of the faces, smaller vertex first, in order.
     fn edges_of_faces(&self) -> Vec<[u32; 2]> {
         let mut edges: Vec<[u32; 2]> = self
@@ -160,7 +189,8 @@ impl ShapeFile {
     }
 }
 
-/// A matrix that lists both directions has every edge twice; half of each makes the edge.
+/// A matrix that lists both directions has every edge twice; half of each makes the edge, so that a matrix M that is not
+/// symmetric gives the graph of (M + Mᵀ)/2.
 fn weighted(edges: &Edges) -> impl Iterator<Item = (u32, u32, f64)> {
     let part = if edges.direction == Direction::RowToColumn { 0.5 } else { 1.0 };
     let weight = move |k: usize| part * edges.weights.get(k).copied().unwrap_or(1.0);

@@ -136,6 +136,20 @@ fn regions_combine_as_sets_do() {
 }
 
 #[test]
+fn a_ball_round_a_vertex_measures_as_the_vertex_itself_does() {
+    let f = fixture("creature", 6000);
+    for vertex in [7, 1000, 3001] {
+        let radius = Length::PercentOfDiagonal(6.0);
+        let ball = Region::Ball { centre: Place::Vertex(vertex), radius, falloff: Some(radius) };
+        let vertices = Region::Vertices { indices: vec![vertex], radius };
+        let (ball, vertices) = (weights(&f.decomposer, &ball), weights(&f.decomposer, &vertices));
+        let apart = ball.iter().zip(&vertices).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // The two divide by the radius in another order.
+        assert!(apart < 1e-13, "{vertex}: {apart}");
+    }
+}
+
+#[test]
 fn a_stroke_is_as_wide_as_it_says_along_its_whole_length() {
     // A meridian of the unit sphere: the straight pieces between its three places cut deep through the inside.
     let f = fixture("sphere", 20_000);

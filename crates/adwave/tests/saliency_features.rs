@@ -8,7 +8,7 @@ use adwave::features::{
     match_features, spread_best,
 };
 use adwave::mask::missing;
-use adwave::measure::{Change, RepeatabilityParams, change, repeatability};
+use adwave::measure::{Change, RepeatabilityParams, change, n_right, repeatability, share_by_chance};
 use adwave::operator::OperatorParams;
 use adwave::saliency::{SaliencyError, SaliencyParams, Weighting, saliency, saliency_per_level};
 use adwave::sample::Sample;
@@ -401,6 +401,21 @@ fn features_are_found_again_when_the_shape_is_turned_and_scaled_and_descriptors_
     }
     // Nothing is found again of what is not there.
     let same = change(&shape, &reference_walk, &Change::Scaling { factor: 1.0 }).unwrap();
+    // Every feature of an unchanged shape is right; chance finds fewer, and none where there is none.
+    let params = RepeatabilityParams::default();
+    assert_eq!(n_right(&reference, &reference, &same, &params), reference.len());
+    assert_eq!(n_right(&[], &reference, &same, &params), 0);
+    let chance = |found: &[Feature], area| share_by_chance(&reference, found, &same, &params, area);
+    let disc = std::f64::consts::PI * reference[0].sigma.powi(2);
+    assert_eq!(chance(&[], 1.0), 0.0);
+    assert!(
+        chance(&reference, 1e3 * disc) > 0.0
+            && chance(&reference, 1e6 * disc) < chance(&reference, 1e3 * disc)
+    );
+    // One feature, and one as wide: the share of its disc.
+    let one = share_by_chance(&reference[..1], &reference[..1], &same, &params, 4.0 * disc);
+    assert!((one - 0.25).abs() < 1e-12, "{one}");
+    assert!(chance(&reference, 0.0).is_nan());
     let none = repeatability(&reference, &[], &same, &RepeatabilityParams::default());
     assert!(none.iter().all(|l| l.n_found == 0 && l.share() == 0.0));
 }

@@ -26,7 +26,10 @@ pub(super) fn compare(
     let their_seconds = start.elapsed().as_secs_f64();
     let n = subject.shape.n_vertices();
     let (mut our_field, mut their_field) = (vec![0.0; n], vec![0.0; n]);
-    let mut rows = vec![row("find, s", seconds + found, their_seconds)];
+    let mut rows = vec![
+        row("prepare, s", subject.prepare_seconds, None),
+        row("find, s", seconds + found, their_seconds),
+    ];
     for f in &ours {
         our_field[f.vertex] = f.level as f64;
     }

@@ -1,4 +1,4 @@
-//! Smoothing by manifold harmonics, with the gain of the same heat.
+//! Smoothing by manifold harmonics, with heat's gain that is ½ where ours is.
 
 use super::parts::{row, smoothing};
 use super::{CompareError, Comparison, Subject};
@@ -7,6 +7,7 @@ use crate::laplacian::{Laplacian, LaplacianParams};
 use crate::linalg::EigenParams;
 use adwave::Progress;
 use adwave::bands::Bands;
+use adwave::operator::Semigroup;
 use std::time::Instant;
 
 pub(super) fn compare(
@@ -21,17 +22,24 @@ pub(super) fn compare(
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let sigma = bands.sigma[bands.n_levels()];
-    // The mean square distance after the time t is 4t in a plane.
-    let gain = |frequency: f64| (-(frequency * sigma).powi(2) / 4.0).exp();
+    // The mean square distance after the time t is 4t in a plane, so a step of length s has the gain 1 − λs²/4 to first order.
+    let (steps, semigroup) = (bands.steps[bands.n_levels()], subject.walk.diffusion().semigroup());
+    let exponent = match semigroup {
+        // (1 − λσ²/4n)^n = ½ at λσ²/4 = n(1 − 2^(−1/n))
+        Semigroup::Steps => std::f64::consts::LN_2 / (steps * (1.0 - (-1.0 / steps).exp2())),
+        Semigroup::Heat { .. } => 1.0,
+    };
+    let gain = |frequency: f64| (-exponent * (frequency * sigma).powi(2) / 4.0).exp();
     let theirs = harmonics.filter(subject.signal, subject.n_channels, gain, Remainder::Drop)?;
     let filtered = start.elapsed().as_secs_f64();
     let last = harmonics.values.last().copied().unwrap_or(0.0).max(0.0).sqrt();
     let rows = vec![
-        row("prepare, s", None, prepared),
+        row("prepare, s", subject.prepare_seconds, prepared),
         row("smooth, s", seconds, filtered),
         row("harmonics", None, harmonics.len() as f64),
         row("gain dropped above the last harmonic", None, gain(last)),
     ];
-    let task = format!("smooth by the heat of width {sigma:.4} (model units)");
+    let task =
+        format!("smooth by the heat of width {sigma:.4} (model units), half the gain at the same frequency");
     Ok(smoothing(subject, task, bands.coarsest(), theirs, rows))
 }

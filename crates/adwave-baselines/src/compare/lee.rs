@@ -22,10 +22,17 @@ pub(super) fn compare(
     let theirs = lee_saliency(subject.shape, progress)?;
     let their_seconds = start.elapsed().as_secs_f64();
     let narrowest = theirs.sigma[0];
+    // Lee's σ is that of a Gaussian along an axis; ours is the root mean square distance in the plane, of two axes.
+    let by_axis = |sigma: f64| sigma / std::f64::consts::SQRT_2;
     let rows = vec![
+        row("prepare, s", subject.prepare_seconds, None),
         row("map, s", seconds + mapped, their_seconds),
-        row("narrowest width, model units", bands.sigma.get(3).copied(), narrowest),
-        row("widest width, model units", bands.sigma[bands.n_levels()], 2.0 * theirs.sigma[4]),
+        row("narrowest width (by axis), model units", bands.sigma.get(3).copied().map(by_axis), narrowest),
+        row(
+            "widest width (by axis), model units",
+            by_axis(bands.sigma[bands.n_levels()]),
+            2.0 * theirs.sigma[4],
+        ),
         row("rank correlation of the two", None, rank_correlation(&ours, &theirs.saliency)),
         row("shared part of the top 5 %", None, shared_top(&ours, &theirs.saliency, 0.05)),
     ];

@@ -28,7 +28,7 @@ use thiserror::Error;
 /// What adwave is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Smoothing: manifold harmonics with the gain `e^(−λσ²/4)` of the same heat.
+    /// Smoothing: manifold harmonics with a gain `e^(−λt)` of heat that is ½ at the same frequency.
     Harmonics,
     /// A saliency map: `lee2005`.
     Lee,
@@ -40,7 +40,7 @@ pub enum Method {
     DiffusionWavelets,
     /// Bands and back: biorthogonal diffusion wavelets of the same diffusion operator.
     Biorthogonal,
-    /// Smoothing: the windowed sinc on the same diffusion operator, half gain at the same frequency.
+    /// Smoothing: the windowed sinc and λ|μ on the same diffusion operator, the gain ½ at the same frequency.
     Taubin,
     /// Denoising of a mesh's coordinates: bilateral normal filtering.
     Bilateral,
@@ -124,6 +124,8 @@ pub struct Subject<'a> {
     pub shape: &'a Shape,
     /// Its prepared geometry and diffusion operator.
     pub walk: &'a Decomposer,
+    /// How long these took to make, seconds; `None` where that was not measured.
+    pub prepare_seconds: Option<f64>,
     /// The levels of adwave.
     pub schedule: &'a Schedule,
     /// How its bands are computed.
@@ -187,6 +189,7 @@ mod tests {
             let subject = Subject {
                 shape: &shape,
                 walk: &walk,
+                prepare_seconds: Some(0.5),
                 schedule: &schedule,
                 params: &params,
                 signal,
@@ -204,6 +207,16 @@ mod tests {
         assert!(apart < 0.2 * moved, "the same heat by both: {moved} {apart}");
         for method in [Method::Sgwt, Method::DiffusionWavelets, Method::Biorthogonal] {
             assert!(value(&with(method, coords, 3), "largest error") < 1e-6, "{method:?}");
+        }
+        let sinc = with(Method::Taubin, coords, 3);
+        let half = sinc.rows.iter().find(|r| r.quantity == "gain at the frequency").unwrap();
+        assert!((half.adwave.unwrap() - half.other.unwrap()).abs() < 1e-9, "{half:?}");
+        assert!(value(&sinc, "λ|μ: rms difference") < value(&sinc, "λ|μ: rms change"));
+        for c in [&mht, &sinc] {
+            let prepared = c.rows.iter().find(|r| r.quantity == "prepare, s").unwrap();
+            assert_eq!(prepared.adwave, Some(0.5));
+            // The largest distance is one of those whose mean square rms is the root of.
+            assert!(value(c, "largest change") >= value(c, "rms change"));
         }
         for method in [Method::Taubin, Method::Lee] {
             assert!(with(method, coords, 3).other[0].values.iter().all(|v| v.is_finite()), "{method:?}");

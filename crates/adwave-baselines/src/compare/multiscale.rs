@@ -76,9 +76,9 @@ pub(super) fn compare(
     let coarse = interleave(&coarse.collect::<Result<Vec<_>, _>>()?);
     let (ours, our_synthesis) = put_together(bands);
     let support =
-        |f: &[Vec<f64>]| f.iter().map(|f| locality(f).support as f64).sum::<f64>() / f.len().max(1) as f64;
+        |f: &[Vec<f64>]| f.iter().map(|f| locality(f).core as f64).sum::<f64>() / f.len().max(1) as f64;
     let mut rows = vec![
-        row("prepare, s", None, prepared),
+        row("prepare, s", subject.prepare_seconds, prepared),
         row("bands, s", seconds, analysis),
         row("put together, s", our_synthesis, synthesis),
         row(
@@ -87,7 +87,11 @@ pub(super) fn compare(
             largest_difference(&mean, &interleave(&back)),
         ),
         row("defect of (bi)orthogonality", None, defect),
-        row("mean support of a scaling function of the last level, vertices", None, support(&functions)),
+        row(
+            "vertices that hold 99 % of a scaling function of the last level, mean",
+            None,
+            support(&functions),
+        ),
     ];
     for (j, rank) in ranks.iter().enumerate() {
         rows.push(row(&format!("scaling coefficients at level {j}"), walk.n_vertices() as f64, *rank as f64));

@@ -9,9 +9,16 @@ pub(super) fn row(quantity: &str, adwave: impl Into<Option<f64>>, other: impl In
     Row { quantity: quantity.to_owned(), adwave: adwave.into(), other: other.into() }
 }
 
-/// The largest difference of two signals.
+/// The largest difference of two signals in any channel.
 pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// The largest Euclidean norm, over the channels of a vertex, of the difference of two signals; as `rms` takes it.
+pub(super) fn largest_distance(a: &[f64], b: &[f64], n_channels: usize) -> f64 {
+    let rows = a.chunks_exact(n_channels).zip(b.chunks_exact(n_channels));
+    let squares = rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
+    squares.fold(0.0, f64::max).sqrt()
 }
 
 /// Both smoothed signals, against the signal and against each other.
@@ -25,9 +32,9 @@ pub(super) fn smoothing(
     let (f, d) = (subject.signal, subject.n_channels);
     rows.push(row("rms change of the signal", rms(f, ours, d), rms(f, &theirs, d)));
     rows.push(row(
-        "largest change of the signal",
-        largest_difference(f, ours),
-        largest_difference(f, &theirs),
+        "largest change of the signal at a vertex",
+        largest_distance(f, ours, d),
+        largest_distance(f, &theirs, d),
     ));
     rows.push(row("rms difference of the two", None, rms(ours, &theirs, d)));
     let outcome = |values: Vec<f64>| vec![Outcome { name: "smoothed".to_owned(), n_channels: d, values }];

@@ -49,7 +49,7 @@ pub(super) fn compare(
     let (ours, our_synthesis) = put_together(bands);
     let degree = frame.polynomials.iter().map(|p| p.coefficients.len() - 1).max().unwrap_or(0);
     let rows = vec![
-        row("prepare, s", None, prepared),
+        row("prepare, s", subject.prepare_seconds, prepared),
         row("bands, s", seconds, analysis),
         row("put together, s", our_synthesis, synthesis),
         row(

@@ -1,39 +1,84 @@
-//! Smoothing by the windowed sinc of Taubin, with half the gain at the same frequency.
+//! Smoothing by Taubin's filters, the windowed sinc and λ|μ, with half the gain at the frequency where ours has half.
 
 use super::parts::{row, smoothing};
 use super::{CompareError, Comparison, Subject};
 use crate::differential::Differential;
-use crate::taubin::WindowedSinc;
+use crate::taubin::{WindowedSinc, lambda_mu, lambda_mu_with_half_gain};
 use adwave::bands::Bands;
+use adwave::measure::rms;
+use adwave::operator::Semigroup;
 use std::time::Instant;
+
+/// λ|μ needs some 3/k² iterations at the frequency k: past so many it is left out.
+const MOST_ITERATIONS: usize = 4000;
+
+/// The gain of n steps at the frequency k, an eigenvalue of `2(I − Φ₁)`.
+fn gain(semigroup: Semigroup, n: f64, k: f64) -> f64 {
+    match semigroup {
+        Semigroup::Steps => (1.0 - k / 2.0).max(0.0).powf(n),
+        Semigroup::Heat { rate } => (-0.5 * rate * n * k).exp(),
+    }
+}
+
+/// The frequency at which [`gain`] is ½, inside (0, 2).
+fn half(semigroup: Semigroup, n: f64) -> f64 {
+    let k = match semigroup {
+        Semigroup::Steps => 2.0 * (1.0 - (-1.0 / n).exp2()),
+        Semigroup::Heat { rate } => 2.0 * std::f64::consts::LN_2 / (rate * n),
+    };
+    k.clamp(1e-6, 1.9)
+}
 
 pub(super) fn compare(
     subject: &Subject<'_>,
     bands: &Bands,
     seconds: f64,
 ) -> Result<Comparison, CompareError> {
-    let steps = bands.steps[bands.n_levels()];
-    // (1 − k/2)^n = ½, which is inside (0, 2).
-    let pass_band = (2.0 * (1.0 - (-1.0 / steps).exp2())).clamp(1e-6, 1.9);
-    let degree = (8.0 / (1.0 - pass_band / 2.0).acos()).ceil().clamp(10.0, 2000.0) as usize;
+    let (steps, semigroup) = (bands.steps[bands.n_levels()], subject.walk.diffusion().semigroup());
+    let frequency = half(semigroup, steps);
+    let degree = (8.0 / (1.0 - frequency / 2.0).acos()).ceil().clamp(10.0, 20_000.0) as usize;
     let start = Instant::now();
     let k = Differential::from_walk(subject.walk.diffusion(), subject.walk.geometry().vertex_map().clone());
-    let filter = WindowedSinc::new(pass_band, degree)?;
+    let filter = WindowedSinc::half_gain(frequency, degree)?;
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let theirs = filter.apply(&k, subject.signal, subject.n_channels)?;
     let filtered = start.elapsed().as_secs_f64();
-    let rows = vec![
-        row("prepare, s", None, prepared),
+    let gains = |k: f64| (gain(semigroup, steps, k), filter.gain(k));
+    let gain_row = |quantity: &str, k: f64| row(quantity, gains(k).0, gains(k).1);
+    let mut rows = vec![
+        row("prepare, s", subject.prepare_seconds, prepared),
         row("smooth, s", seconds, filtered),
         row("products with the operator", bands.info.products as f64, degree as f64),
-        row("gain at half the pass band", (1.0 - pass_band / 4.0).powf(steps), filter.gain(pass_band / 2.0)),
-        row(
-            "gain at twice the pass band",
-            (1.0 - pass_band.min(1.0)).powf(steps),
-            filter.gain((2.0 * pass_band).min(2.0)),
-        ),
+        gain_row("gain at the frequency", frequency),
+        gain_row("gain at half the frequency", frequency / 2.0),
+        gain_row("gain at twice the frequency", (2.0 * frequency).min(2.0)),
     ];
-    let task = format!("smooth with half the gain at the frequency {pass_band:.4} of the operator");
+    let (lambda, mu, iterations) = lambda_mu_with_half_gain(frequency);
+    if iterations <= MOST_ITERATIONS {
+        let start = Instant::now();
+        let other = lambda_mu(&k, subject.signal, subject.n_channels, (lambda, mu), iterations)?;
+        rows.extend([
+            row("λ|μ with the same half gain: s", None, start.elapsed().as_secs_f64()),
+            row("λ|μ: products with the operator", None, 2.0 * iterations as f64),
+            row("λ|μ: rms change of the signal", None, rms(subject.signal, &other, subject.n_channels)),
+            row("λ|μ: rms difference from adwave", None, rms(bands.coarsest(), &other, subject.n_channels)),
+        ]);
+    }
+    let task = format!(
+        "smooth with half the gain at the frequency {frequency:.4} of the operator; windowed sinc after Hamming"
+    );
     Ok(smoothing(subject, task, bands.coarsest(), theirs, rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_is_half() {
+        for semigroup in [Semigroup::Steps, Semigroup::Heat { rate: 7.0 }] {
+            assert!((gain(semigroup, 32.0, half(semigroup, 32.0)) - 0.5).abs() < 1e-12, "{semigroup:?}");
+        }
+    }
 }

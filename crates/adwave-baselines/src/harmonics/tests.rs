@@ -150,6 +150,10 @@ fn heat_and_wave_signatures_are_constant_on_the_sphere() {
             assert!(spread < 0.03, "scale {i}: {spread}");
         }
     }
+    // Energies end two σ, which are fourteen steps, short of both ends of the spectrum.
+    let energies = wave_kernel_signature(&h, 10).scales;
+    let (step, last) = (energies[1] - energies[0], h.values[h.values.len() - 1].ln());
+    assert!((energies[9] - (last - 14.0 * step)).abs() < 1e-9, "{energies:?} {last}");
     // The heat in all is the trace: ∫ HKS = Σ e^(−λt).
     let signature = heat_kernel_signature(&h, &times[4..5]);
     let total: f64 = signature.values.iter().zip(h.scatter(&h.mass, 1)).map(|(v, m)| v * m).sum();

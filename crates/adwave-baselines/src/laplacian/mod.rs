@@ -57,7 +57,7 @@ impl LaplacianParams {
 pub struct LaplacianInfo {
     /// Edges flipped to reach the intrinsic Delaunay triangulation.
     pub n_flips: usize,
-    /// Weights that are negative: of obtuse triangles as given.
+    /// Weights that are negative: of obtuse triangles as given, on a border edge as inside.
     pub n_negative: usize,
     /// By how much every edge was lengthened, in model units; 0 without degenerate triangles.
     pub lengthened: f64,

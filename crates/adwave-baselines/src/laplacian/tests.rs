@@ -72,6 +72,9 @@ fn flips_leave_no_negative_weight() {
     let points = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, -0.1, 0.0]];
     let kite = mesh(&points, &[[0, 1, 2], [1, 0, 3]]);
     assert_eq!(laplacian(&kite, Triangulation::AsGiven).info.n_negative, 1);
+    // The border edge opposite an obtuse angle counts too.
+    let obtuse = mesh(&points[..3], &[[0, 1, 2]]);
+    assert_eq!(laplacian(&obtuse, Triangulation::AsGiven).info.n_negative, 1);
     let l = laplacian(&kite, Triangulation::IntrinsicDelaunay);
     assert!(l.info.n_flips >= 1 && l.info.n_negative == 0);
 }

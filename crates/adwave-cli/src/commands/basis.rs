@@ -79,10 +79,11 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
     let steps = 1_u64 << (level - 1);
     let text = format!(
         "vertex {vertex} of {}, level {level}: {steps} steps, sigma {}\n\
-         phi reaches {} of {n_vertices} vertices; phi {} and psi {} at the vertex itself; {:.1} ms\n{}\n",
+         phi reaches {} of {n_vertices} vertices, {} hold 99.9 % of it; phi {} and psi {} at the vertex itself; {:.1} ms\n{}\n",
         input.name,
         number(sigma),
         functions.support,
+        functions.n_holding(0.999),
         number(phi),
         number(psi),
         1e3 * seconds,
@@ -97,6 +98,7 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
         "steps": steps,
         "sigma": sigma,
         "support": functions.support,
+        "vertices_with_99_9_percent": functions.n_holding(0.999),
         "phi_at_vertex": phi,
         "psi_at_vertex": psi,
         "seconds": seconds,
@@ -162,7 +164,12 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
             ]
         }),
     );
-    text.push('\n');
+    let largest = basis.info.largest_dropped.iter().copied().fold(0.0, f64::max);
+    text += &format!(
+        "\nentries below {} were dropped and rows scaled to sum 1 again: at most {} of a row\n\n",
+        number(args.drop_tolerance),
+        number(largest)
+    );
     for path in &files {
         text += &format!("{}\n", path.display());
     }
@@ -172,6 +179,7 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
         "levels": levels,
         "entries": basis.info.nnz,
         "bytes": basis.info.bytes,
+        "drop_tolerance": args.drop_tolerance,
         "largest_dropped": basis.info.largest_dropped,
         "seconds": seconds,
         "files": files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>(),

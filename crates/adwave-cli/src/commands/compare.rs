@@ -16,11 +16,12 @@ use serde_json::{Value, json};
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Methods:
-  mht          smooth the same width by manifold harmonics
+  mht          smooth by manifold harmonics, half the gain at the same frequency
   taubin       smooth by the windowed sinc, half the gain at the same frequency
   lee          the saliency map of Lee, Varshney and Jacobs
   feature-map  critical points of a signal smoothed by heat [default signal: mean-curvature]
@@ -90,11 +91,14 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     };
     let input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load_with_texture(&input, field, args.field.texture.as_deref())?;
+    let start = Instant::now();
     let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
+    let prepare_seconds = Some(start.elapsed().as_secs_f64());
     let (schedule, why) = schedule(&args.levels, &walk)?;
     let subject = Subject {
         shape: &input.shape,
         walk: &walk,
+        prepare_seconds,
         schedule: &schedule,
         params: &params,
         signal: &signal.values,

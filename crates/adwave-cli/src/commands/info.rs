@@ -3,7 +3,7 @@
 use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{number, print, schedule, steps_json, steps_text, table};
+use crate::output::{number, percent_of, print, schedule, steps_json, steps_text, table};
 use crate::progress::{prepare, with_spinner};
 use crate::shape_input::load;
 use adwave::operator::SurfaceInfo;
@@ -40,6 +40,13 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
 
     let mut text = format!("{}: {kind}, {format}\n", input.name);
     health_lines(&mut text, &input.shape, &health, diagonal);
+    let is_unsymmetric = kind == "graph" && input.file.is_unsymmetric();
+    if is_unsymmetric {
+        let _ = writeln!(
+            text,
+            "  weights       (M + Mᵀ)/2: the matrix M is not symmetric, and a walk on it goes both ways"
+        );
+    }
     let fields = input.file.vertex_fields();
     if !fields.is_empty() {
         let named = fields.iter().map(|f| format!("{} ({})", f.name, f.n_channels)).collect::<Vec<_>>();
@@ -60,8 +67,12 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     text += &table(
         ["level", "steps", "sigma", "% of diagonal"],
         (1..=schedule.n_levels()).map(|j| {
-            let percent = if diagonal > 0.0 { 100.0 * sigma[j] / diagonal } else { 0.0 };
-            [j.to_string(), steps_text(schedule.steps()[j - 1]), number(sigma[j]), number(percent)]
+            [
+                j.to_string(),
+                steps_text(schedule.steps()[j - 1]),
+                number(sigma[j]),
+                percent_of(sigma[j], diagonal),
+            ]
         }),
     );
 
@@ -73,6 +84,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
         "bounding_box": bounds.map(|(min, max)| json!({"min": min, "max": max})),
         "diagonal": diagonal,
+        "made_symmetric": is_unsymmetric,
         "health": health_json(&health),
         "diffusion": {
             "operator": decomposer.operator_kind().name(),

@@ -1,11 +1,11 @@
 //! `adwave transform`: all bands of a signal.
 
-use crate::args::{LevelArgs, ShapeArgs};
+use crate::args::{FieldArgs, LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{
-    bands_params, check_writable, number, peak_memory, print, schedule, steps_json, steps_text, table,
-    write_error, write_shape,
+    bands_params, check_writable, number, peak_memory, percent_of, print, schedule, steps_json, steps_text,
+    table, write_error, write_shape,
 };
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
@@ -34,9 +34,8 @@ pub(crate) struct TransformArgs {
     /// Where the bands go (.npz, .vtp or .ply)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// The signal: coords, a field of the file, or an .npy file with one row per vertex
-    #[arg(long, value_name = "NAME", default_value = "coords")]
-    pub(crate) field: String,
+    #[command(flatten)]
+    pub(crate) field: FieldArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
 }
@@ -53,10 +52,11 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let params = bands_params(&args.levels)?;
     let mut watch = Stopwatch::start();
     let input = with_spinner(global, "reading", || load(&args.shape))?;
-    let signal = signal::load(&input, &args.field)?;
+    let field = args.field.field.as_str();
+    let signal = signal::load_with_texture(&input, field, args.field.texture.as_deref())?;
     let read = watch.lap();
     let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
-    let decomposer = signal::mask(decomposer, &signal, &args.field, global)?;
+    let decomposer = signal::mask(decomposer, &signal, field, global)?;
     let (schedule, why) = schedule(&args.levels, &decomposer)?;
     let prepared = watch.lap();
     let bands = with_progress(global, "splitting", |progress| {
@@ -84,14 +84,19 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         bands.n_vertices,
         bands.n_channels,
         if bands.n_channels == 1 { "" } else { "s" },
-        args.field,
+        field,
     );
     text += &table(
         ["level", "steps", "sigma", "% of diagonal", "rms of W"],
         (1..=bands.n_levels()).map(|j| {
-            let percent = if diagonal > 0.0 { 100.0 * bands.sigma[j] / diagonal } else { 0.0 };
             let rms = energy[j - 1].sqrt();
-            [j.to_string(), steps_text(bands.steps[j]), number(bands.sigma[j]), number(percent), number(rms)]
+            [
+                j.to_string(),
+                steps_text(bands.steps[j]),
+                number(bands.sigma[j]),
+                percent_of(bands.sigma[j], diagonal),
+                number(rms),
+            ]
         }),
     );
     text += &format!(
@@ -102,7 +107,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let json = json!({
         "shape": input.name,
         "output": args.output.display().to_string(),
-        "field": args.field,
+        "field": field,
         "operator": decomposer.operator_kind().name(),
         "vertices": bands.n_vertices,
         "channels": bands.n_channels,

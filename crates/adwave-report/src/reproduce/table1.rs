@@ -23,6 +23,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         &[
             "kind",
             "level",
+            "steps",
             "functions",
             "largest defect of (bi)orthogonality",
             "φ kept by rank",
@@ -31,6 +32,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             "defect of those ψ and their duals",
             "support of φ",
             "support of ψ",
+            "hold 99 % of φ",
+            "hold 99 % of ψ",
             "largest mean of ψ",
             "Σ |F_ψ(k)|²/k over k ≥ 1",
             "|F_ψ(0)|²",
@@ -42,6 +45,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         table.push([
             c.name.to_owned(),
             c.level.to_string(),
+            c.steps.to_string(),
             c.count.to_string(),
             digits(c.defect),
             kept(c, 0, |d| d.kept.len().to_string()),
@@ -50,6 +54,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             kept(c, 1, |d| digits(d.defect)),
             digits(c.scaling.support),
             digits(c.wavelet.support),
+            digits(c.scaling.core),
+            digits(c.wavelet.core),
             digits(c.wavelet.mean),
             digits(admissibility(&c.middle_wavelet)[0]),
             digits(admissibility(&c.middle_wavelet)[1]),
@@ -93,6 +99,10 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             "A wavelet is admissible when Σ |F_ψ(k)|²/k of section 3.2 is finite, which asks for F_ψ(0) = 0. F are the \
              coefficients in the cosines of the line, its manifold harmonics, of the wavelet nearest to the middle, at unit \
              length.",
+        )
+        .say(
+            "Support counts points above 1e-6 of the largest. All kinds are compared after as many steps of the walk: level j of DW and \
+             BDW is T^(2^j − 1).",
         )
         .say(
             "The functions of ADW, one per vertex, overlap, as their defect shows. The paper's footnote says that they can be made \

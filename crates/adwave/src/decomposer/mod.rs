@@ -32,6 +32,28 @@ pub struct VertexFunctions {
     pub support: usize,
 }
 
+impl VertexFunctions {
+    /// The fewest vertices of the shape that hold `share`, in [0, 1], of the sum of φ over them. O(n log n).
+    ///
+    /// ```
+    /// use adwave::VertexFunctions;
+    /// let scaling_function = vec![0.5, 0.25, 0.2499, 0.0001];
+    /// let functions = VertexFunctions { scaling_function, wavelet: vec![0.0; 4], support: 4 };
+    /// assert_eq!((functions.n_holding(0.5), functions.n_holding(0.999), functions.n_holding(1.0)), (1, 3, 4));
+    /// ```
+    pub fn n_holding(&self, share: f64) -> usize {
+        let mut sizes = self.scaling_function.clone();
+        sizes.sort_by(|a, b| b.total_cmp(a));
+        let needed = share * sizes.iter().sum::<f64>();
+        let mut sum = 0.0;
+        let less = sizes.iter().take_while(|&&v| {
+            sum += v;
+            sum < needed && v > 0.0
+        });
+        (less.count() + 1).min(sizes.len())
+    }
+}
+
 /// A shape with its diffusion operator, prepared once: O(n log n). Each signal then costs its products only.
 ///
 /// It owns all that runs on it and is cheap to clone; clones share everything and may be asked from several threads at once.

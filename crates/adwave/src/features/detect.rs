@@ -9,13 +9,17 @@ use crate::population::Population;
 use crate::shape::Adjacency;
 use crate::{Cancelled, Decomposer, Progress, parallel};
 
+/// Responses that differ by less than this part are equal: on a shape with symmetries whole orbits of vertices tie, and which of
+/// them is a feature must not hang on rounding.
+const TIE: f64 = 1e-9;
+
 /// Vertices that a thread treats at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 /// Finds the features of a signal's bands on the shape that they were computed on, from fine to coarse, on each level the
 /// strongest first. O(n × levels × channels), and a neighbourhood for each candidate.
 ///
-/// Where neighbours tie, the finer level wins, then the vertex that comes first along the space-filling curve that the
+/// Where neighbours tie, to 1e-9 of the response, the finer level wins, then the vertex that comes first along the space-filling curve that the
 /// analysis is numbered by: the same features for any order of the file's vertices and any number of threads.
 ///
 /// Source: Algorithm 2. Printed, the mean in its threshold lost the bars of |R|; see [`Response`](super::Response) for what
@@ -190,7 +194,8 @@ impl Search<'_> {
 
     fn wins_over_scale(&self, sign: f64, x: usize) -> bool {
         let [finer, here, coarser] = self.levels(x).map(|r| sign * r);
-        here > finer && here >= coarser
+        let tie = TIE * here.abs();
+        here > finer + tie && here >= coarser - tie
     }
 
     /// Whether x on this level beats y on this level and the two beside it (Algorithm 2): `R(j,x) > R(i,y)` for i = j − 1, j,
@@ -198,7 +203,8 @@ impl Search<'_> {
     fn wins(&self, sign: f64, x: usize, y: usize) -> bool {
         let here = sign * self.layer.levels[self.j - 1].at(x);
         let [finer, level, coarser] = self.levels(y).map(|r| sign * r);
-        here > finer && (here > level || (here == level && x < y)) && here >= coarser
+        let tie = TIE * here.abs();
+        here > finer + tie && (here > level + tie || (here >= level - tie && x < y)) && here >= coarser - tie
     }
 
     fn levels(&self, x: usize) -> [f64; 3] {

@@ -44,7 +44,9 @@ pub struct Feature {
 }
 
 impl Feature {
-    /// 1 where the response is positive, −1 where it is negative; a norm is always positive.
+    /// The sign of the response: 1 where the signal is above what it is around the vertex, −1 where it is below; a norm is always
+    /// positive. Most features are maxima where it is 1 and minima where it is −1, but not all: Algorithm 2 asks for an extremum of
+    /// R and for a large |R|, so a minimum of a positive R counts too (a saddle between two bumps).
     pub fn sign(&self) -> i8 {
         if self.response < 0.0 { -1 } else { 1 }
     }

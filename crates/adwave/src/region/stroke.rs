@@ -37,6 +37,9 @@ pub(super) fn sources(
         progress.check().map(|()| on_surface(&places[k]))
     });
     let line = line.into_iter().collect::<Result<Vec<_>, _>>()?;
+    if let [(vertex, place)] = line[..] {
+        return Ok(ball(points, neighbours, vertex, &place));
+    }
     let mut sources = Vec::new();
     for (k, &(vertex, _)) in line.iter().enumerate() {
         let around = &line[k.saturating_sub(1)..(k + 2).min(line.len())];
@@ -52,6 +55,20 @@ pub(super) fn sources(
         }
     }
     Ok(sources)
+}
+
+/// The vertices around one place, as far as straight lines over two edges reach: those within one edge of the vertex nearest to
+/// it, and where the place is that vertex those within two, as a search from the vertex would have them.
+fn ball(points: &[[f64; 3]], neighbours: &Adjacency, vertex: usize, place: &[f64; 3]) -> Vec<(usize, f64)> {
+    if points[vertex] == *place {
+        return vec![(vertex, 0.0)];
+    }
+    let around = std::iter::once(vertex).chain(neighbours.of(vertex).iter().map(|&y| y as usize));
+    let mut near: Vec<usize> =
+        around.clone().chain(around.flat_map(|y| neighbours.of(y).iter().map(|&z| z as usize))).collect();
+    near.sort_unstable();
+    near.dedup();
+    near.into_iter().map(|y| (y, distance(&points[y], place))).collect()
 }
 
 /// Segments that a straight part of a stroke is cut into at the most.

@@ -1,12 +1,11 @@
 //! Normals of a point cloud, oriented alike.
 
+use super::orientation::orient;
 use crate::parallel::{self, unstopped};
 use crate::shape::{Adjacency, Neighbourhoods};
 use crate::signal::Frame;
 use crate::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
 /// The angle between one neighbour and the next, seen from a point, at which it lies on the border: 180° on a straight one,
@@ -16,11 +15,13 @@ const BORDER_GAP: f64 = 0.75 * PI;
 /// Unit normals of a cloud: of the plane that fits each point's neighbourhood best; zero where all its neighbours coincide
 /// with it. O(n k log n).
 ///
-/// Their sign is spread from neighbour to neighbour along a minimum spanning tree, where the planes differ least, from the
-/// point of each connected part that lies furthest from that part's centre, whose normal points away from it: outwards on a
-/// closed surface, to one side everywhere on an open one.
+/// Their sign is spread from neighbour to neighbour along a minimum spanning tree, by reflecting the normal of one in the
+/// plane half-way to the other: on a circle through both that is the other's normal, whether they lie side by side or on
+/// opposite sides of something thin, where comparing directions alone would turn it inside out. Then each connected part is
+/// turned outwards by the volume that its discs enclose; a sheet that encloses none, such as a terrain, so that the mean of
+/// its normals points to the positive side of the axis that it is longest along.
 ///
-/// Source: `hoppe1992`.
+/// Source: `hoppe1992` for the tree, `xie2003` for the reflection.
 ///
 /// # Panics
 /// Unless `near` has as many neighbourhoods as there are points.
@@ -41,7 +42,7 @@ pub(crate) fn try_cloud_normals(
         }
     })?;
     let joined = near.adjacency.union_with_transpose(progress)?;
-    orient(points, &joined, &mut normals, progress)?;
+    orient(points, &joined, &near.radius, &mut normals, progress)?;
     Ok(normals.into_iter().map(Into::into).collect())
 }
 
@@ -69,7 +70,7 @@ pub(crate) fn aligned_normals(
 }
 
 /// Points that a thread treats, or that one walk over the cloud meets, between two looks at whether to go on.
-const POINTS_AT_A_TIME: usize = 1 << 10;
+pub(super) const POINTS_AT_A_TIME: usize = 1 << 10;
 
 /// The direction in which a point and its neighbours spread least.
 fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
@@ -110,105 +111,4 @@ pub(crate) fn cloud_border(points: &[[f64; 3]], neighbours: &Adjacency) -> Vec<u
         range.filter(is_border).collect::<Vec<usize>>()
     });
     chunks.into_iter().flatten().collect()
-}
-
-/// A step of the tree, the one between the most similar planes first, then by the points' order.
-struct Step {
-    turn: f64,
-    to: u32,
-    from: u32,
-}
-
-impl Ord for Step {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.turn.total_cmp(&self.turn).then(other.to.cmp(&self.to)).then(other.from.cmp(&self.from))
-    }
-}
-
-impl PartialOrd for Step {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Step {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Step {}
-
-fn orient(
-    points: &[[f64; 3]],
-    near: &Adjacency,
-    normals: &mut [Vector3<f64>],
-    progress: Progress<'_>,
-) -> Result<(), Cancelled> {
-    let mut done = vec![false; points.len()];
-    let (mut queue, mut n_done) = (BinaryHeap::new(), 0_usize);
-    for seed in seeds(points, near, normals, progress)? {
-        done[seed] = true;
-        let mut x = seed;
-        loop {
-            for &to in near.of(x).iter().filter(|&&y| !done[y as usize]) {
-                let turn = 1.0 - normals[x].dot(&normals[to as usize]).abs();
-                queue.push(Step { turn, to, from: x as u32 });
-            }
-            let Some(step) = std::iter::from_fn(|| queue.pop()).find(|step| !done[step.to as usize]) else {
-                break;
-            };
-            x = step.to as usize;
-            done[x] = true;
-            n_done += 1;
-            if n_done.is_multiple_of(POINTS_AT_A_TIME) {
-                progress.check()?;
-            }
-            if normals[x].dot(&normals[step.from as usize]) < 0.0 {
-                normals[x] = -normals[x];
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The point of each connected part that lies furthest from the part's centre, its normal turned away from there.
-fn seeds(
-    points: &[[f64; 3]],
-    near: &Adjacency,
-    normals: &mut [Vector3<f64>],
-    progress: Progress<'_>,
-) -> Result<Vec<usize>, Cancelled> {
-    let mut seen = vec![false; points.len()];
-    let mut seeds = Vec::new();
-    for start in 0..points.len() {
-        if std::mem::replace(&mut seen[start], true) {
-            continue;
-        }
-        let mut part = vec![start as u32];
-        let mut at = 0;
-        while at < part.len() {
-            for &y in near.of(part[at] as usize) {
-                if !std::mem::replace(&mut seen[y as usize], true) {
-                    part.push(y);
-                }
-            }
-            at += 1;
-            if at.is_multiple_of(POINTS_AT_A_TIME) {
-                progress.check()?;
-            }
-        }
-        let position = |x: u32| Vector3::from(points[x as usize]);
-        let centre = part.iter().map(|&x| position(x) / part.len() as f64).sum::<Vector3<f64>>();
-        let furthest = part.iter().copied().fold((start as u32, -1.0), |best, x| {
-            let d = (position(x) - centre).norm_squared();
-            if d > best.1 { (x, d) } else { best }
-        });
-        let seed = furthest.0 as usize;
-        if normals[seed].dot(&(Vector3::from(points[seed]) - centre)) < 0.0 {
-            normals[seed] = -normals[seed];
-        }
-        seeds.push(seed);
-    }
-    Ok(seeds)
 }

@@ -14,7 +14,7 @@ pub struct Curvature {
 impl Curvature {
     /// Koenderink's shape index `2/π·atan(H / √(H² − K))` in [−1, 1]: 1 on a bump, ½ on a ridge, 0 on a saddle, −½ in a
     /// rut, −1 in a pit; 0 too where the surface is flat and has none: its curvedness `√(κ₁² + κ₂²)` is at most `flat`, in
-    /// 1/unit of length.
+    /// 1/unit of length. Where K > H², which no smooth surface has, it is 1 or −1 by the sign of H.
     ///
     /// Source: `koenderink1992`; its sign
     /// is turned so that what stands out is positive.
@@ -26,11 +26,12 @@ impl Curvature {
     /// ```
     pub fn shape_index(&self, flat: f64) -> Vec<f64> {
         let index = |(&h, &k): (&f64, &f64)| {
-            if (4.0 * h * h - 2.0 * k).max(0.0).sqrt() <= flat {
+            // H² ≥ K on a smooth surface; meshes break it, most at the sharpest tips. There κ₁ = κ₂ = H.
+            let spread = (h * h - k).max(0.0).sqrt();
+            // κ₁² + κ₂² = 2H² + 2(H² − K)
+            if std::f64::consts::SQRT_2 * h.hypot(spread) <= flat {
                 return 0.0;
             }
-            // H² ≥ K on a smooth surface; rounding and meshes may break it.
-            let spread = (h * h - k).max(0.0).sqrt();
             FRAC_2_PI * h.atan2(spread)
         };
         crate::parallel::collect(self.mean.len().min(self.gaussian.len()), |x| {

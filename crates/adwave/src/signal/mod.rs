@@ -9,6 +9,7 @@ mod curvature;
 mod degree;
 mod luminance;
 mod mesh_curvature;
+mod orientation;
 mod outward;
 mod quadric;
 

@@ -135,6 +135,21 @@ fn normals_of_a_cloud_point_out_of_a_closed_surface() {
 }
 
 #[test]
+fn the_sharpest_caps_and_pits_are_no_saddles() {
+    // The apex of a cone of triangles has an angle defect over a small area: K > 2H².
+    let curvature = Curvature { mean: vec![1.0, -1.0, 1.0, 0.0], gaussian: vec![2.1, 9.0, 1.5, 1.0] };
+    assert_eq!(curvature.shape_index(1e-6), [1.0, -1.0, 1.0, 0.0]);
+    let spikes: Vec<[f64; 3]> = (0..8)
+        .map(|i| f64::from(i) * std::f64::consts::FRAC_PI_4)
+        .map(|a| [a.cos(), a.sin(), 0.0])
+        .chain([[0.0, 0.0, 4.0], [0.0, 0.0, -4.0]])
+        .collect();
+    let faces: Vec<[u32; 3]> = (0..8_u32).flat_map(|i| [[i, (i + 1) % 8, 8], [(i + 1) % 8, i, 9]]).collect();
+    let index = signal(&mesh(spikes, Polygons::from_triangles(&faces)), SurfaceSignal::ShapeIndex);
+    assert_eq!(index[8..], [1.0, 1.0]);
+}
+
+#[test]
 fn the_border_of_a_cloud_is_its_rim() {
     let grid: Vec<[f64; 3]> = (0..900).map(|i| [f64::from(i % 30), f64::from(i / 30), 0.0]).collect();
     let near = crate::shape::nearest_neighbours(&grid, 10).adjacency;

@@ -12,7 +12,7 @@ fn defaults() -> DenoiseParams {
 
 #[test]
 fn noise_is_estimated_and_taken_off_at_every_level_of_it() {
-    for (name, most) in [("knot", 0.35), ("creature", 0.45), ("sphere", 0.3)] {
+    for (name, most) in [("knot", 0.35_f64), ("creature", 0.45), ("sphere", 0.3)] {
         for noise in [0.05, 0.1, 0.2, 0.4] {
             let (clean, noisy) = pair(name, 8000, noise);
             let result = denoised(&noisy, &defaults());

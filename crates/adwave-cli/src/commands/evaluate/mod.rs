@@ -13,8 +13,9 @@ use adwave::bands::Schedule;
 use adwave::features::{FEATURE_EXTENT, Feature, Response, features};
 use adwave::measure::{
     Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
-    repeatability,
+    n_right, repeatability, share_by_chance,
 };
+use adwave::shape::surface_area;
 use adwave_io::ShapeFile;
 pub(crate) use args::EvaluateArgs;
 use serde_json::{Value, json};
@@ -90,7 +91,12 @@ fn against(
 /// Repeatability under changes.
 fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<(), CliError> {
     let reference = find(args, global, analysis)?;
-    let mut rows: Vec<(String, Vec<LevelRepeatability>)> = Vec::new();
+    let geometry = analysis.walk.geometry();
+    let area = match geometry.triangles() {
+        [] => analysis.walk.areas().iter().sum(),
+        triangles => surface_area(geometry.points(), triangles),
+    };
+    let mut rows: Vec<Again> = Vec::new();
     let percents = args.percents.iter().map(|p| (format!("noise {p} %"), Some(p / 100.0)));
     let kinds = percents.chain([("rotation".to_owned(), None)]);
     let mut changes: Vec<(String, Vec<Change>)> = kinds
@@ -107,23 +113,27 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
         if analysis.walk.geometry().triangles().is_empty() { "half the points" } else { "4 × the faces" };
     changes.push((resampling.to_owned(), vec![Change::Resampling { seed: 1 }]));
     for (name, changes) in changes {
-        let mut sum: Vec<LevelRepeatability> = Vec::new();
+        let mut row = Again { name, levels: Vec::new(), n_right: 0, n_found: 0, by_chance: 0.0 };
+        let n_runs = changes.len() as f64;
         for step in changes {
             global.progress().check().map_err(|_| CliError::Cancelled)?;
             let changed = change(&analysis.input.shape, &analysis.walk, &step).map_err(CliError::input)?;
             let found = find_again(args, global, analysis, &changed)?;
             let params = RepeatabilityParams { sigmas: args.within, ..RepeatabilityParams::default() };
             let levels = repeatability(&reference, &found, &changed, &params);
-            if sum.is_empty() {
-                sum = levels;
+            row.n_right += n_right(&reference, &found, &changed, &params);
+            row.n_found += found.len();
+            row.by_chance += share_by_chance(&reference, &found, &changed, &params, area) / n_runs;
+            if row.levels.is_empty() {
+                row.levels = levels;
             } else {
-                for (sum, level) in sum.iter_mut().zip(levels) {
+                for (sum, level) in row.levels.iter_mut().zip(levels) {
                     sum.n_reference += level.n_reference;
                     sum.n_found += level.n_found;
                 }
             }
         }
-        rows.push((name, sum));
+        rows.push(row);
     }
     let text = analysis.headline(&args.field.field) + "\n" + &repeatability_table(&reference, &rows);
     let json = json!({
@@ -132,9 +142,13 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
         "sigma": analysis.sigma(),
         "features": reference.len(),
         "runs": args.runs.max(1),
-        "changes": rows.iter().map(|(name, levels)| json!({
-            "change": name,
-            "levels": levels.iter().map(level_json).collect::<Vec<_>>(),
+        "changes": rows.iter().map(|row| json!({
+            "change": row.name,
+            "levels": row.levels.iter().map(level_json).collect::<Vec<_>>(),
+            "found_features": row.n_found,
+            "right": row.n_right,
+            "precision": row.precision(),
+            "share_by_chance": if row.by_chance.is_finite() { Some(row.by_chance) } else { None },
         })).collect::<Vec<_>>(),
     });
     print(global, &text, &json)
@@ -144,11 +158,32 @@ fn level_json(l: &LevelRepeatability) -> Value {
     json!({"level": l.level, "features": l.n_reference, "found": l.n_found, "share": l.share()})
 }
 
-/// A row a change; a column a level, then all levels and those from 4 on.
-fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatability>)]) -> String {
-    let mut text = format!("{} features; share of them that is found again, by level\n\n", reference.len());
+/// What became of the features under one kind of change, over all runs.
+struct Again {
+    name: String,
+    levels: Vec<LevelRepeatability>,
+    /// Features of the changed shapes that are one of the reference.
+    n_right: usize,
+    /// Features of the changed shapes.
+    n_found: usize,
+    by_chance: f64,
+}
+
+impl Again {
+    /// The share of the features of the changed shapes that are right; `None` without any.
+    fn precision(&self) -> Option<f64> {
+        (self.n_found > 0).then(|| self.n_right as f64 / self.n_found as f64)
+    }
+}
+
+/// A row a change; a column a level, then all levels and those from 4 on, what chance gives, and the share that is right.
+fn repeatability_table(reference: &[Feature], rows: &[Again]) -> String {
+    let mut text = format!(
+        "{} features; share of them that is found again, by level; what chance finds again; share of what is found that is right\n\n",
+        reference.len()
+    );
     let levels: Vec<usize> =
-        rows.first().map(|(_, levels)| levels.iter().map(|l| l.level).collect()).unwrap_or_default();
+        rows.first().map(|row| row.levels.iter().map(|l| l.level).collect()).unwrap_or_default();
     let line = |name: &str, cells: &[String]| {
         let mut line = format!("  {name:<18}");
         for cell in cells {
@@ -156,15 +191,22 @@ fn repeatability_table(reference: &[Feature], rows: &[(String, Vec<LevelRepeatab
         }
         line + "\n"
     };
-    let heads = levels.iter().map(|l| format!("level {l}")).chain(["all", "4 up"].map(str::to_owned));
+    let heads = levels
+        .iter()
+        .map(|l| format!("level {l}"))
+        .chain(["all", "4 up", "chance", "right"].map(str::to_owned));
     text += &line("", &heads.collect::<Vec<_>>());
-    for (name, levels) in rows {
+    let two_digits = |v: f64| if v.is_nan() { "-".to_owned() } else { format!("{v:.2}") };
+    for row in rows {
+        let Again { name, levels, .. } = row;
+        let beside = [row.by_chance, row.precision().unwrap_or(f64::NAN)].map(two_digits);
         let share = |from: usize| {
             let kept = levels.iter().filter(|l| l.level >= from);
             let (n, of) = kept.fold((0, 0), |(n, of), l| (n + l.n_found, of + l.n_reference));
             if of == 0 { "-".to_owned() } else { format!("{:.2}", n as f64 / of as f64) }
         };
-        let cells = levels.iter().map(|l| format!("{:.2}", l.share())).chain([share(0), share(4)]);
+        let cells =
+            levels.iter().map(|l| format!("{:.2}", l.share())).chain([share(0), share(4)]).chain(beside);
         text += &line(name, &cells.collect::<Vec<_>>());
     }
     text

@@ -6,7 +6,7 @@ use crate::analysis::Analysis;
 use crate::args::{ResponseArg, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{check_writable, number, print, steps_json, table, write_error, write_shape};
+use crate::output::{check_writable, number, percent_of, print, steps_json, table, write_error, write_shape};
 use adwave::features::{
     Descriptor, FEATURE_EXTENT, Feature, Match, describe, features, match_features, spheres,
 };
@@ -110,7 +110,12 @@ fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) 
             ["level", "sigma", "% of diagonal", "features"],
             by_level(&found.features).into_iter().map(|(level, count)| {
                 let sigma = analysis.sigma()[level];
-                [level.to_string(), number(sigma), number(analysis.percent(sigma)), count.to_string()]
+                [
+                    level.to_string(),
+                    number(sigma),
+                    percent_of(sigma, analysis.walk.diagonal()),
+                    count.to_string(),
+                ]
             }),
         );
     }

@@ -1,0 +1,152 @@
+//! Normals of a cloud turned to one side of its surface, the outer one where there is one.
+
+use super::cloud_normals::POINTS_AT_A_TIME;
+use crate::shape::Adjacency;
+use crate::{Cancelled, Progress};
+use nalgebra::Vector3;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// A step to a point whose normal or the one before says nothing: after all others.
+const BLIND: f64 = 8.0;
+
+/// What a step to one of the further neighbours costs more: after all to nearer ones.
+const FAR: f64 = 3.0;
+
+/// A part whose discs enclose less than this share of what they could, by how far it is from closed, has no outside: a
+/// sphere reaches 1, a half sphere 0.5, a terrain some hundredths.
+const ENCLOSED: f64 = 0.1;
+
+/// Turns the unit `normals` of `points` alike along a spanning tree of each connected part of `near`, and each part
+/// outwards. `radius` is the distance of each point's furthest neighbour, which says how large a disc it stands for.
+/// O(edges · log points).
+pub(super) fn orient(
+    points: &[[f64; 3]],
+    near: &Adjacency,
+    radius: &[f64],
+    normals: &mut [Vector3<f64>],
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    let mut tree =
+        Tree { points, near, radius, cost: vec![f64::INFINITY; points.len()], queue: BinaryHeap::new() };
+    for start in 0..points.len() {
+        if tree.cost[start] == f64::INFINITY {
+            let part = tree.spread(start, normals, progress)?;
+            turn_outwards(points, radius, &part, normals);
+        }
+    }
+    Ok(())
+}
+
+/// Half of the neighbours of a point on a surface lie within this share of the distance of the furthest.
+const NEAR: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// The way from one point to another, as their normals see it.
+struct Way {
+    /// What the normal there has of the reflection of the normal here in the plane half-way: 1 or −1 where both touch one
+    /// circle.
+    alike: f64,
+    /// The mean of the squared cosines between the way and the two normals: 0 along the surface, 1 across it.
+    across: f64,
+    length: f64,
+}
+
+impl Way {
+    fn new(points: &[[f64; 3]], normals: &[Vector3<f64>], x: usize, y: usize) -> Self {
+        let (n, m) = (normals[x], normals[y]);
+        let way = Vector3::from(points[y]) - Vector3::from(points[x]);
+        let along = way.try_normalize(0.0).unwrap_or_default();
+        let (here, there) = (n.dot(&along), m.dot(&along));
+        Self {
+            alike: n.dot(&m) - 2.0 * here * there,
+            across: 0.5 * (here * here + there * there),
+            length: way.norm(),
+        }
+    }
+}
+
+/// A step of the tree: the one with the least cost first, then by the points' order. Costs are ≥ 0, so that their bits are
+/// ordered as they are.
+type Step = Reverse<(u64, u32, u32)>;
+
+/// Prim's algorithm, part by part.
+struct Tree<'a> {
+    points: &'a [[f64; 3]],
+    near: &'a Adjacency,
+    radius: &'a [f64],
+    /// The least cost at which each point was reached so far; −∞ once it is in the tree.
+    cost: Vec<f64>,
+    queue: BinaryHeap<Step>,
+}
+
+impl Tree<'_> {
+    /// The points that are connected with `start`, their normals turned like that of `start`.
+    fn spread(
+        &mut self,
+        start: usize,
+        normals: &mut [Vector3<f64>],
+        progress: Progress<'_>,
+    ) -> Result<Vec<u32>, Cancelled> {
+        let mut part = vec![start as u32];
+        self.cost[start] = f64::NEG_INFINITY;
+        self.reach_from(start, normals);
+        while let Some(Reverse((_, to, from))) = self.queue.pop() {
+            let x = to as usize;
+            if self.cost[x] == f64::NEG_INFINITY {
+                continue;
+            }
+            self.cost[x] = f64::NEG_INFINITY;
+            part.push(to);
+            if part.len().is_multiple_of(POINTS_AT_A_TIME) {
+                progress.check()?;
+            }
+            if Way::new(self.points, normals, from as usize, x).alike < 0.0 {
+                normals[x] = -normals[x];
+            }
+            self.reach_from(x, normals);
+        }
+        Ok(part)
+    }
+
+    fn reach_from(&mut self, x: usize, normals: &[Vector3<f64>]) {
+        for &y in self.near.of(x) {
+            let known = self.cost[y as usize];
+            if known == f64::NEG_INFINITY {
+                continue;
+            }
+            let is_blind = normals[x] == Vector3::zeros() || normals[y as usize] == Vector3::zeros();
+            let way = Way::new(self.points, normals, x, y as usize);
+            // Across a thin part the reflection is sure only when the normals are; along the surface it needs no luck.
+            let turn = (1.0 - way.alike.abs()).max(0.0) + way.across;
+            let is_far = way.length > NEAR * self.radius[x].max(self.radius[y as usize]);
+            let cost = if is_blind { BLIND } else { turn } + if is_far { FAR } else { 0.0 };
+            if cost < known {
+                self.cost[y as usize] = cost;
+                self.queue.push(Reverse((cost.to_bits(), y, x as u32)));
+            }
+        }
+    }
+}
+
+/// Turns a part whose normals are alike so that they point out of it.
+fn turn_outwards(points: &[[f64; 3]], radius: &[f64], part: &[u32], normals: &mut [Vector3<f64>]) {
+    let position = |x: usize| Vector3::from(points[x]);
+    let centre = part.iter().map(|&x| position(x as usize) / part.len() as f64).sum::<Vector3<f64>>();
+    let (mut volume, mut moment, mut area) = (0.0, 0.0, 0.0);
+    let mut sum = Vector3::zeros();
+    for x in part.iter().map(|&x| x as usize).filter(|&x| normals[x] != Vector3::zeros()) {
+        let (disc, offset) = (radius[x] * radius[x], position(x) - centre);
+        volume += disc * normals[x].dot(&offset);
+        moment += disc * offset.norm();
+        area += disc;
+        sum += disc * normals[x];
+    }
+    // |Σ A n| is 0 on a closed surface and Σ A on a flat one.
+    let is_closed_enough = volume.abs() * area > ENCLOSED * moment * sum.norm();
+    let side = if is_closed_enough { volume } else { sum[sum.iamax()] };
+    if side < 0.0 {
+        for &x in part {
+            normals[x as usize] = -normals[x as usize];
+        }
+    }
+}
