@@ -164,7 +164,7 @@ impl Sample {
     /// Makes the sample `name` with about `n_vertices` vertices, or its default number.
     ///
     /// The sphere has exactly that many. Torus, plane and knot are regular grids with the nearest count, within 1 %
-    /// from 1000 vertices up; creature and bracket (from 1000 up) are within 2 %. All but the plane are closed; Euler
+    /// from 1000 vertices up; creature and bracket (from 2000 up) are within 2 %. All but the plane are closed; Euler
     /// characteristic: sphere and creature 2, torus, knot and bracket 0, plane 1. O(n) time and memory, about 300 bytes a vertex at most.
     ///
     /// ```

@@ -166,7 +166,7 @@ fn bracket_is_closed_of_genus_one_and_tends_to_its_volume() {
     for n in [bracket::MIN_VERTICES, 500, 1_000, 3_000, 10_007, 40_000] {
         let bracket = make("bracket", n);
         let got = bracket.points.len();
-        assert!(n < 1_000 || got.abs_diff(n) * 50 <= n, "{got} vertices, asked for {n}");
+        assert!(n < 2_000 || got.abs_diff(n) * 50 <= n, "{got} vertices, asked for {n}");
         assert_eq!(euler_of_closed_manifold(&bracket), 0, "{n} vertices");
         // Chords of the hole add θh²/12 to the area, θ = 2π; h² is about 9/n, twice that where segments are few.
         let error = volume(&bracket) / bracket::volume() - 1.0;
@@ -174,7 +174,7 @@ fn bracket_is_closed_of_genus_one_and_tends_to_its_volume() {
         // Half a step at the ends of every other row.
         let least = least_angles(&bracket);
         assert!(least[0] > 12.0, "least angle {} at {n}", least[0]);
-        assert!(least[least.len() / 10] > 24.0, "{} at {n}", least[least.len() / 10]);
+        assert!(least[least.len() / 10] > 20.0, "{} at {n}", least[least.len() / 10]);
     }
 }
 
