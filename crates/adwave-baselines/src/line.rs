@@ -268,8 +268,10 @@ mod tests {
                 assert!((2..50).contains(&kept.kept.len()), "{}", kept.kept.len());
                 assert!(kept.defect < 1e-8 && kept.longest_dual > 1.0, "{kept:?}");
             }
-            // So many steps reach from one end of the line to the other.
-            assert!([dw, bdw, adw].map(|c| c.scaling.support > 99.0) == [true; 3], "{cases:?}");
+            // So many steps reach nearly all of the line: 1e-6 of a peak lies 5.3 σ away, 84 points and more.
+            for case in [dw, bdw, adw] {
+                assert!(case.scaling.support > 90.0, "{} {}: {:?}", case.name, case.level, case.scaling);
+            }
             // Where most of it is: narrower than DW; ADW and BDW alike, as both are the same power of the walk.
             assert!(bdw.scaling.core < dw.scaling.core, "{:?} {:?}", bdw.scaling, dw.scaling);
             assert!(adw.scaling.core < dw.scaling.core, "{:?} {:?}", adw.scaling, dw.scaling);
