@@ -1,22 +1,26 @@
 //! How large the noise of a surface is.
 
+use super::SEED;
 use super::surface::{Kind, Surface};
 use crate::parallel;
 use crate::vector::{add_scaled, dot, unit};
 use crate::{Cancelled, Progress};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
 
 /// Lazy steps by which a surface is smoothed for the normals along which noise is measured.
 const STEPS_BEFORE: usize = 4;
 
-/// The standard deviation of a normal variable is its median absolute deviation over this.
-const MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
+/// Differences with the mean of the neighbours that are taken, one after the other.
+const ORDERS: usize = 3;
 
-/// The standard deviation of noise along the normals, independent from point to point, in the units of `points`: from the median
-/// absolute deviation of `n·(p − mean of its neighbours)`, which noise of variance σ² gives the variance `σ²·(1 + 1/k)` at a point of
-/// k neighbours. O(points).
+/// The standard deviation of noise along the normals, independent from point to point, in the units of `points`. O(points).
 ///
-/// Curvature counts as noise where the points do not resolve it, and noise that neighbours share does not. 0 without points
-/// that have neighbours.
+/// From the median absolute deviation of `n·(p − mean of its neighbours)`, of the difference of that with the mean of its neighbours,
+/// and of the difference of this, each over what it is for noise of variance 1; the least of the three, since curvature adds to them,
+/// to the later less. Detail that the points hardly resolve counts as noise, and noise that neighbours share does not.
+/// 0 without points that have neighbours.
 pub(super) fn noise_level(
     surface: &Surface,
     points: &[[f64; 3]],
@@ -24,19 +28,42 @@ pub(super) fn noise_level(
 ) -> Result<f64, Cancelled> {
     let smooth = surface.smoothed(points, STEPS_BEFORE, progress)?;
     let normals = point_normals(surface, &smooth, progress)?;
-    let heights = parallel::try_collect(points.len(), progress, |x| {
-        let n_near = surface.ring.of(x).len();
-        if n_near == 0 {
-            return f64::NAN;
+    let mut heights =
+        parallel::try_collect(points.len(), progress, |x| -dot(&normals[x], &surface.umbrella(points, x)))?;
+    let mut random = Pcg64Mcg::seed_from_u64(SEED);
+    let white: Vec<f64> = points.iter().map(|_| StandardNormal.sample(&mut random)).collect();
+    let mut white = surface.difference(&white, progress)?;
+    let has_neighbours = |x: usize| !surface.ring.of(x).is_empty();
+    let mut least = f64::INFINITY;
+    for order in 0..ORDERS {
+        if order > 0 {
+            heights = surface.difference(&heights, progress)?;
+            white = surface.difference(&white, progress)?;
         }
-        dot(&normals[x], &surface.umbrella(points, x)) / (1.0 + 1.0 / n_near as f64).sqrt()
-    })?;
-    let mut heights: Vec<f64> = heights.into_iter().filter(|h| h.is_finite()).collect();
-    let centre = median(&mut heights);
-    for h in &mut heights {
-        *h = (*h - centre).abs();
+        let deviation = |values: &[f64]| {
+            let mut known: Vec<f64> =
+                (0..values.len()).filter(|&x| has_neighbours(x)).map(|x| values[x]).collect();
+            let centre = median(&mut known);
+            known.iter_mut().for_each(|v| *v = (*v - centre).abs());
+            median(&mut known)
+        };
+        let of_white = deviation(&white);
+        if of_white > 0.0 {
+            least = least.min(deviation(&heights) / of_white);
+        }
     }
-    Ok(median(&mut heights) / MEDIAN_DEVIATION)
+    Ok(if least.is_finite() { least } else { 0.0 })
+}
+
+impl Surface {
+    /// Values less the mean of their neighbours'.
+    fn difference(&self, values: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
+        parallel::try_collect(values.len(), progress, |x| {
+            let near = self.ring.of(x);
+            let sum: f64 = near.iter().map(|&y| values[y as usize]).sum();
+            values[x] - sum / near.len().max(1) as f64
+        })
+    }
 }
 
 /// Unit normals of the points.

@@ -18,12 +18,12 @@ pub(super) struct Risk {
 }
 
 impl Risk {
-    /// From the estimates of data (the data themselves first; as many channels at each site as there are), the same estimates of
-    /// data with noise `step` times the standard deviation of that in the data added, and what each site counts. `strength`
-    /// multiplies the standard deviation. O(sites × channels × estimates²).
+    /// From the estimates of data (the data themselves first; as many channels at each site as there are), one or more times the same
+    /// estimates of data with noise `step` times the standard deviation of that in the data added, and what each site counts.
+    /// `strength` multiplies the standard deviation. O(sites × channels × estimates²).
     pub(super) fn new(
         estimates: &[Vec<f64>],
-        shaken: &[Vec<f64>],
+        shaken: &[Vec<Vec<f64>>],
         areas: &[f64],
         step: f64,
         strength: f64,
@@ -35,18 +35,19 @@ impl Risk {
         let mean = |term: &(dyn Fn(usize) -> f64 + Sync)| {
             parallel::try_sum(n, progress, |x| areas[x] * term(x)).map(|sum| sum / total)
         };
-        let (data, shaken_data) = (&estimates[0], &shaken[0]);
+        let data = &estimates[0];
         let d = data.len() / n.max(1);
         let dot = |a: &[f64], b: &[f64], x: usize| -> f64 {
             a[x * d..][..d].iter().zip(&b[x * d..][..d]).map(|(a, b)| a * b).sum()
         };
-        let amplification = (strength / step).powi(2);
+        let amplification = (strength / step).powi(2) / shaken.len() as f64;
         let mut gram = vec![vec![0.0; estimates.len()]; estimates.len()];
         let mut towards = Vec::with_capacity(estimates.len());
-        for (k, (f, g)) in estimates.iter().zip(shaken).enumerate() {
+        for (k, f) in estimates.iter().enumerate() {
             let covariance = |x: usize| {
-                let of = |c: usize| (g[c] - f[c]) * (shaken_data[c] - data[c]);
-                amplification * (x * d..(x + 1) * d).map(of).sum::<f64>()
+                let of = |g: &Vec<Vec<f64>>, c: usize| (g[k][c] - f[c]) * (g[0][c] - data[c]);
+                let once = |g| (x * d..(x + 1) * d).map(|c| of(g, c)).sum::<f64>();
+                amplification * shaken.iter().map(once).sum::<f64>()
             };
             towards.push(mean(&|x| dot(f, data, x) - covariance(x))?);
             for l in 0..=k {

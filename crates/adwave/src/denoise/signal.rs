@@ -10,8 +10,11 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
 
-/// Levels that a signal is split into: 1, 2, 4, … 128 steps.
-const LEVELS: usize = 8;
+/// Levels that a signal is split into by the shape's own walk: 1, 2, 4, … 512 steps.
+const LEVELS: usize = 10;
+
+/// The same by walks that are led: 1, 2, 4, … 128 steps.
+const LED_LEVELS: usize = 8;
 
 /// Lazy steps by which a signal is smoothed for its first guide.
 const FIRST_GUIDE_LEVELS: usize = 2;
@@ -21,6 +24,12 @@ const GUIDE_LEVELS: [usize; 2] = [5, 6];
 
 /// How far a signal may change from one vertex to the next, in root medians of its squared differences there.
 const REACH: f64 = 2.5;
+
+/// Times that noise is added to see how estimates follow it, up to [`FEW_VALUES`] values; once to more.
+const PROBES: usize = 4;
+
+/// See [`PROBES`].
+const FEW_VALUES: usize = 100_000;
 
 /// Channels that lead a walk together; those of signals that have more lead one each.
 const CHANNELS_TOGETHER: usize = 3;
@@ -40,7 +49,7 @@ pub struct SignalNoise {
     pub noise: f64,
     /// How much of the result is the signal as it was.
     pub kept: f64,
-    /// How much comes from the walk that knows nothing of the signal, after 1, 2, 4, … 128 steps.
+    /// How much comes from the walk that knows nothing of the signal, after 1, 2, 4, … 512 steps.
     pub plain_weights: Vec<f64>,
     /// How much comes from walks that keep to vertices of like values, after 1, 2, 4, … 128 steps, for each of two guides.
     pub step_weights: Vec<f64>,
@@ -60,8 +69,8 @@ pub struct DenoisedSignal {
 /// Takes noise off a signal (n_vertices × n_channels, row-major, in the order of the shape) on a mesh, cloud or graph.
 /// O(entries × channels).
 ///
-/// The result is a mixture of the signal, of its scaling functions after 1, 2, 4, … 128 steps of the shape's own walk, and of those of
-/// walks that keep to neighbours of like values, so that steps stay. The weights, ≥ 0 and of sum 1, have the least mean square
+/// The result is a mixture of the signal, of its scaling functions after 1, 2, 4, … 512 steps of the shape's own walk, and of those after
+/// 1, 2, 4, … 128 steps of walks that keep to neighbours of like values, so that steps stay. The weights, ≥ 0 and of sum 1, have the least mean square
 /// error by Stein's estimate for Gaussian noise, independent from vertex to vertex, whose standard deviation is estimated from the signal
 /// (or given, in its unit). Three channels, and the first three of four, are taken together (a colour, with what lies over it);
 /// otherwise each is by itself.
@@ -150,18 +159,22 @@ impl Group<'_> {
         if noise * params.strength == 0.0 {
             return Ok((data.to_vec(), info));
         }
-        let mut random = Pcg64Mcg::seed_from_u64(SEED);
-        let mut shaken = |v: &f64| -> f64 {
-            let deviate: f64 = StandardNormal.sample(&mut random);
-            v + SHAKE * noise * deviate
-        };
-        let shaken: Vec<f64> = data.iter().map(&mut shaken).collect();
         let candidates = self.candidates(data, progress)?;
         // Each vertex counts alike, as its noise does; those that are not known do not.
         let counts = parallel::try_collect(data.len() / self.d, progress, |x| {
             f64::from(u8::from((self.is_known)(x)))
         })?;
-        let shaken = self.candidates(&shaken, progress)?;
+        let n_times = if data.len() <= FEW_VALUES { PROBES } else { 1 };
+        let mut random = Pcg64Mcg::seed_from_u64(SEED);
+        let shaken = (0..n_times).map(|_| {
+            let mut shaken = |v: &f64| -> f64 {
+                let deviate: f64 = StandardNormal.sample(&mut random);
+                v + SHAKE * noise * deviate
+            };
+            let data: Vec<f64> = data.iter().map(&mut shaken).collect();
+            self.candidates(&data, progress)
+        });
+        let shaken = shaken.collect::<Result<Vec<_>, DenoiseError>>()?;
         let risk = Risk::new(&candidates, &shaken, &counts, SHAKE, params.strength, progress)?;
         let weights = risk.best_weights();
         info.risk = risk.before_and_after(&weights);
@@ -188,9 +201,9 @@ impl Group<'_> {
         let plain = self.levels(&transform(Diffusion::clone(walk))?, data, LEVELS, progress)?;
         let first = led(&plain[FIRST_GUIDE_LEVELS - 1])?;
         let second = led(&last(self.levels(&first, data, GUIDE_LEVELS[0], progress)?))?;
-        let by_second = self.levels(&second, data, LEVELS, progress)?;
+        let by_second = self.levels(&second, data, LED_LEVELS, progress)?;
         let third = led(&by_second[GUIDE_LEVELS[1] - 1])?;
-        let by_third = self.levels(&third, data, LEVELS, progress)?;
+        let by_third = self.levels(&third, data, LED_LEVELS, progress)?;
         Ok([vec![data.to_vec()], plain, by_second, by_third].concat())
     }
 

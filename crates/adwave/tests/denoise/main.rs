@@ -2,6 +2,7 @@
 
 mod laws;
 mod real_files;
+mod signals;
 
 use adwave::Progress;
 use adwave::denoise::{DenoiseParams, Denoised, denoise};
