@@ -77,7 +77,8 @@ class Adwave:
 
     def saliency(self, mesh, lengths, operator):
         out = self.work / "map.npy"
-        self.run("saliency", mesh.path, *self.chosen(operator), "--lengths", joined(lengths), "--accuracy", ACCURACY, "-o", out)
+        self.run("saliency", mesh.path, *self.chosen(operator), "--weighting", "paper", "--lengths", joined(lengths),
+                 "--accuracy", ACCURACY, "-o", out)
         return np.load(out)
 
     def default_lengths(self, mesh):
