@@ -120,7 +120,7 @@ pub fn settle(
     };
     match params.volume {
         Volume::Free => Ok(after),
-        Volume::Keep => with_volume_of(decomposer, before, after, progress),
+        Volume::Keep => with_volume_of(decomposer, before, &after, progress),
     }
 }
 
@@ -143,7 +143,7 @@ fn along_normals(
         _ => Vec::new(),
     };
     let welded = decomposer.geometry().vertex_map().as_slice();
-    Ok(parallel::try_collect(after.len(), progress, |v| {
+    parallel::try_collect(after.len(), progress, |v| {
         let x = welded[v] as usize;
         if !is_open[x] || before[v] == after[v] {
             return after[v];
@@ -153,7 +153,7 @@ fn along_normals(
         // From 0 on the border to 1 without a corner at either end.
         let share = share * share * (3.0 - 2.0 * share);
         add_scaled(&before[v], share * dot(&moved, &normals[x]), &normals[x])
-    })?)
+    })
 }
 
 /// Which welded vertices are connected with one of `sources`.
@@ -165,7 +165,9 @@ fn reached(
     let ring = decomposer.ring(progress)?;
     let mut is_reached = vec![false; ring.n_rows()];
     let mut front: Vec<usize> = sources.to_vec();
-    sources.iter().for_each(|&x| is_reached[x] = true);
+    for &x in sources {
+        is_reached[x] = true;
+    }
     while let Some(x) = front.pop() {
         for &y in ring.of(x) {
             if !std::mem::replace(&mut is_reached[y as usize], true) {
@@ -211,13 +213,13 @@ fn raw_normals(
 fn with_volume_of(
     decomposer: &Decomposer,
     before: &[[f64; 3]],
-    after: Vec<[f64; 3]>,
+    after: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, PositionsError> {
     let geometry = decomposer.geometry();
     let (map, triangles) = (geometry.vertex_map(), geometry.triangles());
     let Some(wanted) = decomposer.health().volume else { return Err(PositionsError::NoVolume) };
-    let points = map.try_positions(&after, progress)?;
+    let points = map.try_positions(after, progress)?;
     let old = map.try_positions(before, progress)?;
     let mut normals = raw_normals(decomposer, &points, progress)?;
     for (x, n) in normals.iter_mut().enumerate() {
@@ -240,13 +242,12 @@ fn with_volume_of(
         let slope = (moved(offset + step)? - moved(offset - step)?) / (2.0 * step);
         let next = offset - left / slope;
         let left_then = moved(next)? - wanted;
-        // Written so that NaN ends the search too.
-        if !(left_then.abs() < left.abs()) {
+        if left_then.is_nan() || left_then.abs() >= left.abs() {
             break;
         }
         (offset, left) = (next, left_then);
     }
-    if !(left.abs() <= 1e-9 * wanted.abs()) {
+    if left.is_nan() || left.abs() > 1e-9 * wanted.abs() {
         return Err(PositionsError::VolumeLost);
     }
     let welded = map.as_slice();

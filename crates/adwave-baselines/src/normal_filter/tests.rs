@@ -189,10 +189,13 @@ fn same_bits_on_any_number_of_threads() {
     assert!(one == on(2) && one == on(3));
 }
 
+/// A name, points and triangles.
+type Case<'a> = (&'a str, Vec<[f64; 3]>, Vec<[u32; 3]>);
+
 #[test]
 fn broken_meshes_give_finite_positions() {
     let p = |x: f64, y: f64, z: f64| [x, y, z];
-    let cases: Vec<(&str, Vec<[f64; 3]>, Vec<[u32; 3]>)> = vec![
+    let cases: Vec<Case<'_>> = vec![
         (
             "three faces at an edge",
             vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(0., -1., 0.), p(0., 0., 1.)],

@@ -186,7 +186,9 @@ fn shares(mut weights: Vec<f64>) -> Vec<f64> {
         }
     }
     let total: f64 = weights.iter().sum();
-    weights.iter_mut().for_each(|w| *w /= total);
+    for w in &mut weights {
+        *w /= total;
+    }
     weights
 }
 

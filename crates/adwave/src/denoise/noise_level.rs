@@ -44,7 +44,9 @@ pub(super) fn noise_level(
             let mut known: Vec<f64> =
                 (0..values.len()).filter(|&x| has_neighbours(x)).map(|x| values[x]).collect();
             let centre = median(&mut known);
-            known.iter_mut().for_each(|v| *v = (*v - centre).abs());
+            for v in &mut known {
+                *v = (*v - centre).abs();
+            }
             median(&mut known)
         };
         let of_white = deviation(&white);

@@ -72,8 +72,7 @@ impl Risk {
             let Some(from) = (0..n).filter(|&k| weights[k] > 0.0).max_by(steepest) else { break };
             let gain = slopes[from] - slopes[to];
             let bend = self.gram[to][to] + self.gram[from][from] - 2.0 * self.gram[to][from];
-            // Written so that NaN ends the search too.
-            if !(gain > least_gain) {
+            if gain.is_nan() || gain <= least_gain {
                 break;
             }
             let step = if bend > 0.0 { (gain / bend).min(weights[from]) } else { weights[from] };

@@ -12,6 +12,9 @@ const PIECES: usize = 8;
 /// Sites in each piece.
 const SITES_A_PIECE: usize = 4_000;
 
+/// A surface with points of its own.
+pub(super) type Sample = (Surface, Vec<[f64; 3]>);
+
 impl Surface {
     /// Some connected pieces of a large surface, as a surface with points of its own; `None` of one that is small enough to be
     /// looked at whole. O(sites of the sample), and a mark for each point.
@@ -19,7 +22,7 @@ impl Surface {
         &self,
         points: &[[f64; 3]],
         progress: Progress<'_>,
-    ) -> Result<Option<(Self, Vec<[f64; 3]>)>, Cancelled> {
+    ) -> Result<Option<Sample>, Cancelled> {
         let n = self.n_sites();
         if n <= MAX_SITES {
             return Ok(None);

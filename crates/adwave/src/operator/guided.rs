@@ -34,7 +34,7 @@ pub(crate) fn site_diffusion(sites: &Sites<'_>, progress: Progress<'_>) -> Resul
     let at = |x: usize, k: usize| neighbours.of(x)[k] as usize;
     let (rows, per_row) =
         weighted_rows(neighbours, |x, k| areas[at(x, k)], |x, k| sharpness * squared(x, at(x, k)), progress)?;
-    diffusion(rows, per_row, areas, squared, progress)
+    diffusion(rows, &per_row, areas, squared, progress)
 }
 
 impl Diffusion {
@@ -82,9 +82,12 @@ impl Diffusion {
             |x, k| sharpness * squared(x, neighbours.of(x)[k] as usize),
             progress,
         )?;
-        diffusion(rows, per_row, self.stationary(), squared_length, progress)
+        diffusion(rows, &per_row, self.stationary(), squared_length, progress)
     }
 }
+
+/// Rows, and of each the logarithm of the factor that it is divided by and its sum.
+type WeightedRows = (CompressedRows<f64>, Vec<(f64, f64)>);
 
 /// Rows of `base(x, k)·exp(−exponent(x, k))` for the k-th neighbour of x, and of each row the logarithm of the factor that it is
 /// divided by and its sum.
@@ -93,7 +96,7 @@ fn weighted_rows(
     base: impl Fn(usize, usize) -> f64 + Sync + Send,
     exponent: impl Fn(usize, usize) -> f64 + Sync + Send,
     progress: Progress<'_>,
-) -> Result<(CompressedRows<f64>, Vec<(f64, f64)>), Cancelled> {
+) -> Result<WeightedRows, Cancelled> {
     let mut values = crate::pages::zeros(neighbours.nnz());
     let mut per_row = vec![(0.0, 0.0); neighbours.n_rows()];
     try_for_entries(neighbours, &mut values, &mut per_row, progress, |range, mut values, per_row| {
@@ -109,7 +112,7 @@ fn weighted_rows(
 /// The lazy walk of rows whose weights times `measure` are symmetric.
 fn diffusion(
     rows: CompressedRows<f64>,
-    per_row: Vec<(f64, f64)>,
+    per_row: &[(f64, f64)],
     measure: &[f64],
     squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
     progress: Progress<'_>,

@@ -180,9 +180,10 @@ fn bracket_is_closed_of_genus_one_and_tends_to_its_volume() {
 
 #[test]
 fn bracket_has_vertices_all_along_its_sharp_edges() {
-    let bracket = make("bracket", 10_000);
+    let sample = make("bracket", 10_000);
+    let bracket = &sample;
     let edge = bracket.mean_edge_length();
-    let edges = directed_edges(&bracket);
+    let edges = directed_edges(bracket);
     let normals: BTreeMap<(u32, u32), V3> = bracket
         .faces
         .iter()

@@ -40,11 +40,12 @@ pub(super) fn normals(
         for &x in part {
             vote.add(&points[x as usize], &normals[x as usize], &centre);
         }
-        match vote.of_open() {
-            Some(_) => info.n_by_majority += 1,
-            None => {
-                info.n_without += 1;
-                part.iter().for_each(|&x| normals[x as usize] = [0.0; 3]);
+        if vote.of_open().is_some() {
+            info.n_by_majority += 1;
+        } else {
+            info.n_without += 1;
+            for &x in part {
+                normals[x as usize] = [0.0; 3];
             }
         }
     }

@@ -37,7 +37,9 @@ fn sheet(n: u32, z: impl Fn(f64, f64) -> f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) 
 fn every_closed_part_points_away_from_its_own_inside_however_its_triangles_run() {
     let (mut points, mut triangles) = octahedron([0.0; 3], 0);
     let (more, mut inside_out) = octahedron([9.0, 0.0, 0.0], 6);
-    inside_out.iter_mut().for_each(|f| f.swap(0, 1));
+    for f in &mut inside_out {
+        f.swap(0, 1);
+    }
     points.extend(more);
     triangles.extend(inside_out);
     triangles[2].swap(1, 2); // and one of the first runs against its neighbours
