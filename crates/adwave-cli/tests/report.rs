@@ -82,7 +82,7 @@ fn check_pictures(tags: &[Tag], made: &Value) {
 fn a_mesh_gets_every_section_and_the_numbers_that_are_printed() {
     let folder = tempfile::tempdir().unwrap();
     let (page, made) = report(folder.path(), "sample:creature --vertices 2000 --levels 6");
-    assert_eq!(made["pictures"], 19);
+    assert_eq!(made["pictures"], 20);
     assert_eq!(made["health"]["closed"], true);
     assert_eq!(made["bands"].as_array().unwrap().len(), 6);
     let shares = made["bands"].as_array().unwrap().iter().map(|b| b["detail_share"].as_f64().unwrap());
