@@ -87,12 +87,13 @@ impl Around {
     }
 }
 
-/// The top of the parabola through |R| over log σ; σ_j where it opens upwards.
+/// The top of the parabola through |R| over log σ, not past half-way to the next level (which it passes only where levels tie); σ_j where
+/// it opens upwards.
 fn sigma_at_the_top(r: [f64; 3], sigma: &[f64]) -> f64 {
     let t = [sigma[0], sigma[1], sigma[2]].map(f64::ln);
     let rows = Matrix3::from_fn(|k, c| t[k].powi(c as i32));
     let [_, b, c]: [f64; 3] = rows.lu().solve(&Vector3::from(r)).expect("three widths").into();
-    if c < 0.0 { (-b / (2.0 * c)).exp() } else { sigma[1] }
+    if c < 0.0 { (-b / (2.0 * c)).clamp(0.5 * (t[0] + t[1]), 0.5 * (t[1] + t[2])).exp() } else { sigma[1] }
 }
 
 /// Bands with a hill (or a hole, or a hole in what is high) near each vertex in turn, stretched and turned.
@@ -142,19 +143,6 @@ fn features_are_refined_to_the_top_of_a_quadric_and_of_a_parabola() {
                 let sign = feature.response.signum();
                 let r = [j - 2, j - 1, j].map(|level| sign * levels[level][x]);
                 let sigma = sigma_at_the_top(r, &SIGMA[j - 1..=j + 1]);
-                // What is equal but for rounding is a tie, and its parabola and quadric are rounding alone.
-                let tied = |value: f64, other: f64| (value - other).abs() <= 1e-8 * value.abs();
-                let level = &levels[j - 1];
-                let is_tied = tied(r[1], r[0])
-                    || tied(r[1], r[2])
-                    || near[x]
-                        .iter()
-                        .enumerate()
-                        .any(|(y, &is_near)| is_near && y != x && tied(level[x], level[y]));
-                if is_tied {
-                    ratios.push(Around::new(&points, &near[x], x).ratio(level));
-                    continue;
-                }
                 assert!(
                     (refined.sigma / sigma - 1.0).abs() < FIT,
                     "{}: {} for {sigma}",
