@@ -81,7 +81,12 @@ pub struct DenoisedSignal {
 /// let edges: Vec<_> = (0..399).map(|i| (i, i + 1, 1.0)).collect();
 /// let decomposer = Decomposer::new(&Shape::Graph(Graph::new(400, &edges)?));
 /// let step = |i: i32| if i < 200 { 0.0 } else { 1.0 };
-/// let noisy: Vec<f64> = (0..400).map(|i| step(i) + 0.1 * f64::from(i * 37 % 19 - 9) / 9.0).collect();
+/// let mut state = 1_u32;
+/// let mut random = || {
+///     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+///     f64::from(state) / f64::from(u32::MAX) - 0.5
+/// };
+/// let noisy: Vec<f64> = (0..400).map(|i| step(i) + 0.4 * random()).collect();
 /// let result = denoise_signal(&decomposer, &noisy, 1, &DenoiseParams::default(), Progress::none())?;
 /// let square = |f: &[f64]| f.iter().zip(0..).map(|(v, i)| (v - step(i)).powi(2)).sum::<f64>();
 /// assert!(square(&result.values) < 0.2 * square(&noisy));

@@ -47,10 +47,14 @@ impl Diffusion {
     ///
     /// ```
     /// use adwave::{Progress, operator::Diffusion};
-    /// let path = Diffusion::from_rows(&[0, 2, 5, 7], &[0, 1, 0, 1, 2, 1, 2], &[0.5, 0.5, 0.25, 0.5, 0.25, 0.5, 0.5])?;
-    /// let guide = [[0.0; 3], [0.1, 0.0, 0.0], [9.0, 0.0, 0.0]];
+    /// let path = Diffusion::from_rows(
+    ///     &[0, 2, 5, 8, 10],
+    ///     &[0, 1, 0, 1, 2, 1, 2, 3, 2, 3],
+    ///     &[0.5, 0.5, 0.25, 0.5, 0.25, 0.25, 0.5, 0.25, 0.5, 0.5],
+    /// )?;
+    /// let guide = [0.0, 0.1, 9.0, 9.1].map(|v| [v, 0.0, 0.0]); // a step in the middle
     /// let led = path.guided(&guide, 0.5, |_, _| 1.0, Progress::none())?;
-    /// assert!(led.row(1).1[0] > 0.49 && led.row(1).1[1] < 0.01); // to the one that is alike
+    /// assert!(led.row(1).1[0] > 0.49); // to the one that is alike
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
