@@ -106,7 +106,7 @@ impl Analysis {
         let signal = signal::load_with_texture(&input, &field.field, field.texture.as_deref())?;
         let walk = prepare(global, &input.shape, &shape.operator_for(levels)?)?;
         let walk = signal::mask(walk, &signal, &field.field, global)?;
-        let (schedule, why) = schedule_reaching(share, levels, &walk)?;
+        let (schedule, why) = schedule_reaching(share, levels, &walk, global)?;
         let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
         Ok(Self { input, walk, signal, schedule, params, why, seconds })
     }

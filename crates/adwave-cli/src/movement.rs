@@ -1,11 +1,18 @@
 //! How far a shape moved, and what became of its area and volume.
 
-use crate::output::number;
+use crate::global::Global;
+use crate::output::{note, number};
 use adwave::Progress;
 use adwave::filter::{Displacement, displacement};
 use adwave::shape::{PreparedGeometry, enclosed_volume, health, one_ring, surface_area};
 use serde_json::{Value, json};
 use std::fmt::Write;
+
+/// Widths of the widest level beyond which a vertex is said to have moved far.
+const FAR: f64 = 3.0;
+
+/// The part of the volume whose change is said to be much.
+const MUCH: f64 = 0.5;
 
 /// What changed between a shape and its new positions.
 pub(crate) struct Movement {
@@ -33,6 +40,25 @@ impl Movement {
         let volume = counted.ok().and_then(|health| health.volume);
         this.volumes = volume.map(|before| (before, enclosed_volume(&after, triangles)));
         this
+    }
+
+    /// A note where this is hardly a change of bands any more: vertices moved farther than a few widths of the widest, or half of
+    /// the volume changed.
+    pub(crate) fn warn(&self, sigma: f64, global: &Global<'_>) {
+        if sigma > 0.0 && self.moved.max > FAR * sigma {
+            let said = format!(
+                "vertex {} moved by {}, {:.0} times the widest σ; are the levels those of another shape or unit?",
+                self.moved.furthest,
+                number(self.moved.max),
+                self.moved.max / sigma
+            );
+            note(global, &said);
+        }
+        if let Some((before, after)) = self.volumes
+            && (after - before).abs() > MUCH * before.abs()
+        {
+            note(global, &format!("the volume changed from {} to {}", number(before), number(after)));
+        }
     }
 
     /// For people, some lines.

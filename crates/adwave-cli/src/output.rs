@@ -4,7 +4,8 @@ use crate::args::LevelArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use adwave::Decomposer;
-use adwave::bands::{BandsParams, DEFAULT_EXTENT, Schedule};
+use adwave::bands::{BandsParams, DEFAULT_EXTENT, FWHM, Schedule};
+use adwave::region::Length;
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
 use adwave_report::digits;
 use comfy_table::{CellAlignment, Table, presets};
@@ -68,8 +69,12 @@ pub(crate) fn steps_json(steps: &[f64]) -> Vec<Value> {
 }
 
 /// The schedule that the arguments ask for, and why it has as many levels.
-pub(crate) fn schedule(args: &LevelArgs, decomposer: &Decomposer) -> Result<(Schedule, String), CliError> {
-    schedule_reaching(DEFAULT_EXTENT, args, decomposer)
+pub(crate) fn schedule(
+    args: &LevelArgs,
+    decomposer: &Decomposer,
+    global: &Global<'_>,
+) -> Result<(Schedule, String), CliError> {
+    schedule_reaching(DEFAULT_EXTENT, args, decomposer, global)
 }
 
 /// The same, with levels up to a share of the diagonal where no number is asked for.
@@ -77,14 +82,15 @@ pub(crate) fn schedule_reaching(
     reach: f64,
     args: &LevelArgs,
     decomposer: &Decomposer,
+    global: &Global<'_>,
 ) -> Result<(Schedule, String), CliError> {
     if let Some(steps) = &args.steps {
         let schedule = Schedule::real(steps.clone())?;
         let why = format!("{} levels, of the steps asked for", schedule.n_levels());
         return Ok((schedule, why));
     }
-    if let Some(lengths) = &args.lengths {
-        let schedule = Schedule::lengths(lengths, decomposer.diffusion().step_length())?;
+    if let Some(widths) = args.widths() {
+        let schedule = schedule_of(&widths, decomposer, global)?;
         let why = format!("{} levels, of the widths asked for", schedule.n_levels());
         return Ok((schedule, why));
     }
@@ -102,18 +108,59 @@ pub(crate) fn schedule_reaching(
     }
 }
 
+/// Levels of these widths σ, with a note where one is finer than the edges or wider than the shape.
+pub(crate) fn schedule_of(
+    widths: &[Length],
+    decomposer: &Decomposer,
+    global: &Global<'_>,
+) -> Result<Schedule, CliError> {
+    let diagonal = decomposer.diagonal();
+    let sigma: Vec<f64> = widths.iter().map(|width| width.in_units(diagonal)).collect();
+    let schedule = Schedule::lengths(&sigma, decomposer.diffusion().step_length())?;
+    let edge = decomposer.mean_length();
+    if diagonal > 0.0 && sigma[0] < edge {
+        let said = format!(
+            "σ = {} is below the mean edge of {}: such a band shows the mesh",
+            number(sigma[0]),
+            number(edge)
+        );
+        note(global, &said);
+    }
+    if let Some(widest) = sigma.last().filter(|widest| diagonal > 0.0 && **widest > diagonal) {
+        let said =
+            format!("σ = {} is beyond the shape, whose diagonal is {}", number(*widest), number(diagonal));
+        note(global, &said);
+    }
+    Ok(schedule)
+}
+
+/// The full width at half maximum of each width σ; none of a graph, which has no lengths.
+pub(crate) fn fwhm_text(sigma: f64, diagonal: f64) -> String {
+    if diagonal > 0.0 { number(FWHM * sigma) } else { "–".to_owned() }
+}
+
+/// The same for machines.
+pub(crate) fn fwhm_json(sigma: &[f64], diagonal: f64) -> Value {
+    if diagonal > 0.0 { sigma.iter().map(|sigma| FWHM * sigma).collect() } else { Value::Null }
+}
+
 /// Refuses levels that no shape can have, before any shape is read.
 pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
     if let Some(steps) = &args.steps {
         Schedule::real(steps.clone())?;
     }
-    if let Some(lengths) = &args.lengths {
-        let rises =
-            |k: usize| lengths[k].is_finite() && lengths[k] > if k == 0 { 0.0 } else { lengths[k - 1] };
-        if let Some(bad) = (0..lengths.len()).find(|&k| !rises(k)) {
+    if let Some(widths) = args.lengths.as_ref().or(args.fwhm.as_ref()) {
+        // Those of different units can be compared only when the shape is known.
+        let rises = |k: usize| match (widths[k], if k == 0 { Length::Units(0.0) } else { widths[k - 1] }) {
+            (Length::Units(width), Length::Units(before)) => width > before,
+            (Length::PercentOfDiagonal(width), Length::PercentOfDiagonal(before)) => width > before,
+            (Length::Units(width) | Length::PercentOfDiagonal(width), _) => width > 0.0,
+        };
+        if let Some(bad) = (0..widths.len()).find(|&k| !rises(k)) {
+            let (Length::Units(width) | Length::PercentOfDiagonal(width)) = widths[bad];
             return Err(CliError::Input(format!(
-                "--lengths: {:?} is number {} of the widths; they must be positive, finite and increasing",
-                lengths[bad],
+                "{}: {width:?} is number {} of the widths; they must be positive, finite and increasing",
+                if args.fwhm.is_some() { "--fwhm" } else { "--lengths" },
                 bad + 1
             )));
         }

@@ -2,8 +2,10 @@
 
 use crate::args::{Kind, ShapeArgs};
 use crate::error::CliError;
+use crate::global::Global;
+use crate::output::note;
 use adwave::sample::{NoiseSigma, Sample};
-use adwave::shape::Shape;
+use adwave::shape::{Shape, triangulate, vertex_normals};
 use adwave_io::{ReadLimits, ShapeFile, ShapeKind, read_bytes, read_path};
 use std::io::Read;
 use std::path::Path;
@@ -96,4 +98,18 @@ fn read(source: &str) -> Result<ShapeFile, CliError> {
         let text = error.to_string();
         CliError::Input(if text.contains(source) { text } else { format!("{source}: {text}") })
     })
+}
+
+/// Computes the file's normals of a mesh anew where that is asked for, or says that they are the old ones.
+pub(crate) fn refresh_normals(update: bool, global: &Global<'_>, input: &mut Input) -> Result<(), CliError> {
+    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return Ok(()) };
+    if update {
+        let triangles = triangulate(input.file.points(), mesh.faces());
+        let normals = vertex_normals(input.file.points(), &triangles);
+        let field = field.with_values_rounded(normals.as_flattened());
+        input.file.add_vertex_field(field)?;
+    } else {
+        note(global, "the normals are those of the input; --update-normals computes them anew");
+    }
+    Ok(())
 }

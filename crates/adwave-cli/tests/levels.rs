@@ -129,6 +129,41 @@ fn widths_are_those_asked_for() {
 }
 
 #[test]
+fn widths_are_given_as_people_give_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let torus = "info sample:torus --vertices 900";
+    let by_sigma = json(path, &format!("{torus} --lengths 0.2,0.4"));
+    let by_fwhm = json(path, &format!("{torus} --fwhm 0.333021844463079,0.666043688926158"));
+    assert_eq!(
+        (&by_fwhm["diffusion"]["operator"], &by_sigma["diffusion"]["operator"]),
+        (&json!("surface"), &json!("surface"))
+    );
+    for (a, b) in numbers(&by_sigma["sigma"]).iter().zip(numbers(&by_fwhm["sigma"])) {
+        assert!((a - b).abs() < 1e-9, "{a} and {b}");
+    }
+    assert!((numbers(&by_fwhm["fwhm"])[1] - 0.333_021_844_463_079).abs() < 1e-9);
+    let diagonal = by_sigma["diagonal"].as_f64().unwrap();
+    let by_share = json(path, &format!("{torus} --lengths 5%,10%"));
+    assert!((numbers(&by_share["sigma"])[2] / (0.1 * diagonal) - 1.0).abs() < 1e-9);
+    // What is finer than the mesh, or wider than the shape, is done and said.
+    for (asked, said) in [("0.01,0.3", "below the mean edge"), ("50%,150%", "beyond the shape")] {
+        let line = format!("{torus} --lengths {asked}");
+        let output = adwave(path).args(words(&line)).assert().success().get_output().stderr.clone();
+        let output = String::from_utf8(output).unwrap();
+        assert!(output.contains(said), "{asked}: {output}");
+    }
+    // Recipes travel: widths in them are those that were asked for.
+    let line =
+        "filter sample:torus --vertices 900 --lengths 2%,4% --gains 0,0 -o edit.obj --save-recipe edit.toml";
+    json(path, line);
+    let recipe = fs::read_to_string(path.join("edit.toml")).unwrap();
+    assert!(recipe.contains("lengths = [\"2%\", \"4%\"]"), "{recipe}");
+    let larger = json(path, "filter sample:torus --vertices 4000 --recipe edit.toml -o again.obj");
+    assert!((numbers(&larger["sigma"])[2] / (0.04 * diagonal) - 1.0).abs() < 0.02);
+}
+
+#[test]
 fn the_operator_follows_from_what_is_asked() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
@@ -173,10 +208,46 @@ fn a_recipe_keeps_the_operator() {
 }
 
 #[test]
+fn a_recipe_keeps_creases_density_borders_and_volume() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for (name, line, kept) in [
+        (
+            "bracket",
+            "sample:bracket --vertices 3000 --keep-creases --keep-volume",
+            &["keep_creases = true", "volume = \"keep\""][..],
+        ),
+        (
+            "plane",
+            "sample:plane --vertices 900 --density-invariant --border free",
+            &["density_invariant = true", "border = \"free\""],
+        ),
+    ] {
+        json(path, &format!("filter {line} --preset suppress -o {name}.obj --save-recipe {name}.toml"));
+        let recipe = fs::read_to_string(path.join(format!("{name}.toml"))).unwrap();
+        assert!(kept.iter().all(|line| recipe.contains(line)), "{recipe}");
+        let shape = line.split(" --").take(2).collect::<Vec<_>>().join(" --");
+        json(path, &format!("filter {shape} --recipe {name}.toml -o again.obj"));
+        let [first, again] =
+            [format!("{name}.obj"), "again.obj".into()].map(|file| fs::read(path.join(file)).unwrap());
+        assert!(first == again, "{name}");
+        json(path, &format!("filter {shape} --preset suppress -o plain.obj"));
+        assert!(first != fs::read(path.join("plain.obj")).unwrap(), "{name}");
+    }
+    let info = json(path, "info sample:bracket --vertices 3000 --keep-creases --density-invariant");
+    assert_eq!(
+        (&info["diffusion"]["keeps_creases"], &info["diffusion"]["density_invariant"]),
+        (&json!(true), &json!(true))
+    );
+    let said = refused(path, "info sample:bracket --density-invariant --operator surface");
+    assert!(said.contains("--density-invariant is an option of the walk"), "{said}");
+}
+
+#[test]
 fn a_recipe_keeps_steps_to_the_last_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let line = "filter sample:torus --vertices 900 --levels 3 --voices 2 --gains 0,2,1,0.5,0 -o edit.obj --save-recipe edit.toml";
+    let line = "filter sample:torus --vertices 900 --levels 3 --voices 2 --gains 0,2,1,0.5,0 -o edit.obj --save-recipe edit.toml --save-steps";
     let report = json(path, line);
     assert_eq!(report["steps"].as_array().unwrap().len(), 6);
     let recipe = fs::read_to_string(path.join("edit.toml")).unwrap();
@@ -212,7 +283,11 @@ fn what_is_no_number_of_steps_is_refused_at_once() {
         ("--voices 3 --levels 99", "32"),
         ("--lengths 0", "positive"),
         ("--lengths=-1e-99", "-1e-99"),
-        ("--lengths nan", "NaN"),
+        ("--lengths nan", "nan"),
+        ("--lengths 2,1", "increasing"),
+        ("--fwhm 0", "--fwhm"),
+        ("--fwhm 1% --lengths 2%", "--lengths"),
+        ("--lengths 1%,0.5%", "increasing"),
         ("--lengths 1e300", "1e300"),
         ("--lengths 1e-9", "at least 0.015625"),
     ] {

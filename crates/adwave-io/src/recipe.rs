@@ -1,9 +1,12 @@
 //! Edits as small TOML files that people can read, write and replay.
 //!
 //! ```toml
-//! levels = 6                     # or steps = [1, 2.5, 4], or lengths = [0.01, 0.02]; left out: as many as fit the shape
+//! levels = 6                     # or steps = [1, 2.5, 4], or lengths = [0.01, "2%"]; left out: as many as fit the shape
 //! operator = "walk"               # or "surface"; left out: the walk, with lengths the surface
+//! density_invariant = true       # left out: false; and so keep_creases
 //! field = "coords"               # left out: the coordinates
+//! border = "natural"             # of coordinates: or "keep", "free"; left out: natural
+//! volume = "keep"                # of coordinates: by an offset; left out: free
 //!
 //! [[layer]]
 //! preset = "suppress"            # or gains = [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]
@@ -18,6 +21,8 @@ use crate::{ReadError, WriteError, atomic_write};
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
 use adwave::operator::OperatorKind;
+use adwave::positions::{Borders, PositionParams, Volume};
+use adwave::region::Length;
 use serde::{Deserialize, Serialize, Serializer};
 use std::path::Path;
 
@@ -31,8 +36,8 @@ pub enum Levels {
     Dyadic(usize),
     /// Levels of these numbers of steps.
     Steps(Vec<f64>),
-    /// Levels of these widths in model units.
-    Lengths(Vec<f64>),
+    /// Levels of these widths σ, in model units or in percent of the diagonal.
+    Lengths(Vec<Length>),
 }
 
 /// An edit: layers, the levels that their gains are for, and the signal they change.
@@ -42,10 +47,31 @@ pub struct Recipe {
     pub field: String,
     /// By what the signal is smoothed; where it is not said, the reader decides by the levels.
     pub operator: Option<OperatorKind>,
+    /// Whether the density of the samples is taken out of the walk.
+    pub density_invariant: bool,
+    /// Whether steps keep to vertices whose normals are alike.
+    pub keep_creases: bool,
+    /// What is asked of new positions.
+    pub positions: PositionParams,
     /// Which levels.
     pub levels: Levels,
     /// What is changed where.
     pub layers: Vec<Layer>,
+}
+
+/// Nothing is changed, of the coordinates.
+impl Default for Recipe {
+    fn default() -> Self {
+        Self {
+            field: coords(),
+            operator: None,
+            density_invariant: false,
+            keep_creases: false,
+            positions: PositionParams::default(),
+            levels: Levels::Default,
+            layers: Vec::new(),
+        }
+    }
 }
 
 /// A recipe as TOML has it.
@@ -56,12 +82,20 @@ struct Table {
     field: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     operator: Option<OperatorKind>,
+    #[serde(default, skip_serializing_if = "is_default")]
+    density_invariant: bool,
+    #[serde(default, skip_serializing_if = "is_default")]
+    keep_creases: bool,
+    #[serde(default, skip_serializing_if = "is_default")]
+    border: Borders,
+    #[serde(default, skip_serializing_if = "is_default")]
+    volume: Volume,
     #[serde(skip_serializing_if = "Option::is_none")]
     levels: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "whole_as_whole")]
     steps: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    lengths: Option<Vec<f64>>,
+    lengths: Option<Vec<Length>>,
     #[serde(default, rename = "layer")]
     layers: Vec<Layer>,
 }
@@ -82,6 +116,10 @@ fn whole_as_whole<S: Serializer>(steps: &Option<Vec<f64>>, serializer: S) -> Res
             Number::Real(n)
         }
     }))
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 fn coords() -> String {
@@ -115,7 +153,15 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
             return Err(ReadError::Line { line: 1, message });
         }
     };
-    Ok(Recipe { field: table.field, operator: table.operator, levels, layers: table.layers })
+    Ok(Recipe {
+        field: table.field,
+        operator: table.operator,
+        density_invariant: table.density_invariant,
+        keep_creases: table.keep_creases,
+        positions: PositionParams { borders: table.border, volume: table.volume },
+        levels,
+        layers: table.layers,
+    })
 }
 
 /// Reads the recipe in the file `path`.
@@ -135,6 +181,10 @@ pub fn recipe_to_text(recipe: &Recipe) -> String {
     let mut table = Table {
         field: recipe.field.clone(),
         operator: recipe.operator,
+        density_invariant: recipe.density_invariant,
+        keep_creases: recipe.keep_creases,
+        border: recipe.positions.borders,
+        volume: recipe.positions.volume,
         levels: None,
         steps: None,
         lengths: None,
@@ -161,7 +211,7 @@ pub fn write_recipe(path: &Path, recipe: &Recipe) -> Result<(), WriteError> {
 mod tests {
     use super::*;
     use adwave::filter::{Gains, Preset};
-    use adwave::region::{Length, Place, Region};
+    use adwave::region::{Place, Region};
 
     #[test]
     fn writing_and_reading_is_the_identity() {
@@ -181,6 +231,9 @@ mod tests {
         let recipe = Recipe {
             field: "coords".into(),
             operator: Some(OperatorKind::Surface),
+            density_invariant: false,
+            keep_creases: true,
+            positions: PositionParams { borders: Borders::Keep, volume: Volume::Keep },
             levels: Levels::Steps(vec![1.0, 2.5, 9.0]),
             layers: vec![
                 Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },

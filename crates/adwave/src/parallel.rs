@@ -3,6 +3,8 @@
 //! All results are the same bits on any number of threads: work is cut into chunks whose size does not depend on their
 //! number, and partial results are put together in the order of the chunks. Up to [`SERIAL`] rows no thread pool is asked or
 //! started. Every loop asks its [`Progress`] before each chunk, so that a call stops within the time of one.
+//!
+//! Work on a chunk is called through a pointer: the loops are compiled once for each type of value, not for each caller.
 
 use crate::pages::zeros;
 use crate::{Cancelled, Progress};
@@ -31,11 +33,7 @@ pub(crate) fn max(n: usize, floor: f64, term: impl Fn(usize) -> f64 + Sync) -> f
     map_chunks(n, TERMS_AT_A_TIME, chunk).into_iter().fold(floor, f64::max)
 }
 
-/// The chunks of `0..n` by turn.
-fn chunks(n: usize, at_a_time: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
-    (0..n.div_ceil(at_a_time)).into_par_iter().map(move |chunk| nth(n, at_a_time, chunk))
-}
-
+/// The chunk of `0..n` of that number.
 fn nth(n: usize, at_a_time: usize, chunk: usize) -> Range<usize> {
     chunk * at_a_time..((chunk + 1) * at_a_time).min(n)
 }
@@ -46,10 +44,8 @@ pub(crate) fn map_chunks<R: Send>(
     at_a_time: usize,
     work: impl Fn(Range<usize>) -> R + Sync + Send,
 ) -> Vec<R> {
-    if n <= SERIAL {
-        return (0..n.div_ceil(at_a_time)).map(|chunk| work(nth(n, at_a_time, chunk))).collect();
-    }
-    chunks(n, at_a_time).map(work).collect()
+    let work: &(dyn Fn(Range<usize>) -> R + Sync) = &work;
+    map_items(n, n.div_ceil(at_a_time), |chunk| work(nth(n, at_a_time, chunk)))
 }
 
 /// [`map_chunks`] with scratch that each thread makes once, stopped when the call is.
@@ -60,12 +56,31 @@ pub(crate) fn try_map_chunks<S, R: Send>(
     scratch: impl Fn() -> S + Sync + Send,
     work: impl Fn(&mut S, Range<usize>) -> R + Sync + Send,
 ) -> Result<Vec<R>, Cancelled> {
-    let asked = |scratch: &mut S, range| progress.check().map(|()| work(scratch, range));
-    if n <= SERIAL {
+    let with_scratch = || -> Worker<'_, R> {
         let mut own = scratch();
-        return (0..n.div_ceil(at_a_time)).map(|chunk| asked(&mut own, nth(n, at_a_time, chunk))).collect();
+        let work = &work;
+        Box::new(move |range| work(&mut own, range))
+    };
+    ask_chunks(n, at_a_time, progress, &with_scratch)
+}
+
+/// Work on chunks with scratch of its own.
+type Worker<'a, R> = Box<dyn FnMut(Range<usize>) -> R + 'a>;
+
+fn ask_chunks<'a, R: Send>(
+    n: usize,
+    at_a_time: usize,
+    progress: Progress<'_>,
+    worker: &(dyn Fn() -> Worker<'a, R> + Sync),
+) -> Result<Vec<R>, Cancelled> {
+    let asked = |worker: &mut Worker<'a, R>, range| progress.check().map(|()| worker(range));
+    let n_chunks = n.div_ceil(at_a_time);
+    if n <= SERIAL {
+        let mut own = worker();
+        return (0..n_chunks).map(|chunk| asked(&mut own, nth(n, at_a_time, chunk))).collect();
     }
-    chunks(n, at_a_time).map_init(scratch, asked).collect()
+    let chunks = (0..n_chunks).into_par_iter().map(|chunk| nth(n, at_a_time, chunk));
+    chunks.map_init(worker, asked).collect()
 }
 
 /// `work(first row, rows)` for each chunk of the rows of `values`, each row `width` values long.
@@ -87,13 +102,7 @@ pub(crate) fn try_for_rows<T: Send>(
     progress: Progress<'_>,
     work: impl Fn(usize, &mut [T]) + Sync + Send,
 ) -> Result<(), Cancelled> {
-    let is_small = values.len() <= SERIAL * width;
-    let len = (at_a_time * width).max(1);
-    let asked = |(chunk, rows): (usize, &mut [T])| progress.check().map(|()| work(chunk * at_a_time, rows));
-    if is_small {
-        return values.chunks_mut(len).enumerate().try_for_each(asked);
-    }
-    values.par_chunks_mut(len).enumerate().try_for_each(asked)
+    try_map_rows(values, width, at_a_time, progress, work).map(|_: Vec<()>| ())
 }
 
 /// `work(first row, rows)` for each chunk of the rows of `values`, each row `width` values long: what it says, in the order
@@ -105,13 +114,23 @@ pub(crate) fn try_map_rows<T: Send, R: Send>(
     progress: Progress<'_>,
     work: impl Fn(usize, &mut [T]) -> R + Sync + Send,
 ) -> Result<Vec<R>, Cancelled> {
+    let work: &(dyn Fn(usize, &mut [T]) -> R + Sync) = &work;
     let is_small = values.len() <= SERIAL * width;
-    let len = (at_a_time * width).max(1);
-    let asked = |(chunk, rows): (usize, &mut [T])| progress.check().map(|()| work(chunk * at_a_time, rows));
+    ask_rows(values, (at_a_time * width).max(1), is_small, &|chunk, rows| {
+        progress.check().map(|()| work(chunk * at_a_time, rows))
+    })
+}
+
+fn ask_rows<T: Send, R: Send>(
+    values: &mut [T],
+    len: usize,
+    is_small: bool,
+    asked: &(dyn Fn(usize, &mut [T]) -> Result<R, Cancelled> + Sync),
+) -> Result<Vec<R>, Cancelled> {
     if is_small {
-        return values.chunks_mut(len).enumerate().map(asked).collect();
+        return values.chunks_mut(len).enumerate().map(|(chunk, rows)| asked(chunk, rows)).collect();
     }
-    values.par_chunks_mut(len).enumerate().map(asked).collect()
+    values.par_chunks_mut(len).enumerate().map(|(chunk, rows)| asked(chunk, rows)).collect()
 }
 
 /// The values of `0..n`, by chunks of rows.
@@ -134,6 +153,7 @@ pub(crate) fn map_items<R: Send>(
     n_items: usize,
     work: impl Fn(usize) -> R + Sync + Send,
 ) -> Vec<R> {
+    let work: &(dyn Fn(usize) -> R + Sync) = &work;
     if n_rows <= SERIAL {
         return (0..n_items).map(work).collect();
     }
@@ -172,6 +192,7 @@ pub(crate) fn try_each<T: Send>(
     progress: Progress<'_>,
     work: impl Fn(T) -> Result<(), Cancelled> + Sync + Send,
 ) -> Result<(), Cancelled> {
+    let work: &(dyn Fn(T) -> Result<(), Cancelled> + Sync) = &work;
     let asked = |item| progress.check().and_then(|()| work(item));
     if n_rows <= SERIAL {
         return items.into_iter().try_for_each(asked);

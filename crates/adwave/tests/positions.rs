@@ -100,12 +100,18 @@ fn a_bump_next_to_the_border_is_smoothed_like_one_inside() {
         p[2] = height * centres.iter().map(bump).sum::<f64>();
     }
     let shape = decomposer(&points, &faces);
-    let after = settled(&shape, &points, Preset::SuppressPaper, 5, borders(Borders::Natural));
     let top = |points: &[[f64; 3]], c: &[f64; 2]| {
         points.iter().filter(|p| (p[0] - c[0]).hypot(p[1] - c[1]) < 0.05).map(|p| p[2]).fold(0.0, f64::max)
     };
-    let [inside, border] = centres.map(|c| top(&points, &c) - top(&after, &c));
-    assert!((border / inside - 1.0).abs() < 0.05, "{inside} inside, {border} at the border");
+    let after = |preset| settled(&shape, &points, preset, 5, borders(Borders::Natural));
+    let paper = after(Preset::SuppressPaper);
+    let [inside, border] = centres.map(|c| top(&points, &c) - top(&paper, &c));
+    assert!((border / inside - 1.0).abs() < 0.05, "{inside} taken off inside, {border} at the border");
+    // What 2Φⁿ − Φ²ⁿ takes off is a small difference of large ones; what it leaves is alike.
+    let gentle = after(Preset::Suppress);
+    let [inside, border] = centres.map(|c| top(&gentle, &c));
+    assert!(inside < 0.99 * height, "{inside} left of {height}");
+    assert!((border / inside - 1.0).abs() < 0.02, "{inside} left inside, {border} at the border");
 }
 
 #[test]

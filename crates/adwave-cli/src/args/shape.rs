@@ -2,8 +2,9 @@
 
 use super::named::named;
 use crate::error::CliError;
-use adwave::bands::BandsParams;
+use adwave::bands::{BandsParams, FWHM};
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
+use adwave::region::Length;
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
 use clap::{Args, ValueEnum};
 use std::num::NonZeroUsize;
@@ -47,6 +48,12 @@ pub(crate) struct ShapeArgs {
     /// Cloud: the area of a point
     #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Diffusion operator")]
     pub(crate) cloud_area: CloudAreaArg,
+    /// Walk: take out how densely the shape was sampled (Coifman & Lafon's α = 1, neighbours by length); slower where that varies much
+    #[arg(long, help_heading = "Diffusion operator")]
+    pub(crate) density_invariant: bool,
+    /// Mesh, cloud: do not step across creases, where normals turn sharply
+    #[arg(long, help_heading = "Diffusion operator")]
+    pub(crate) keep_creases: bool,
 }
 
 /// A default of the library, which is at least 1.
@@ -62,7 +69,7 @@ impl ShapeArgs {
 
     /// How the diffusion operator is built for these levels: widths should mean the same on every mesh.
     pub(crate) fn operator_for(&self, levels: &LevelArgs) -> Result<OperatorParams, CliError> {
-        self.operator_or(if levels.lengths.is_some() { OperatorKind::Surface } else { OperatorKind::Walk })
+        self.operator_or(if levels.by_width() { OperatorKind::Surface } else { OperatorKind::Walk })
     }
 
     /// How the diffusion operator is built, of this kind where neither a kind nor an option of the walk is asked for.
@@ -74,6 +81,7 @@ impl ShapeArgs {
             ("--mesh-area", walk.mesh_area != default.mesh_area),
             ("--directed", walk.cloud_graph != default.cloud_graph),
             ("--cloud-area", walk.cloud_area != default.cloud_area),
+            ("--density-invariant", walk.density_invariant),
         ];
         let asked = only_of_walk.iter().find(|(_, is_asked)| *is_asked).map(|(option, _)| *option);
         match (self.operator.map(OperatorKind::from), asked) {
@@ -99,6 +107,8 @@ impl ShapeArgs {
             .with_neighbours(self.neighbours.get())
             .with_cloud_graph(if self.directed { CloudGraph::Directed } else { CloudGraph::Union })
             .with_cloud_area(self.cloud_area.into())
+            .with_density_invariant(self.density_invariant)
+            .with_keep_creases(self.keep_creases)
     }
 }
 
@@ -152,20 +162,44 @@ pub(crate) struct LevelArgs {
     /// Largest error of a band, relative to the band: 1e-13 to 0.1
     #[arg(long, value_name = "E", default_value_t = BandsParams::default().accuracy, help_heading = "Levels")]
     pub(crate) accuracy: f64,
-    /// Levels of these widths σ in model units, increasing
+    /// Levels of these widths σ in model units or in % of the diagonal, increasing: the root mean square distance that one value spreads to; σ/√2 along each axis of a surface, a full width at half maximum of 1.665 σ
     #[arg(
         long,
         value_name = "L,L,…",
         value_delimiter = ',',
         help_heading = "Levels",
-        conflicts_with = "levels"
+        conflicts_with_all = ["levels", "voices"]
     )]
-    pub(crate) lengths: Option<Vec<f64>>,
+    pub(crate) lengths: Option<Vec<Length>>,
+    /// Levels of these full widths at half maximum, in model units or in % of the diagonal, increasing: --lengths of FWHM/1.665
+    #[arg(
+        long,
+        value_name = "L,L,…",
+        value_delimiter = ',',
+        help_heading = "Levels",
+        conflicts_with_all = ["levels", "voices", "steps", "lengths"]
+    )]
+    pub(crate) fwhm: Option<Vec<Length>>,
 }
 
 impl LevelArgs {
     /// Whether levels are asked for at all.
     pub(crate) fn is_asked(&self) -> bool {
-        self.levels.is_some() || self.steps.is_some() || self.lengths.is_some() || self.voices.is_some()
+        self.levels.is_some() || self.steps.is_some() || self.by_width() || self.voices.is_some()
+    }
+
+    /// Whether levels are asked for by width.
+    pub(crate) fn by_width(&self) -> bool {
+        self.lengths.is_some() || self.fwhm.is_some()
+    }
+
+    /// The widths σ that are asked for.
+    pub(crate) fn widths(&self) -> Option<Vec<Length>> {
+        let from_fwhm = |width: &Length| match *width {
+            Length::Units(width) => Length::Units(width / FWHM),
+            Length::PercentOfDiagonal(width) => Length::PercentOfDiagonal(width / FWHM),
+        };
+        let by_fwhm = || Some(self.fwhm.as_ref()?.iter().map(from_fwhm).collect());
+        self.lengths.clone().or_else(by_fwhm)
     }
 }

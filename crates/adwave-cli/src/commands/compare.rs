@@ -94,7 +94,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let start = Instant::now();
     let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let prepare_seconds = Some(start.elapsed().as_secs_f64());
-    let (schedule, why) = schedule(&args.levels, &walk)?;
+    let (schedule, why) = schedule(&args.levels, &walk, global)?;
     let subject = Subject {
         shape: &input.shape,
         walk: &walk,

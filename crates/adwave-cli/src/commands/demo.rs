@@ -71,12 +71,8 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         out.set_points(points.clone())?;
         write_shape(global, &out, &at(&format!("{name}.ply")))?;
         if name == LOCAL_EDIT {
-            let recipe = Recipe {
-                field: "coords".to_owned(),
-                operator: None,
-                levels: Levels::Dyadic(n_levels),
-                layers: vec![layer],
-            };
+            let recipe =
+                Recipe { levels: Levels::Dyadic(n_levels), layers: vec![layer], ..Recipe::default() };
             write_recipe(&at("local-edit.toml"), &recipe).map_err(CliError::input)?;
         }
         edits.push((name, moved.rms, moved.max, 100.0 * (after - volume) / volume, ms));

@@ -3,7 +3,9 @@
 use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{number, percent_of, print, schedule, steps_json, steps_text, table};
+use crate::output::{
+    fwhm_json, fwhm_text, number, percent_of, print, schedule, steps_json, steps_text, table,
+};
 use crate::progress::{prepare, with_spinner};
 use crate::shape_input::load;
 use adwave::operator::SurfaceInfo;
@@ -32,7 +34,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         let health = decomposer.health();
         Ok::<_, CliError>((input, decomposer, health))
     })?;
-    let (schedule, why) = schedule(&args.levels, &decomposer)?;
+    let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
     let sigma = schedule.sigma(decomposer.diffusion().step_length());
     let kind = kind(&input.shape);
     let diagonal = decomposer.diagonal();
@@ -54,8 +56,10 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     }
     let _ = writeln!(
         text,
-        "  diffusion     {}, {} entries, mean edge {}, step {}",
+        "  diffusion     {}{}{}, {} entries, mean edge {}, step {}",
         decomposer.operator_kind().name(),
+        if decomposer.operator_params().density_invariant { " without density" } else { "" },
+        if decomposer.operator_params().keep_creases { " along creases" } else { "" },
         decomposer.diffusion().nnz(),
         number(decomposer.mean_length()),
         number(decomposer.diffusion().step_length()),
@@ -65,12 +69,13 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     }
     let _ = writeln!(text, "  levels        {why}\n");
     text += &table(
-        ["level", "steps", "sigma", "% of diagonal"],
+        ["level", "steps", "sigma", "FWHM", "% of diagonal"],
         (1..=schedule.n_levels()).map(|j| {
             [
                 j.to_string(),
                 steps_text(schedule.steps()[j - 1]),
                 number(sigma[j]),
+                fwhm_text(sigma[j], diagonal),
                 percent_of(sigma[j], diagonal),
             ]
         }),
@@ -88,6 +93,8 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "health": health_json(&health),
         "diffusion": {
             "operator": decomposer.operator_kind().name(),
+            "density_invariant": decomposer.operator_params().density_invariant,
+            "keeps_creases": decomposer.operator_params().keep_creases,
             "vertices": decomposer.diffusion().n_vertices(),
             "entries": decomposer.diffusion().nnz(),
             "mean_length": decomposer.mean_length(),
@@ -104,6 +111,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "levels_reason": why,
         "steps": steps_json(&schedule.steps_from_zero()),
         "sigma": sigma,
+        "fwhm": fwhm_json(&sigma, diagonal),
     });
     print(global, &text, &json)
 }

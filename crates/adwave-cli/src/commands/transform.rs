@@ -4,8 +4,8 @@ use crate::args::{FieldArgs, LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{
-    bands_params, check_writable, number, peak_memory, percent_of, print, schedule, steps_json, steps_text,
-    table, write_error, write_shape,
+    bands_params, check_writable, fwhm_json, fwhm_text, number, peak_memory, percent_of, print, schedule,
+    steps_json, steps_text, table, write_error, write_shape,
 };
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let read = watch.lap();
     let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let decomposer = signal::mask(decomposer, &signal, field, global)?;
-    let (schedule, why) = schedule(&args.levels, &decomposer)?;
+    let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
     let prepared = watch.lap();
     let bands = with_progress(global, "splitting", |progress| {
         decomposer
@@ -87,13 +87,14 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         field,
     );
     text += &table(
-        ["level", "steps", "sigma", "% of diagonal", "rms of W"],
+        ["level", "steps", "sigma", "FWHM", "% of diagonal", "rms of W"],
         (1..=bands.n_levels()).map(|j| {
             let rms = energy[j - 1].sqrt();
             [
                 j.to_string(),
                 steps_text(bands.steps[j]),
                 number(bands.sigma[j]),
+                fwhm_text(bands.sigma[j], diagonal),
                 percent_of(bands.sigma[j], diagonal),
                 number(rms),
             ]
@@ -115,6 +116,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         "levels_reason": why,
         "steps": steps_json(&bands.steps),
         "sigma": bands.sigma,
+        "fwhm": fwhm_json(&bands.sigma, diagonal),
         "energy": energy,
         "products": bands.info.products,
         "error_bound": bands.info.error_bound,

@@ -24,7 +24,7 @@ pub(crate) use error::check_signal;
 pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
 pub use powers::smooth;
 pub use schedule::{
-    DEFAULT_EXTENT, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
+    DEFAULT_EXTENT, FWHM, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
 };
 pub use transform::Transform;
 pub(crate) use wavelets::Measure;

@@ -2,6 +2,10 @@
 
 use thiserror::Error;
 
+/// The full width at half maximum of diffusion on a surface over σ, `2·√(ln 2)`: σ is the root mean square of the distance, σ/√2 along
+/// each of two axes, and a normal distribution is `2·√(2·ln 2)` standard deviations wide at half its height.
+pub const FWHM: f64 = 1.665_109_222_315_395_5;
+
 /// The largest number of steps of a level: 2³¹, that is 32 dyadic levels.
 pub const MAX_STEPS: u64 = 1 << 31;
 

@@ -1,6 +1,7 @@
 //! The prepared object: a shape with its diffusion operator, ready to be asked often.
 
 mod border;
+mod creases;
 mod request;
 
 pub use request::BandsRequest;
@@ -17,6 +18,7 @@ use crate::region::{Edges, SurfaceMetric};
 use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, squared_distance};
 use crate::shape::{triangles_at_vertices, try_one_ring};
 use crate::{Cancelled, Progress};
+use creases::keeping_creases;
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
@@ -78,11 +80,9 @@ pub struct Decomposer {
     diagonal: f64,
     /// Which vertices are masked.
     mask: Option<Arc<Mask>>,
-    kind: OperatorKind,
+    params: OperatorParams,
     surface_info: Option<SurfaceInfo>,
-    /// The rings of a mesh that one step of the walk takes in.
-    rings: usize,
-    /// The one-ring of a mesh, without the masked vertices, where heat flows along other edges.
+    /// The one-ring of a mesh, without the masked vertices, where steps go along other edges.
     ring: Arc<OnceLock<Arc<Adjacency>>>,
     metric: Arc<OnceLock<SurfaceMetric>>,
 }
@@ -115,6 +115,10 @@ impl Decomposer {
                 (diffusion, areas.into(), mean_length, Some(info))
             }
         };
+        let diffusion = match params.keep_creases {
+            true => keeping_creases(diffusion, &geometry, progress)?,
+            false => diffusion,
+        };
         Ok(Self {
             geometry: Arc::new(geometry),
             transform: transform(diffusion),
@@ -122,9 +126,8 @@ impl Decomposer {
             mean_length,
             diagonal: shape.diagonal(),
             mask: None,
-            kind: params.kind,
+            params: *params,
             surface_info,
-            rings: params.rings,
             ring: Arc::default(),
             metric: Arc::default(),
         })
@@ -191,7 +194,7 @@ impl Decomposer {
         if self.has_own_ring() {
             return Ok(Cow::Borrowed(self.mesh_ring(progress)?));
         }
-        if self.rings == 1 || self.geometry.triangles().is_empty() {
+        if self.params.rings == 1 || self.geometry.triangles().is_empty() {
             return Ok(Cow::Borrowed(self.neighbours()));
         }
         Ok(Cow::Owned(self.new_ring(progress)?))
@@ -217,7 +220,8 @@ impl Decomposer {
 
     /// Whether steps go along other edges than those of the mesh.
     fn has_own_ring(&self) -> bool {
-        self.kind == OperatorKind::Surface && !self.geometry.triangles().is_empty()
+        let by_length = self.params.kind == OperatorKind::Surface || self.params.density_invariant;
+        by_length && !self.geometry.triangles().is_empty()
     }
 
     /// The welded vertices and how they belong to those of the shape.
@@ -227,7 +231,12 @@ impl Decomposer {
 
     /// By what signals are smoothed.
     pub fn operator_kind(&self) -> OperatorKind {
-        self.kind
+        self.params.kind
+    }
+
+    /// How the diffusion operator was built.
+    pub fn operator_params(&self) -> &OperatorParams {
+        &self.params
     }
 
     /// What was done to the shape on the way to heat on it; `None` of a walk.

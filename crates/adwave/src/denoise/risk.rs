@@ -61,8 +61,12 @@ impl Risk {
     /// The weights of the mixture of least risk: ≥ 0, of sum 1. By steps between the two estimates that promise most, exact along
     /// each; at most [`MAX_STEPS`].
     pub(super) fn best_weights(&self) -> Vec<f64> {
-        let n = self.towards.len();
-        let mut weights = vec![0.0; n];
+        self.best_among(self.towards.len())
+    }
+
+    /// The same among the first n estimates; the others have no weight.
+    pub(super) fn best_among(&self, n: usize) -> Vec<f64> {
+        let mut weights = vec![0.0; self.towards.len()];
         weights[0] = 1.0;
         let least_gain = 1e-12 * self.gram[0][0];
         let mut slopes: Vec<f64> = (0..n).map(|k| self.gram[k][0] - self.towards[k]).collect();
@@ -85,18 +89,34 @@ impl Risk {
         weights
     }
 
+    /// By how much less the risk of a mixture is estimated than that of another, and the standard error of that difference
+    /// for noise of standard deviation `noise` at each of `n_sites`: `2σ·‖Σ_k (v_k − w_k)·F_k‖/√n`.
+    pub(super) fn gain(&self, of: &[f64], over: &[f64], noise: f64, n_sites: usize) -> (f64, f64) {
+        let apart: Vec<f64> = of.iter().zip(over).map(|(v, w)| v - w).collect();
+        let square = self.inner(&apart, &apart).max(0.0);
+        (
+            self.without_truth(over) - self.without_truth(of),
+            2.0 * noise * (square / n_sites.max(1) as f64).sqrt(),
+        )
+    }
+
+    /// `v·Gw`.
+    fn inner(&self, v: &[f64], w: &[f64]) -> f64 {
+        let row = |gram: &Vec<f64>| gram.iter().zip(w).map(|(g, w)| g * w).sum::<f64>();
+        self.gram.iter().zip(v).map(|(gram, v)| v * row(gram)).sum()
+    }
+
+    /// `w·Gw − 2b·w`: the risk of a mixture but for `‖m‖²`.
+    fn without_truth(&self, weights: &[f64]) -> f64 {
+        let towards: f64 = weights.iter().zip(&self.towards).map(|(w, b)| w * b).sum();
+        self.inner(weights, weights) - 2.0 * towards
+    }
+
     /// The estimated mean square of the error of the data, and of a mixture.
     pub(super) fn before_and_after(&self, weights: &[f64]) -> [f64; 2] {
         // What is left of the data's own square when the noise is taken off: ‖m‖².
         let truth = self.towards[0];
-        let after: f64 = weights
-            .iter()
-            .enumerate()
-            .map(|(k, w)| {
-                let inner: f64 = self.gram[k].iter().zip(weights).map(|(g, v)| g * v).sum();
-                w * (inner - 2.0 * self.towards[k])
-            })
-            .sum();
+        let after = self.without_truth(weights);
         [(self.gram[0][0] - truth).max(0.0), (truth + after).max(0.0)]
     }
 }

@@ -106,7 +106,8 @@ impl Diffusion {
     /// # Errors
     /// [`Cancelled`].
     pub fn new(operator: LocalOperator, progress: Progress<'_>) -> Result<Self, Cancelled> {
-        let LocalOperator { rows, log_factor, areas, mean_square, is_reversible, .. } = operator;
+        let LocalOperator { rows, log_factor, areas, measure, mean_square, is_reversible, .. } = operator;
+        let areas = measure.unwrap_or(areas);
         let n = rows.n_rows();
         let (pattern, mut weights) = rows.into_parts();
         let mut row_sum = vec![0.0; n];

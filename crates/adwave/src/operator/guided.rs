@@ -1,6 +1,6 @@
 //! Walks that are led by what their sites carry: they keep to neighbours that are alike, and so respect creases and steps.
 
-use super::{Diffusion, LocalOperator};
+use super::{Diffusion, LocalOperator, Semigroup};
 use crate::rows::{CompressedRows, try_for_entries};
 use crate::shape::{Adjacency, squared_distance};
 use crate::{Cancelled, Progress, parallel};
@@ -45,6 +45,9 @@ impl Diffusion {
     ///
     /// Weights are ≥ 0 and rows sum to 1; of a reversible operator the result is reversible, with `π′(x) ∝ π(x)·Σ_y w(x,y)`.
     ///
+    /// Of heat on a surface ([`Semigroup::Heat`]) the entries are `w(x,y)` themselves, as conductances are what a guide lowers
+    /// (`perona1990`): what does not flow stays, π is as before.
+    ///
     /// ```
     /// use adwave::{Progress, operator::Diffusion};
     /// let path = Diffusion::from_rows(
@@ -80,6 +83,10 @@ impl Diffusion {
         let scale = reach * reach * median(neighbours, squared).max(least);
         let sharpness = if reach.is_finite() { sharpness(scale) } else { 0.0 };
         let values = self.weights();
+        if let Semigroup::Heat { .. } = self.semigroup() {
+            let factor = |x: usize, y: usize| (-sharpness * squared(x, y)).exp();
+            return self.damped(factor, squared_length, progress);
+        }
         let (rows, per_row) = weighted_rows(
             neighbours,
             |x, k| values[neighbours.range(x).start + k],
@@ -87,6 +94,35 @@ impl Diffusion {
             progress,
         )?;
         diffusion(rows, &per_row, self.stationary(), squared_length, progress)
+    }
+
+    /// Heat whose entries off the diagonal are multiplied by `factor(x, y)`, symmetric and in [0, 1].
+    fn damped(
+        &self,
+        factor: impl Fn(usize, usize) -> f64 + Sync + Send,
+        squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let (neighbours, pi) = (self.neighbours(), self.stationary());
+        let mut values = self.weights().to_vec();
+        // The mean square length of a step, before and after.
+        let mut per_row = vec![[0.0; 2]; self.n_vertices()];
+        try_for_entries(neighbours, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+            for (x, squares) in range.zip(per_row) {
+                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbours.of(x).len());
+                values = after;
+                for (w, &y) in row.iter_mut().zip(neighbours.of(x)) {
+                    let square = pi[x] * squared_length(x, y as usize);
+                    squares[0] += *w * square;
+                    *w *= factor(x, y as usize);
+                    squares[1] += *w * square;
+                }
+            }
+        })?;
+        let [before, after] = [0, 1].map(|k| parallel::try_sum(per_row.len(), progress, |x| per_row[x][k]));
+        let (before, after) = (before?, after?);
+        let step_length = if before > 0.0 { self.step_length() * (after / before).sqrt() } else { 0.0 };
+        Self::of_heat(neighbours.clone(), values, pi.to_vec(), step_length, self.semigroup(), progress)
     }
 }
 
@@ -131,15 +167,17 @@ fn diffusion(
         rows,
         log_factor: parallel::try_collect(n, progress, |x| per_row[x].0)?,
         areas: measure.to_vec(),
+        measure: None,
         mean_square,
-        mean_length: 1.0, // not asked for
+        mean_length: 1.0, // not asked for, nor the width
+        width: 1.0,
         is_reversible: true,
     };
     Diffusion::new(operator, progress)
 }
 
 /// `1/2m` of a median m, 0 where that is 0: all is alike then.
-fn sharpness(median: f64) -> f64 {
+pub(super) fn sharpness(median: f64) -> f64 {
     if median > 0.0 { 0.5 / median } else { 0.0 }
 }
 

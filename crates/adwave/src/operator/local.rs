@@ -1,5 +1,7 @@
 //! The local operator T (eq. 1), for meshes, clouds and graphs.
 
+use super::density::{ByLength, by_length, measure};
+use super::guided::sharpness;
 use super::{CloudGraph, OperatorParams};
 use crate::rows::{CompressedRows, rows_at_a_time, try_for_entries};
 use crate::shape::{
@@ -21,8 +23,12 @@ pub struct LocalOperator {
     pub(super) rows: CompressedRows<f64>,
     pub(super) log_factor: Vec<f64>,
     pub(super) areas: Vec<f64>,
+    /// What counts in place of areas where density is taken out: m.
+    pub(super) measure: Option<Vec<f64>>,
     pub(super) mean_square: Vec<f64>,
     pub(super) mean_length: f64,
+    /// The standard deviation of the kernel along one axis, in model units.
+    pub(super) width: f64,
     pub(super) is_reversible: bool,
 }
 
@@ -63,11 +69,15 @@ impl LocalOperator {
         self.is_reversible
     }
 
-    /// `t = E²/2` of the kernel `exp(−d²/4t)` (eq. 1), in squared model units.
+    /// `t` of the kernel `exp(−d²/4t)` (eq. 1), in squared model units: E²/2, or as long as neighbourhoods by length are wide
+    /// ([`density_invariant`](OperatorParams::density_invariant)).
     pub fn time(&self) -> f64 {
-        self.mean_length * self.mean_length / 2.0
+        self.width * self.width / 2.0
     }
 }
+
+/// How far neighbours by length go on a mesh, in lengths of the longest edge of a vertex: about as many as a cloud's.
+const MESH_REACH: f64 = 1.5;
 
 /// Stages that are reported: neighbours, areas, values.
 const STAGES: u64 = 3;
@@ -77,6 +87,11 @@ const STAGES: u64 = 3;
 /// Vertices without a neighbour that has an area get an empty row: what starts there stays there. Where the paper is
 /// silent: neighbourhood on a mesh is the one-ring, on a cloud the union of both directions, and each row is shifted by its
 /// smallest d² before `exp`, which leaves the normalised row the same.
+///
+/// With [`density_invariant`](OperatorParams::density_invariant) neighbours are those within one length that is the same everywhere, t goes
+/// with it, and `T(x,y) = m(y)·exp(−‖x−y‖²/4t)` with m = A divided by the density `q(x) = A(x) + Σ_{y≠x} A(y)·exp(−‖x−y‖²/4t)` that the kernel
+/// finds (`coifmanlafon2006`, α = 1), and three times more by what is left of that; on a graph neighbours stay and
+/// `T(x,y) = w(x,y)/(q(x)·q(y))`, `q(x) = Σ_y w(x,y)`.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -89,7 +104,7 @@ pub fn local_operator(
     let operator = match geometry.shape() {
         Shape::Mesh(_) => of_mesh(geometry, params, progress),
         Shape::Cloud(_) => of_cloud(geometry, params, progress),
-        Shape::Graph(graph) => of_graph(graph, geometry.vertex_map(), progress),
+        Shape::Graph(graph) => of_graph(graph, geometry.vertex_map(), params, progress),
     }?;
     progress.step(STAGES, STAGES)?;
     Ok(operator)
@@ -111,7 +126,14 @@ fn of_mesh(
     progress.step(2, STAGES)?;
     let neighbours = if params.rings > 1 { try_k_rings(&ring, params.rings, progress)? } else { ring };
     let kernel = Kernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
-    kernel.operator(neighbours, true, progress)
+    if !params.density_invariant {
+        return kernel.operator(neighbours, true, progress);
+    }
+    let farthest = parallel::try_collect(points.len(), progress, |x| {
+        let squares = neighbours.of(x).iter().map(|&y| squared_distance(&points[x], &points[y as usize]));
+        MESH_REACH * squares.fold(0.0, f64::max).sqrt()
+    })?;
+    kernel.density_invariant(by_length(&points, &neighbours, &farthest, progress)?, progress)
 }
 
 fn of_cloud(
@@ -131,9 +153,15 @@ fn of_cloud(
     let areas = try_cloud_areas(&points, &near, params.cloud_area, progress)?;
     progress.step(2, STAGES)?;
     let kernel = Kernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
-    let mut operator = match params.cloud_graph {
-        CloudGraph::Union => kernel.operator(near.adjacency.union_with_transpose(progress)?, true, progress),
-        CloudGraph::Directed => kernel.operator(near.adjacency, false, progress),
+    let mut operator = match (params.cloud_graph, params.density_invariant) {
+        (_, true) => {
+            let next = near.adjacency.union_with_transpose(progress)?;
+            kernel.density_invariant(by_length(&points, &next, &near.radius, progress)?, progress)
+        }
+        (CloudGraph::Union, _) => {
+            kernel.operator(near.adjacency.union_with_transpose(progress)?, true, progress)
+        }
+        (CloudGraph::Directed, _) => kernel.operator(near.adjacency, false, progress),
     }?;
     if params.cloud_area == CloudArea::Unit {
         operator.areas.fill(1.0); // an area of 1 has no unit to be scaled by
@@ -157,8 +185,31 @@ struct Kernel<'a> {
 
 impl Kernel<'_> {
     fn operator(
+        self,
+        neighbours: Adjacency,
+        is_reversible: bool,
+        progress: Progress<'_>,
+    ) -> Result<LocalOperator, Cancelled> {
+        let width = self.mean_length; // t = E²/2 (eq. 1)
+        self.with_width(neighbours, width, is_reversible, progress)
+    }
+
+    /// The kernel over neighbourhoods by length, divided by the density that it finds.
+    fn density_invariant(
+        mut self,
+        within: ByLength,
+        progress: Progress<'_>,
+    ) -> Result<LocalOperator, Cancelled> {
+        let measure = measure(self.points, &self.areas, &within, progress)?;
+        let areas = std::mem::replace(&mut self.areas, measure);
+        let operator = self.with_width(within.neighbours, within.width, true, progress)?;
+        Ok(LocalOperator { measure: Some(operator.areas), areas, ..operator })
+    }
+
+    fn with_width(
         mut self,
         neighbours: Adjacency,
+        width: f64,
         is_reversible: bool,
         progress: Progress<'_>,
     ) -> Result<LocalOperator, Cancelled> {
@@ -178,7 +229,7 @@ impl Kernel<'_> {
             for (x, kept) in range.zip(per_row) {
                 let (row, after) = std::mem::take(&mut values).split_at_mut(neighbours.of(x).len());
                 values = after;
-                *kept = self.fill_row(x, neighbours.of(x), row);
+                *kept = self.fill_row(x, neighbours.of(x), width, row);
             }
         })?;
         scaled(&mut self.areas, area_unit)?;
@@ -186,18 +237,20 @@ impl Kernel<'_> {
             rows: CompressedRows::trusted(neighbours, values),
             log_factor: parallel::try_collect(n, progress, |x| per_row[x].0)?,
             areas: self.areas,
+            measure: None,
             mean_square: parallel::try_collect(n, progress, |x| per_row[x].1)?,
             mean_length: self.mean_length * unit,
+            width: width * unit,
             is_reversible,
         })
     }
 
     /// Fills the row of `x`, whose neighbours are `near`: the logarithm of the row's factor, and the mean square of its
     /// distances in squared model units.
-    fn fill_row(&self, x: usize, near: &[u32], row: &mut [f64]) -> (f64, f64) {
-        let Self { points, unit, areas, mean_length, .. } = self;
-        // 1/4t = 1/2E², as t = E²/2 (eq. 1). All neighbours coincide where E is 0; the kernel is 1 then.
-        let sharpness = if *mean_length > 0.0 { 0.5 / (mean_length * mean_length) } else { 0.0 };
+    fn fill_row(&self, x: usize, near: &[u32], width: f64, row: &mut [f64]) -> (f64, f64) {
+        let Self { points, unit, areas, .. } = self;
+        // 1/4t = 1/2w² (eq. 1). All neighbours coincide where w is 0; the kernel is 1 then.
+        let sharpness = sharpness(width * width);
         // Neighbours without area do not count for the shift: they do not keep the row from underflowing.
         let mut nearest = f64::INFINITY;
         for (value, &y) in row.iter_mut().zip(near) {
@@ -227,6 +280,7 @@ impl Kernel<'_> {
 fn of_graph(
     graph: &Graph,
     vertex_map: &VertexMap,
+    params: &OperatorParams,
     progress: Progress<'_>,
 ) -> Result<LocalOperator, Cancelled> {
     let n = graph.n_nodes();
@@ -235,27 +289,49 @@ fn of_graph(
         let weights = graph.rows().row(node_at[x] as usize).1;
         weights.iter().copied().fold(0.0, f64::max)
     };
+    // The logarithm of what a row is divided by: sums of very large weights would overflow.
+    let log_degree = |x: usize| {
+        let (weights, largest) = (graph.rows().row(node_at[x] as usize).1, largest_weight(x));
+        if largest > 0.0 { largest.ln() + weights.iter().map(|w| w / largest).sum::<f64>().ln() } else { 0.0 }
+    };
+    let log_degree =
+        parallel::try_collect(if params.density_invariant { n } else { 0 }, progress, log_degree)?;
     let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, values: &mut Vec<f64>| {
         row.clear();
         row.extend(graph.neighbours(node_at[x] as usize).map(|(y, w)| (place[y as usize], w)));
         row.sort_unstable_by_key(|entry| entry.0);
-        // Rows are divided by their largest weight: sums of very large weights would overflow.
-        let largest = largest_weight(x);
-        let scale = if largest > 0.0 { largest } else { 1.0 };
         columns.extend(row.iter().map(|entry| entry.0));
-        values.extend(row.iter().map(|entry| entry.1 / scale));
+        if params.density_invariant {
+            let log = |(y, w): &(u32, f64)| w.ln() - log_degree[*y as usize];
+            let largest = row.iter().map(log).fold(f64::NEG_INFINITY, f64::max);
+            values.extend(row.iter().map(|entry| (log(entry) - largest).exp()));
+        } else {
+            let largest = largest_weight(x);
+            let scale = if largest > 0.0 { largest } else { 1.0 };
+            values.extend(row.iter().map(|entry| entry.1 / scale));
+        }
     };
     let rows = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)?;
     progress.step(2, STAGES)?;
     let has_edges = |x: usize| largest_weight(x) > 0.0;
+    let log_factor = parallel::try_collect(n, progress, |x| {
+        if !has_edges(x) {
+            return 0.0;
+        }
+        if !params.density_invariant {
+            return largest_weight(x).ln();
+        }
+        let log = |(y, w): (u32, f64)| w.ln() - log_degree[place[y as usize] as usize];
+        graph.neighbours(node_at[x] as usize).map(log).fold(f64::NEG_INFINITY, f64::max) - log_degree[x]
+    })?;
     Ok(LocalOperator {
         rows,
-        log_factor: parallel::try_collect(n, progress, |x| {
-            if has_edges(x) { largest_weight(x).ln() } else { 0.0 }
-        })?,
+        log_factor,
         areas: vec![1.0; n],
+        measure: None,
         mean_square: parallel::try_collect(n, progress, |x| if has_edges(x) { 1.0 } else { 0.0 })?,
         mean_length: 1.0,
+        width: 1.0,
         is_reversible: true,
     })
 }

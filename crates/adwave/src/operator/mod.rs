@@ -1,6 +1,7 @@
 //! From a prepared shape to diffusion on it: the local operator T (eq. 1) and the diffusion operator
 //! `Φ₁ = [T]_r` (eq. 4), one step of a lazy random walk.
 
+mod density;
 mod diffusion;
 mod guided;
 mod local;
@@ -70,6 +71,12 @@ pub struct OperatorParams {
     pub cloud_graph: CloudGraph,
     /// Cloud: the area of a point.
     pub cloud_area: CloudArea,
+    /// Walk: whether the density of the samples is taken out of it (see [`local_operator`]); a cloud's graph is symmetric then.
+    pub density_invariant: bool,
+    /// Whether steps keep to vertices whose normals are alike: each weight is multiplied by `exp(−‖n_x − n_y‖²/2s²)`, n being the
+    /// normals of the vertices of a mesh or cloud after two steps and s 2.5 times the root of the median of `‖n_x − n_y‖²` over neighbours
+    /// (see [`Diffusion::guided`]). A graph has no normals and is left as it is.
+    pub keep_creases: bool,
 }
 
 impl Default for OperatorParams {
@@ -82,6 +89,8 @@ impl Default for OperatorParams {
             neighbours: 10,
             cloud_graph: CloudGraph::default(),
             cloud_area: CloudArea::default(),
+            density_invariant: false,
+            keep_creases: false,
         }
     }
 }
@@ -127,5 +136,17 @@ impl OperatorParams {
     #[must_use]
     pub fn with_cloud_area(self, cloud_area: CloudArea) -> Self {
         Self { cloud_area, ..self }
+    }
+
+    /// Sets whether the density of the samples is taken out of the walk.
+    #[must_use]
+    pub fn with_density_invariant(self, density_invariant: bool) -> Self {
+        Self { density_invariant, ..self }
+    }
+
+    /// Sets whether steps keep to vertices whose normals are alike.
+    #[must_use]
+    pub fn with_keep_creases(self, keep_creases: bool) -> Self {
+        Self { keep_creases, ..self }
     }
 }

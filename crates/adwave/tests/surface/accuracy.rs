@@ -3,7 +3,7 @@
 use crate::meshes::{Points, Triangles, sector, uneven_rectangle, uneven_sphere};
 use crate::{decomposer, mesh, params};
 use adwave::Progress;
-use adwave::bands::Schedule;
+use adwave::bands::{FWHM, Schedule};
 use adwave::operator::surface_diffusion;
 use std::f64::consts::PI;
 
@@ -175,4 +175,38 @@ fn the_second_moments_of_an_impulse_are_half_of_sigma_squared_anywhere() {
         errors.push((edges, worst));
     }
     assert!(errors.iter().all(|&(edges, error)| edges < FROM_EDGES || error <= MOMENT), "{errors:?}");
+}
+
+/// What spreads from one vertex in the middle of a flat grid: how wide it is at half of its height, along either axis.
+#[test]
+fn an_impulse_is_as_wide_at_half_its_height_as_was_asked_for() {
+    let n = 100_u32;
+    let at = |i: u32, j: u32| (i * (n + 1) + j) as usize;
+    let points: Points =
+        (0..=n).flat_map(|i| (0..=n).map(move |j| [f64::from(i), f64::from(j), 0.0])).collect();
+    let cell = |i: u32, j: u32| {
+        [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+    };
+    let cells = (0..n).flat_map(|i| (0..n).flat_map(move |j| cell(i, j)));
+    let triangles: Triangles = cells.map(|triangle| triangle.map(|v| v as u32)).collect();
+    let decomposer = decomposer(&mesh(&points, &triangles));
+    let spacing = 1.0;
+    let mut impulse = vec![0.0; points.len()];
+    impulse[at(n / 2, n / 2)] = 1.0;
+    for asked in [6.0, 10.0, 20.0].map(|cells| cells * spacing) {
+        let schedule = Schedule::lengths(&[asked / FWHM], decomposer.diffusion().step_length()).unwrap();
+        let bands = decomposer.decompose(&impulse, 1, &schedule).unwrap();
+        let values = bands.coarsest();
+        let half = 0.5 * values[at(n / 2, n / 2)];
+        let reach = |vertex: &dyn Fn(u32) -> usize| {
+            let k = (1..n / 2).find(|&k| values[vertex(k)] < half).unwrap();
+            let (before, after) = (values[vertex(k - 1)], values[vertex(k)]);
+            (f64::from(k - 1) + (before - half) / (before - after)) * spacing
+        };
+        let wide = reach(&|k| at(n / 2 + k, n / 2)) + reach(&|k| at(n / 2 - k, n / 2));
+        let high = reach(&|k| at(n / 2, n / 2 + k)) + reach(&|k| at(n / 2, n / 2 - k));
+        for found in [wide, high] {
+            assert!((found / asked - 1.0).abs() < 0.02, "{found} for {asked}");
+        }
+    }
 }

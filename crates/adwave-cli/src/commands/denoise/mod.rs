@@ -5,12 +5,12 @@ mod args;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::movement::Movement;
-use crate::output::{check_writable, format_of, note, number, print, write_shape};
+use crate::output::{check_writable, format_of, number, print, write_shape};
 use crate::progress::{prepare, with_progress, with_spinner};
-use crate::shape_input::{Input, load};
+use crate::shape_input::{Input, load, refresh_normals};
 use crate::signal::{self, COORDS};
 use adwave::denoise::{DenoiseInfo, denoise, denoise_signal};
-use adwave::shape::{PreparedGeometry, Shape, triangulate, vertex_normals};
+use adwave::shape::{PreparedGeometry, Shape};
 pub(crate) use args::DenoiseArgs;
 use serde_json::json;
 use std::fmt::Write;
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
             .map_err(|e| CliError::of(&e))?;
     let movement = Movement::new(&geometry, &denoised.points);
     input.file.set_points(denoised.points)?;
-    refresh_normals(args, global, &mut input)?;
+    refresh_normals(args.update_normals, global, &mut input)?;
     with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
 
     let mut text = format!("{}: {} vertices\n", input.name, input.shape.n_vertices());
@@ -121,18 +121,4 @@ fn describe(text: &mut String, info: &DenoiseInfo, is_mesh: bool) {
     if info.n_far > 0 {
         let _ = writeln!(text, "{} vertices moved farther than 3 times the noise", info.n_far);
     }
-}
-
-/// Computes the file's normals anew where that is asked for, or says that they are the old ones.
-fn refresh_normals(args: &DenoiseArgs, global: &Global<'_>, input: &mut Input) -> Result<(), CliError> {
-    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return Ok(()) };
-    if args.update_normals {
-        let triangles = triangulate(input.file.points(), mesh.faces());
-        let normals = vertex_normals(input.file.points(), &triangles);
-        let field = field.with_values_rounded(normals.as_flattened());
-        input.file.add_vertex_field(field)?;
-    } else {
-        note(global, "the normals are those of the input; --update-normals computes them anew");
-    }
-    Ok(())
 }

@@ -247,7 +247,7 @@ fn find_again(
     };
     let step = changed.length_before(walk.diffusion().step_length());
     let sigma = &analysis.sigma()[1..];
-    let dyadic = args.levels.steps.is_none() && args.levels.lengths.is_none() && args.levels.voices.is_none();
+    let dyadic = args.levels.steps.is_none() && !args.levels.by_width() && args.levels.voices.is_none();
     let schedule = if dyadic {
         let octaves = 2.0 * (sigma[sigma.len() - 1] / step).log2();
         Schedule::dyadic((1.0 + octaves.round()).max(3.0) as usize)?

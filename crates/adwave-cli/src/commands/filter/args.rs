@@ -53,15 +53,18 @@ pub(crate) struct FilterArgs {
     /// Keep the volume of a closed mesh
     #[arg(long, value_name = "HOW", value_enum, num_args = 0..=1, default_missing_value = "offset", help_heading = "Edit")]
     pub(crate) keep_volume: Option<KeepVolumeArg>,
-    /// What becomes of borders when coordinates are filtered
-    #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Edit")]
-    pub(crate) border: BordersArg,
+    /// What becomes of borders when coordinates are filtered [default: that of the recipe, else natural]
+    #[arg(long, value_name = "KIND", value_enum, help_heading = "Edit")]
+    pub(crate) border: Option<BordersArg>,
     /// Apply the layers of a recipe
     #[arg(long, value_name = "FILE.toml", help_heading = "Edit")]
     pub(crate) recipe: Option<PathBuf>,
-    /// Save the edit as a recipe
+    /// Save the edit as a recipe, its levels as widths
     #[arg(long, value_name = "FILE.toml", help_heading = "Edit")]
     pub(crate) save_recipe: Option<PathBuf>,
+    /// Save levels as numbers of steps: the same bits on this shape, another size of detail on others
+    #[arg(long, requires = "save_recipe", help_heading = "Edit")]
+    pub(crate) save_steps: bool,
     /// Compute the normals that the file has anew; without this they are kept as they are
     #[arg(long)]
     pub(crate) update_normals: bool,

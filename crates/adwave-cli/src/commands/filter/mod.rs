@@ -6,11 +6,11 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::movement::Movement;
 use crate::output::{
-    bands_params, check_writable, format_of, note, number, print, schedule, steps_json, write_error,
+    bands_params, check_writable, format_of, number, print, schedule, schedule_of, steps_json, write_error,
     write_shape,
 };
 use crate::progress::{prepare, with_progress, with_spinner};
-use crate::shape_input::{Input, load};
+use crate::shape_input::{load, refresh_normals};
 use crate::signal::{self, COORDS};
 use adwave::Decomposer;
 use adwave::bands::Schedule;
@@ -18,8 +18,7 @@ use adwave::filter::{Edit, FilterError, Gains, Layer, Preset};
 use adwave::measure::rms;
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::{PositionParams, Volume, settle};
-use adwave::region::Region;
-use adwave::shape::{Shape, triangulate, vertex_normals};
+use adwave::region::{Length, Region};
 use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
 pub(crate) use args::FilterArgs;
 use args::KeepVolumeArg;
@@ -35,6 +34,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         None => None,
     };
     let layers = layers(args, recipe.as_ref())?;
+    let positions = positions(args, recipe.as_ref());
     let field = match (&args.field, &recipe) {
         (Some(field), _) => field.clone(),
         (None, Some(recipe)) => recipe.field.clone(),
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     }
     let decomposer = prepare(global, &input.shape, &operator(args, recipe.as_ref())?)?;
     let decomposer = signal::mask(decomposer, &signal, &field, global)?;
-    let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer)?;
+    let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer, global)?;
     let (schedule, layers) = keeping_volume(args.keep_volume, schedule, layers)?;
     let names = signal::field_names(&input.file);
     let lookup = |name: &str| signal::field(&input.file, name);
@@ -77,12 +77,15 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         "layers": layers,
     });
     if field == COORDS {
-        let points = settled(args, global, &decomposer, input.file.points(), &edited)?;
+        let points = settled(positions, global, &decomposer, input.file.points(), &edited)?;
         let movement = Movement::new(decomposer.geometry(), &points);
         movement.describe(&mut text);
         movement.add_to(&mut report);
+        if let Some(sigma) = schedule.sigma(decomposer.diffusion().step_length()).last() {
+            movement.warn(*sigma, global);
+        }
         input.file.set_points(points)?;
-        refresh_normals(args, global, &mut input)?;
+        refresh_normals(args.update_normals, global, &mut input)?;
     } else {
         let change = change(&signal.values, &edited);
         let _ = writeln!(text, "{field} changed by {} (rms), {} at most", number(change.0), number(change.1));
@@ -93,9 +96,16 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
     let _ = writeln!(text, "{}", args.output.display());
     if let Some(path) = &args.save_recipe {
-        let operator = Some(decomposer.operator_kind());
-        let levels = Levels::Steps(schedule.steps().to_vec());
-        let recipe = Recipe { field, operator, levels, layers };
+        let operator = decomposer.operator_params();
+        let recipe = Recipe {
+            field,
+            operator: Some(operator.kind),
+            density_invariant: operator.density_invariant,
+            keep_creases: operator.keep_creases,
+            positions,
+            levels: levels_to_save(args, &schedule, &decomposer),
+            layers,
+        };
         write_recipe(path, &recipe).map_err(write_error)?;
         let _ = writeln!(text, "{}", path.display());
     }
@@ -154,19 +164,27 @@ fn keeping_volume(
     Ok((Schedule::real(steps)?, layers))
 }
 
+/// What is asked of new positions: by the arguments, else by the recipe.
+fn positions(args: &FilterArgs, recipe: Option<&Recipe>) -> PositionParams {
+    let in_recipe = recipe.map(|recipe| recipe.positions).unwrap_or_default();
+    PositionParams {
+        borders: args.border.map_or(in_recipe.borders, Into::into),
+        volume: match args.keep_volume {
+            Some(KeepVolumeArg::Offset) => Volume::Keep,
+            Some(_) => Volume::Free,
+            None => in_recipe.volume,
+        },
+    }
+}
+
 /// New positions with what is asked of borders and volume.
 fn settled(
-    args: &FilterArgs,
+    params: PositionParams,
     global: &Global<'_>,
     decomposer: &Decomposer,
     before: &[[f64; 3]],
     edited: &[f64],
 ) -> Result<Vec<[f64; 3]>, CliError> {
-    let is_kept = args.keep_volume == Some(KeepVolumeArg::Offset);
-    let params = PositionParams {
-        borders: args.border.into(),
-        volume: if is_kept { Volume::Keep } else { Volume::Free },
-    };
     let points = edited.as_chunks().0.to_vec();
     if decomposer.geometry().points().is_empty() {
         return Ok(points);
@@ -179,10 +197,13 @@ fn settled(
 fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams, CliError> {
     let in_recipe = recipe.and_then(|recipe| recipe.operator);
     let by_width = recipe.is_some_and(|recipe| matches!(recipe.levels, Levels::Lengths(_)));
+    let mut shape = args.shape.clone();
+    shape.density_invariant |= recipe.is_some_and(|recipe| recipe.density_invariant);
+    shape.keep_creases |= recipe.is_some_and(|recipe| recipe.keep_creases);
     match in_recipe {
-        Some(kind) => args.shape.operator_or(kind),
-        None if by_width && !args.levels.is_asked() => args.shape.operator_or(OperatorKind::Surface),
-        None => args.shape.operator_for(&args.levels),
+        Some(kind) => shape.operator_or(kind),
+        None if by_width && !args.levels.is_asked() => shape.operator_or(OperatorKind::Surface),
+        None => shape.operator_for(&args.levels),
     }
 }
 
@@ -191,6 +212,7 @@ fn chosen_schedule(
     args: &FilterArgs,
     recipe: Option<&Recipe>,
     decomposer: &Decomposer,
+    global: &Global<'_>,
 ) -> Result<Schedule, CliError> {
     let asked = &args.levels;
     if !asked.is_asked() {
@@ -198,7 +220,7 @@ fn chosen_schedule(
             Some(Levels::Dyadic(levels)) => return Ok(Schedule::dyadic(*levels)?),
             Some(Levels::Steps(steps)) => return Ok(Schedule::real(steps.clone())?),
             Some(Levels::Lengths(lengths)) => {
-                return Ok(Schedule::lengths(lengths, decomposer.diffusion().step_length())?);
+                return schedule_of(lengths, decomposer, global);
             }
             Some(Levels::Default) => {}
             None => {
@@ -208,25 +230,23 @@ fn chosen_schedule(
             }
         }
     }
-    Ok(schedule(asked, decomposer)?.0)
+    Ok(schedule(asked, decomposer, global)?.0)
+}
+
+/// What a recipe says of its levels: widths, which mean the same on other shapes, or steps.
+fn levels_to_save(args: &FilterArgs, schedule: &Schedule, decomposer: &Decomposer) -> Levels {
+    let step_length = decomposer.diffusion().step_length();
+    if args.save_steps || step_length <= 0.0 {
+        return Levels::Steps(schedule.steps().to_vec());
+    }
+    if let Some(widths) = args.levels.widths() {
+        return Levels::Lengths(widths);
+    }
+    Levels::Lengths(schedule.sigma(step_length)[1..].iter().map(|&sigma| Length::Units(sigma)).collect())
 }
 
 /// Root mean square and largest change of a signal.
 fn change(before: &[f64], after: &[f64]) -> (f64, f64) {
     let largest = before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     (rms(before, after, 1), largest)
-}
-
-/// Computes the file's normals anew where that is asked for, or says that they are the old ones.
-fn refresh_normals(args: &FilterArgs, global: &Global<'_>, input: &mut Input) -> Result<(), CliError> {
-    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return Ok(()) };
-    if args.update_normals {
-        let triangles = triangulate(input.file.points(), mesh.faces());
-        let normals = vertex_normals(input.file.points(), &triangles);
-        let field = field.with_values_rounded(normals.as_flattened());
-        input.file.add_vertex_field(field)?;
-    } else {
-        note(global, "the normals are those of the input; --update-normals computes them anew");
-    }
-    Ok(())
 }
