@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pictures
 import report
+import timing
 from measure import Clean, read, write_obj
 from programs import Failure, Programs
 
@@ -132,10 +133,11 @@ def main():
     parser.add_argument("--pairs", help="only pairs whose name has this in it, printed")
     args = parser.parse_args()
     bench, start = Bench(args), time.monotonic()
-    pairs = [*bench.given(), *bench.made()]
+    given = [*bench.given()]
+    pairs = [*given, *bench.made()]
     if args.pairs:
         pairs = [pair for pair in pairs if args.pairs in pair.name]
-    results = {"pairs": {}, "clean": {}}
+    results = {"given": [pair.name for pair in given], "pairs": {}, "clean": {}, "times": {}}
     for pair in pairs:
         print(pair.name, flush=True)
         results["pairs"][pair.name] = of = bench.of_pair(pair)
@@ -143,6 +145,7 @@ def main():
         (args.work / "measured.json").write_text(json.dumps(results, indent=1))
     if not args.pairs:
         results["clean"] = bench.untouched(pairs)
+        results["times"] = timing.measured(bench)
     pictures.draw(bench, pairs, results["pairs"])
     results["notes"], results["seconds"] = bench.notes, time.monotonic() - start
     (args.work / "measured.json").write_text(json.dumps(results, indent=1))

@@ -4,6 +4,7 @@ import os
 import platform
 from importlib.metadata import version
 from pathlib import Path
+from statistics import median
 
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 OURS = "adwave"
@@ -35,17 +36,18 @@ def angle(value):
     return f"{value:.2f}"
 
 
-def summary(pairs):
-    """Mean angles, all programs on all pairs, and their means."""
+def summary(pairs, given):
+    """Mean angles, all programs on all pairs, and their means over the published pairs and over ours."""
     columns = [c for c in COLUMNS if any(c in of for of in pairs.values())]
     rows = []
     for name, of in pairs.items():
         known = [of[c]["angle"] for c in columns if c not in ("noisy", "learned") and "angle" in of.get(c, {})]
         mark = lambda c: (lambda v: f"**{angle(v)}**" if c not in ("noisy", "learned") and v == min(known) else angle(v))
         rows.append([name, *(shown(of.get(c), "angle", mark(c)) for c in columns)])
-    complete = [c for c in columns if all("angle" in of.get(c, {}) for of in pairs.values())]
-    mean = lambda c: angle(sum(of[c]["angle"] for of in pairs.values()) / len(pairs)) if c in complete else "–"
-    rows.append(["mean", *map(mean, columns)])
+    for kind, names in (("published", given), ("with our noise", [name for name in pairs if name not in given])):
+        part = [pairs[name] for name in names if name in pairs]
+        mean = lambda c: angle(sum(of[c]["angle"] for of in part) / len(part)) if all("angle" in of.get(c, {}) for of in part) else "–"
+        rows += [[f"mean, {kind}", *map(mean, columns)]] if part else []
     return table(["pair", *columns], rows)
 
 
@@ -92,12 +94,29 @@ def untouched(clean):
     return table(["clean mesh", *programs], [[name, *(cell(of.get(p)) for p in programs)] for name, of in clean.items()])
 
 
+def times(found):
+    """Median and fastest turn, and how many times as long as ours the same turn took."""
+    parts = []
+    for n_vertices, of in found.items():
+        ours, rows = of.get(f"{OURS}, PLY", {}).get("seconds", []), []
+        for name, line in of.items():
+            seconds = line["seconds"]
+            ratio = f"{median(a / b for a, b in zip(seconds, ours)):.2f}" if len(seconds) == len(ours) else "–"
+            rows.append([name, f"{median(seconds):.2f}", f"{min(seconds):.2f}", ratio, f"{line['peak'] / 1e6:.0f}"])
+        parts.append(table([f"{int(n_vertices):,} vertices", "median, s", "fastest, s", "times ours", "MB"], rows))
+    return "\n\n".join(parts)
+
+
 def measured(results):
     parts = [f"{machine()} The whole run took {results['seconds'] / 60:.0f} minutes.",
-             "## Mean angle of the normals, degrees\n\n" + summary(results["pairs"]), verdict(results["pairs"])]
+             "## Mean angle of the normals, degrees\n\n" + summary(results["pairs"], results["given"]), verdict(results["pairs"])]
     if results["clean"]:
         parts.append("## Clean meshes\n\nRoot mean square way of the vertices in mean edges, and the mean turn of the normals, by programs "
                      "without knobs: what is no noise should stay.\n\n" + untouched(results["clean"]))
+    if results["times"]:
+        parts.append("## Time and memory\n\nThe creature with noise along the normals (0.3 mean edges). The programs take turns; *times ours* is the "
+                     "median over the turns of the ratio of the same turn. Ours: the whole command, from a file to a file; "
+                     "the others: the call alone, reading and writing left out.\n\n" + times(results["times"]))
     parts.append("## Pair by pair\n\nDistances in mean edges of the clean mesh; *moved* is the root mean square distance of "
                  "corresponding vertices. Tuned: the best settings in brackets (width of the range weight and rounds, or the pass band).")
     parts += [of_pair(name, of) for name, of in results["pairs"].items()]
