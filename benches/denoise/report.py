@@ -1,30 +1,17 @@
 """The tables of docs/DENOISING.md, between its markers."""
 
-import os
-import platform
-from importlib.metadata import version
-from pathlib import Path
 from statistics import median
 
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+import page
+
 OURS = "adwave"
+PACKAGES = ("numpy", "scipy", "pymeshlab", "meshlib")
 TUNED = ("bilateral, tuned", "guided, tuned", "windowed sinc, tuned")
 COLUMNS = ("noisy", OURS, "bilateral", "guided", "MeshLib", "MeshLab two-step", "MeshLab Taubin", "windowed sinc", *TUNED, "learned")
 
 
-def machine():
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        cpu = next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        cpu = platform.processor()
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "pymeshlab", "meshlib"))
-    return f"{cpu}, {os.cpu_count()} cores; {platform.system()} {platform.machine()}, Python {platform.python_version()}, {packages}."
-
-
-def table(heads, rows):
-    line = lambda cells: "| " + " | ".join(str(c) for c in cells) + " |"
-    return "\n".join([line(heads), line(["---", *["--:"] * (len(heads) - 1)]), *map(line, rows)])
+def table(head, rows):
+    return page.table(head, rows, numbers=True)
 
 
 def shown(measures, key, form):
@@ -101,14 +88,14 @@ def times(found):
         ours, rows = of.get(f"{OURS}, PLY", {}).get("seconds", []), []
         for name, line in of.items():
             seconds = line["seconds"]
-            ratio = f"{median(a / b for a, b in zip(seconds, ours)):.2f}" if len(seconds) == len(ours) else "–"
-            rows.append([name, f"{median(seconds):.2f}", f"{min(seconds):.2f}", ratio, f"{line['peak'] / 1e6:.0f}"])
-        parts.append(table([f"{int(n_vertices):,} vertices", "median, s", "fastest, s", "times ours", "MB"], rows))
+            ratio = median(a / b for a, b in zip(seconds, ours)) if ours else float("nan")
+            rows.append([name, len(seconds), f"{median(seconds):.2f}", f"{min(seconds):.2f}", f"{ratio:.2f}", f"{line['peak'] / 1e6:.0f}"])
+        parts.append(table([f"{int(n_vertices):,} vertices", "turns", "median, s", "fastest, s", "times ours", "MB"], rows))
     return "\n\n".join(parts)
 
 
 def measured(results):
-    parts = [f"{machine()} The whole run took {results['seconds'] / 60:.0f} minutes.",
+    parts = [f"{page.machine(*PACKAGES)} The whole run took {results['seconds'] / 60:.0f} minutes.",
              "## Mean angle of the normals, degrees\n\n" + summary(results["pairs"], results["given"]), verdict(results["pairs"])]
     if results["clean"]:
         parts.append("## Clean meshes\n\nRoot mean square way of the vertices in mean edges, and the mean turn of the normals, by programs "
@@ -126,7 +113,4 @@ def measured(results):
 
 
 def write(results, docs):
-    path = docs / "DENOISING.md"
-    before, _, rest = path.read_text().partition(BEGIN)
-    after = rest.partition(END)[2]
-    path.write_text(f"{before}{BEGIN}\n\n{measured(results)}\n\n{END}{after}")
+    page.write(docs / "DENOISING.md", measured(results))
