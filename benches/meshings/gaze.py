@@ -5,7 +5,6 @@ import numpy as np
 from adwave import Failure
 from closest import Surface
 from page import table
-from tables import figure
 
 FIELD = "gaze"
 # A vertex was looked at when its fixation is above this, as in `adwave evaluate`.
