@@ -5,7 +5,7 @@ from programs import Failure, command
 
 # A built-in shape and the noise on it, σ in mean edges.
 SHAPE, NOISE, SIGMA, SEED = "creature", "normal", 0.3, 1
-# How many turns there are at each number of vertices; beyond this many only ours has more than one, and the filters none.
+# How many turns there are at each number of vertices; beyond this many only ours has any, the others take many minutes.
 TURNS = {36_000: 5, 1_000_000: 3}
 MOST_FOR_RIVALS = 36_000
 
@@ -23,13 +23,12 @@ def measured(bench, turns=TURNS):
     for n_vertices, n_turns in turns.items():
         print(f"timing, {n_vertices} vertices", flush=True)
         ply, obj = (noisy(bench, n_vertices, ending) for ending in ("ply", "obj"))
-        ours = {"adwave, PLY": (programs.ours, ply), "adwave, OBJ": (programs.ours, obj)}
-        rivals = {"MeshLib": (programs.library("meshlib"), ply)}
+        runs = {"adwave, PLY": (programs.ours, ply), "adwave, OBJ": (programs.ours, obj)}
         if n_vertices <= MOST_FOR_RIVALS:
-            rivals |= {name: (programs.step(name, "-", "-", "-"), ply) for name in ("bilateral", "guided")}
+            runs["MeshLib"] = programs.library("meshlib"), ply
+            runs |= {name: (programs.step(name, "-", "-", "-"), ply) for name in ("bilateral", "guided")}
         of = found[str(n_vertices)] = {}
-        for turn in range(n_turns):
-            runs = ours | rivals if turn == 0 or n_vertices <= MOST_FOR_RIVALS else ours
+        for _ in range(n_turns):
             for name, (run, source) in runs.items():
                 try:
                     ran = run(source, source.with_stem("timed"))
