@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.append(str(Path(__file__).resolve().parent.parent / "meshings"))
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # what all comparisons share
 from closest import Surface  # noqa: E402
 
 TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "<i2", "int16": "<i2", "ushort": "<u2",

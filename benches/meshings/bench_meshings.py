@@ -6,20 +6,23 @@
 import argparse
 import json
 import shutil
+import sys
 import time
 from functools import cached_property
 from pathlib import Path
 
-import cloud
-import cost
-import features
-import gaze
-import pictures
-import remeshing
-import report
-import scipy_peer
-from adwave import Adwave
-from meshings import Meshings
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # what all comparisons share
+
+import cloud  # noqa: E402
+import cost  # noqa: E402
+import features  # noqa: E402
+import gaze  # noqa: E402
+import pictures  # noqa: E402
+import remeshing  # noqa: E402
+import report  # noqa: E402
+import scipy_peer  # noqa: E402
+from adwave import Adwave  # noqa: E402
+from meshings import Meshings  # noqa: E402
 
 MODELS = {"armadillo": "armadillo.obj", "kitten": "kitten.obj", "horse": "horse.ply", "dinosaur": "dinosaur.obj",
           "skull": "skull.off", "face": "face.obj", "bunny": "stanford-bunny.obj", "fandisk": "fandisk.obj"}

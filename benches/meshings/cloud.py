@@ -2,7 +2,8 @@
 
 from adwave import Failure
 from remeshing import norms, octave_levels
-from tables import figure, table
+from page import table
+from tables import figure
 
 EDGES = (4, 8, 12)
 

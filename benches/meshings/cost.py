@@ -3,7 +3,8 @@
 import statistics
 
 from adwave import SURFACE, WALK, Failure
-from tables import figure, seconds, table
+from page import table
+from tables import figure, seconds
 
 LEVELS, ROUNDS = 8, 5
 # The default, and that of docs/PERFORMANCE.md.

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from adwave import Failure
-from tables import figure, table
+from page import table
+from tables import figure
 
 SIGMAS, OCTAVES = 1.0, 0.75
 # The finest level whose features count, in mean edges, and the coarsest, in parts of the diagonal.

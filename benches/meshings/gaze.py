@@ -4,7 +4,7 @@ import numpy as np
 
 from adwave import Failure
 from closest import Surface
-from tables import figure, table
+from page import table
 
 FIELD = "gaze"
 # A vertex was looked at when its fixation is above this, as in `adwave evaluate`.

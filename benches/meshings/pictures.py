@@ -8,7 +8,8 @@ from closest import Surface
 from mesh import write
 from picture_page import Block, Panel, Row, page, sheet
 from remeshing import norms, octave_levels
-from tables import figure, table
+from page import table
+from tables import figure
 
 # σ of the band in mean edges of the first meshing.
 EDGES = 4

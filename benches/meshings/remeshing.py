@@ -4,7 +4,8 @@ import numpy as np
 
 from adwave import Failure
 from closest import Surface
-from tables import figure, table
+from page import table
+from tables import figure
 
 # σ in % of the diagonal: W is the band between this length and the one before, the first between 0 and this one.
 PERCENT = (0.8, 1.1, 1.6, 2.2, 3.2, 4.5, 6.3)

@@ -9,7 +9,8 @@ from scipy.sparse.linalg import expm_multiply
 
 from adwave import SURFACE, Failure
 from remeshing import EDGES, norms
-from tables import seconds, table
+from page import table
+from tables import seconds
 
 SHAPES = ("fandisk", "kitten")
 ACCURACY = 1e-6

@@ -1,4 +1,4 @@
-"""Numbers and tables as the page has them."""
+"""Numbers as the page has them."""
 
 
 def figure(value):
@@ -6,11 +6,6 @@ def figure(value):
     if value is None:
         return "–"
     return f"{value:.2f}" if value >= 0.0995 else f"{value:.3f}"
-
-
-def table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(str(c) for c in line) + " |" for line in lines)
 
 
 def seconds(t):

@@ -20,10 +20,12 @@ import numpy as np
 import psutil
 import scipy.sparse as sp
 
-import machine
-import report
-import shapes
-from turns import Failure, Peer, Program, in_turns, summary
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # what all comparisons share
+
+import machine  # noqa: E402
+import report  # noqa: E402
+import shapes  # noqa: E402
+from turns import Failure, Peer, Program, in_turns, summary  # noqa: E402
 
 ACCURACY = 1e-5
 # The first call after another program's finds cold caches and pages that it must get anew; both kinds count.

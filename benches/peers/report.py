@@ -3,9 +3,10 @@
 import math
 import statistics
 
+import page
 import plot
+from page import table
 
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 # Bytes beyond input and output that a vertex, and each of its channels, may take.
 VERTEX_BYTES, CHANNEL_BYTES = 200, 60
 # What counts as the same matrices: ten times the drop tolerance, and a fiftieth of the entries.
@@ -25,11 +26,6 @@ def times(s):
 
 def megabytes(b):
     return "–" if b is None else f"{b / 1e6:.0f} MB"
-
-
-def table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(str(c) for c in line) + " |" for line in lines)
 
 
 def verdict(reached, wanted):
@@ -229,15 +225,9 @@ def measured(r):
         ("Highest use of memory during the first call, result included", peak_table(r)),
         ("Cost against the number of vertices and of levels", "![cost](performance-cost.svg)\n\n" + cost_tables(r)),
     ]
-    return "\n\n".join(f"## {head}\n\n{body}" for head, body in parts)
+    return page.sections(parts)
 
 
 def write(results, docs):
-    path = docs / "PERFORMANCE.md"
-    text = path.read_text()
-    before, marker, rest = text.partition(BEGIN)
-    _, other, after = rest.partition(END)
-    if not (marker and other):
-        raise SystemExit(f"{path} has no lines {BEGIN} and {END} to write between")
     plot.draw(results["cost"], docs / "performance-cost.svg")
-    path.write_text(f"{before}{BEGIN}\n\n{measured(results)}\n\n{END}{after}")
+    page.write(docs / "PERFORMANCE.md", measured(results))

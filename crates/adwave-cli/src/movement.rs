@@ -19,26 +19,52 @@ pub(crate) struct Movement {
     moved: Displacement,
     diagonal: f64,
     /// Area before and after, of a shape with faces.
-    areas: Option<(f64, f64)>,
+    areas: Option<Change>,
     /// Volume before and after, where the surface encloses one.
-    volumes: Option<(f64, f64)>,
+    volumes: Option<Change>,
+}
+
+/// A size before and after in model units, and the change as a share of the size before; none where that is 0.
+#[derive(Clone, Copy)]
+struct Change {
+    before: f64,
+    after: f64,
+    share: Option<f64>,
+}
+
+impl Change {
+    /// From sizes in other units: one of them is `unit` in model units. Those may be too small or large for these sizes,
+    /// and the share still holds.
+    fn new(before: f64, after: f64, unit: f64) -> Self {
+        let share = Some((after - before) / before).filter(|share| share.is_finite());
+        Self { before: before * unit, after: after * unit, share }
+    }
 }
 
 impl Movement {
     /// Of positions in the order of the shape.
     pub(crate) fn new(geometry: &PreparedGeometry, points: &[[f64; 3]]) -> Self {
-        let triangles = geometry.triangles();
-        let shape = geometry.shape();
-        let moved = displacement(shape.points().unwrap_or_default(), points);
-        let mut this = Self { moved, diagonal: shape.diagonal(), areas: None, volumes: None };
+        let (triangles, shape) = (geometry.triangles(), geometry.shape());
+        let diagonal = shape.diagonal();
+        // Lengths in a unit of the size of the shape, so that squares neither vanish nor overflow; a power of two rounds nothing.
+        let unit = if diagonal > 0.0 { diagonal.log2().floor().exp2() } else { 1.0 };
+        let in_units =
+            |points: &[[f64; 3]]| -> Vec<[f64; 3]> { points.iter().map(|p| p.map(|c| c / unit)).collect() };
+        let moved = displacement(&in_units(shape.points().unwrap_or_default()), &in_units(points));
+        let moved = Displacement { rms: moved.rms * unit, max: moved.max * unit, ..moved };
+        let mut this = Self { moved, diagonal, areas: None, volumes: None };
         if triangles.is_empty() {
             return this;
         }
-        let after = geometry.vertex_map().positions(points);
-        this.areas = Some((surface_area(geometry.points(), triangles), surface_area(&after, triangles)));
+        let (before, after) =
+            (in_units(geometry.points()), in_units(&geometry.vertex_map().positions(points)));
+        let area = |points: &[[f64; 3]]| surface_area(points, triangles);
+        this.areas = Some(Change::new(area(&before), area(&after), unit.powi(2)));
         let counted = health(geometry, &one_ring(geometry.n_vertices(), triangles), Progress::none());
-        let volume = counted.ok().and_then(|health| health.volume);
-        this.volumes = volume.map(|before| (before, enclosed_volume(&after, triangles)));
+        if counted.is_ok_and(|health| health.volume.is_some()) {
+            let volume = |points: &[[f64; 3]]| enclosed_volume(points, triangles);
+            this.volumes = Some(Change::new(volume(&before), volume(&after), unit.powi(3)));
+        }
         this
     }
 
@@ -74,11 +100,10 @@ impl Movement {
             number(moved.max),
             percent(moved.max),
         );
-        for (name, pair) in [("area", self.areas), ("volume", self.volumes)] {
-            if let Some((before, after)) = pair {
-                let change = 100.0 * (after - before) / before;
-                let _ = writeln!(text, "{name} {} → {} ({change:+.3} %)", number(before), number(after));
-            }
+        for (name, change) in [("area", self.areas), ("volume", self.volumes)] {
+            let Some(Change { before, after, share }) = change else { continue };
+            let share = share.map_or_else(String::new, |share| format!(" ({:+.3} %)", 100.0 * share));
+            let _ = writeln!(text, "{name} {} → {}{share}", number(before), number(after));
         }
     }
 
@@ -91,8 +116,9 @@ impl Movement {
             "rms_percent": 100.0 * moved.rms / diagonal,
             "max_percent": 100.0 * moved.max / diagonal,
         });
-        for (name, pair) in [("area", self.areas), ("volume", self.volumes)] {
-            report[name] = json!(pair.map(|(before, after)| json!({"before": before, "after": after})));
+        for (name, change) in [("area", self.areas), ("volume", self.volumes)] {
+            report[name] =
+                json!(change.map(|Change { before, after, .. }| json!({"before": before, "after": after})));
         }
     }
 }

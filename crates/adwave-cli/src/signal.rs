@@ -130,6 +130,17 @@ pub(crate) fn load_with_texture(
     )))
 }
 
+/// New values of the signal of that name as a field to write: that of the file in its own type of numbers, else one by the name
+/// of the column, or of the file without its extensions.
+pub(crate) fn written(file: &ShapeFile, name: &str, n_channels: usize, values: Vec<f64>) -> Field {
+    if let Some(old) = file.field(name) {
+        return old.with_values_rounded(&values);
+    }
+    let last = name.rsplit([':', '/', '\\']).next().unwrap_or(name);
+    let stem = last.split('.').next().filter(|stem| !stem.is_empty()).unwrap_or(last);
+    Field::new(stem, n_channels, FieldValues::F64(values))
+}
+
 /// The same with the vertices masked where the signal is NaN.
 pub(crate) fn mask(
     walk: Decomposer,

@@ -9,7 +9,9 @@ use std::fs;
 #[test]
 fn every_command_explains_itself_with_examples() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["info", "transform", "filter", "saliency", "features", "evaluate", "basis", "sample"] {
+    for command in
+        ["info", "transform", "filter", "denoise", "saliency", "features", "evaluate", "basis", "sample"]
+    {
         adwave(folder.path()).args([command, "--help"]).assert().success().stdout(contains("Examples:"));
     }
     adwave(folder.path()).args(["completions", "bash"]).assert().success().stdout(contains("adwave"));
@@ -202,4 +204,21 @@ fn any_number_of_threads_writes_the_same_bytes() {
     }
     let bytes = |name: &str| fs::read(path.join(name)).unwrap();
     assert!(bytes("1.npz") == bytes("2.npz") && bytes("2.npz") == bytes("5.npz"));
+}
+
+#[test]
+fn denoised_fields_of_other_files_go_into_the_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let sphere = json(path, "sample sphere --vertices 500 -o s.ply");
+    let n_vertices = sphere["vertices"].as_u64().unwrap();
+    let rows = (0..n_vertices).map(|x| format!("{}\n", 1.0 + (x * 7919 % 97) as f64 / 970.0));
+    fs::write(path.join("depth.of.folds.csv"), "value\n".to_owned() + &rows.collect::<String>()).unwrap();
+    for (field, name) in [("depth.of.folds.csv", "depth"), ("depth.of.folds.csv:value", "value")] {
+        let report = json(path, &format!("denoise s.ply --field {field} -o o.ply"));
+        assert!(report["denoise"][0]["noise"].as_f64().unwrap() > 0.01, "{report}");
+        let changed = fs::read(path.join("o.ply")).unwrap();
+        assert_ne!(changed, fs::read(path.join("s.ply")).unwrap());
+        json(path, &format!("transform o.ply --field {name} -o b.npz --levels 2"));
+    }
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use adwave_test_data::data_test;
-use common::{adwave, files_below, real_files, refused, words};
+use common::{adwave, files_below, json, real_files, refused, words};
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -42,7 +42,8 @@ fn what_is_wrong_with_a_file_is_said_in_one_line() {
         ("missing.obj", "missing.obj"),
         (".", "."),
     ] {
-        for command in ["info", "transform -o o.npz", "filter -o o.ply --preset suppress"] {
+        for command in ["info", "transform -o o.npz", "filter -o o.ply --preset suppress", "denoise -o o.ply"]
+        {
             let (verb, rest) = command.split_once(' ').unwrap_or((command, ""));
             let error = refused(path, &format!("{verb} {file} {rest}"));
             assert!(error.contains(named) && error.contains(file), "{verb} {file}: {error}");
@@ -159,6 +160,81 @@ fn odd_shapes_are_done_and_give_finite_numbers() {
     }
 }
 
+/// Vertices of a sheet of 20 by 20, its heights a few hundredths and times `noise`.
+fn sheet(noise: f64, scale: f64) -> String {
+    let height = |k: u32| f64::from((k * 7919 + k * k * 31) % 97) / 97.0 - 0.5;
+    let vertex = |k: u32| [f64::from(k % 20), f64::from(k / 20), noise * height(k)].map(|c| c * scale);
+    let vertices = (0..400).map(vertex).map(|[x, y, z]| format!("v {x:e} {y:e} {z:e}\n"));
+    let corners = (1..380).filter(|k| k % 20 > 0);
+    let faces = corners.map(|k| format!("f {k} {} {}\nf {} {} {}\n", k + 1, k + 20, k + 1, k + 21, k + 20));
+    vertices.chain(faces).collect()
+}
+
+#[test]
+fn denoising_odd_shapes_says_what_was_assumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write(path, "one.xyz", "1 2 3\n");
+    write(path, "equal.xyz", "1 2 3\n".repeat(50));
+    write(path, "line.xyz", (0..50).fold(String::new(), |text, i| text + &format!("{i} 0 0\n")));
+    write(
+        path,
+        "cloud.xyz",
+        sheet(0.2, 1.0)
+            .lines()
+            .filter_map(|l| l.strip_prefix("v "))
+            .fold(String::new(), |text, row| text + row + "\n"),
+    );
+    write(path, "equal.obj", "v 1 1 1\n".repeat(6) + "f 1 2 3\nf 4 5 6\n");
+    write(path, "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    write(
+        path,
+        "no-area.obj",
+        sheet(0.2, 1.0) + "v 5 5 0\nv 6 5 0\nv 7 5 0\nf 401 402 403\nf 1 1 2\nf 3 4 3\n",
+    );
+    write(
+        path,
+        "three-sheets.obj",
+        sheet(0.2, 1.0) + "v 4 10 5\nf 205 206 401\nf 206 205 401\nf 1 2 21\nf 2 1 21\n",
+    );
+    write(path, "loud.obj", sheet(500.0, 1.0));
+    write(path, "huge.obj", sheet(0.2, 1e95));
+    write(path, "tiny.obj", sheet(0.2, 1e-200));
+    write(path, "alone.obj", sheet(0.2, 1.0) + "v 100 100 100\n");
+    for name in [
+        "one.xyz",
+        "equal.xyz",
+        "line.xyz",
+        "cloud.xyz",
+        "equal.obj",
+        "flat.obj",
+        "no-area.obj",
+        "three-sheets.obj",
+        "loud.obj",
+        "huge.obj",
+        "tiny.obj",
+        "alone.obj",
+    ] {
+        let out = format!("o.{}", &name[name.len() - 3..]);
+        let line = format!("denoise {name} -o {out}");
+        let said = adwave(path).args(words(&line)).assert().success().get_output().stdout.clone();
+        let said = String::from_utf8(said).unwrap();
+        assert!(said.contains("noise along the normals: "), "{line}: {said}");
+        assert!(!said.contains("NaN") && !said.contains("inf"), "{line}: {said}");
+        let shape = fs::read_to_string(path.join(out)).unwrap();
+        assert!(!shape.contains("NaN") && !shape.contains("inf"), "{name}: {shape}");
+    }
+    // The size of a shape does not matter: a change of scale changes the noise by as much.
+    write(path, "usual.obj", sheet(0.2, 1.0));
+    let in_edges =
+        |name: &str| json(path, &format!("denoise {name} -o o.obj"))["denoise"]["noise_in_edges"].as_f64();
+    let usual = in_edges("usual.obj").unwrap();
+    for name in ["huge.obj", "tiny.obj"] {
+        let same = in_edges(name).unwrap();
+        assert!((same / usual - 1.0).abs() < 1e-6, "{name}: {same} mean edges, {usual} at the usual size");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_reported_and_leaves_the_old_file() {
@@ -176,23 +252,30 @@ fn a_full_disk_is_reported_and_leaves_the_old_file() {
 #[cfg(target_os = "linux")]
 #[test]
 fn ctrl_c_stops_soon_and_leaves_the_old_file() {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), "old.npz", "precious");
-    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("adwave"))
-        .current_dir(folder.path())
-        .args(["transform", "sample:sphere", "--vertices", "100000", "--levels", "24", "-o", "old.npz", "-q"])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(Duration::from_secs(2));
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(killed.success());
-    let asked = Instant::now();
-    let status = child.wait().unwrap();
-    assert!(asked.elapsed() < Duration::from_secs(10));
-    assert_eq!(status.code(), Some(130));
-    assert_eq!(fs::read_to_string(folder.path().join("old.npz")).unwrap(), "precious");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "temporary files were left");
+    for line in [
+        "transform sample:sphere --vertices 100000 --levels 24 -o old.npz -q",
+        "denoise sample:creature --vertices 1000000 -o old.ply -q",
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let old = line.split(' ').find(|word| word.starts_with("old.")).unwrap();
+        write(folder.path(), old, "precious");
+        let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("adwave"))
+            .current_dir(folder.path())
+            .args(words(line))
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_secs(2));
+        let killed =
+            std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        assert!(killed.success(), "{line}");
+        let asked = Instant::now();
+        let status = child.wait().unwrap();
+        assert!(asked.elapsed() < Duration::from_secs(10), "{line}");
+        assert_eq!(status.code(), Some(130), "{line}");
+        assert_eq!(fs::read_to_string(folder.path().join(old)).unwrap(), "precious", "{line}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "{line}: temporary files were left");
+    }
 }
 
 #[data_test]

@@ -117,13 +117,13 @@ pub fn denoise(
     if let Some(normals) = normals {
         surface.move_to(&mut moved, &normals, MOVES, progress)?;
     }
-    let moves =
-        parallel::try_collect(moved.len(), progress, |x| subtract(&moved[x], &points[x]).map(|d| d * unit))?;
+    let moves = parallel::try_collect(moved.len(), progress, |x| subtract(&moved[x], &points[x]))?;
     let moves = geometry.vertex_map().scatter(&moves, 1);
     let lengths = parallel::try_collect(moves.len(), progress, |x| norm(&moves[x]))?;
-    info.n_far = lengths.iter().filter(|d| **d > FAR * noise * unit).count();
-    info.furthest = lengths.iter().copied().fold(0.0, f64::max);
-    let points = original.iter().zip(&moves).map(|(p, d)| std::array::from_fn(|k| p[k] + d[k])).collect();
+    info.n_far = lengths.iter().filter(|d| **d > FAR * noise).count();
+    info.furthest = lengths.iter().copied().fold(0.0, f64::max) * unit;
+    let points =
+        original.iter().zip(&moves).map(|(p, d)| std::array::from_fn(|k| p[k] + d[k] * unit)).collect();
     progress.step(STAGES, STAGES)?;
     Ok(Denoised { points, info })
 }

@@ -35,6 +35,7 @@ pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
 pub use triangulate::triangulate;
 pub use vertex_map::{VertexMap, WeldMode};
 
+use crate::vector::{norm, subtract};
 use crate::{ClassifiedError, ErrorKind, parallel};
 use thiserror::Error;
 
@@ -131,6 +132,10 @@ impl ClassifiedError for ShapeError {
 /// Points that a thread looks at in one go.
 const POINTS_AT_A_TIME: usize = 1 << 14;
 
+/// A box whose longest side is shorter, in model units, is measured by that side: squares of lengths would lose digits from
+/// 1e-154 on, and vanish from 1e-162 on.
+const SMALL_SIDE: f64 = 1e-140;
+
 /// Checks that there are points and that each is finite and of a magnitude that can be squared.
 fn check_points(points: &[[f64; 3]]) -> Result<(), ShapeError> {
     if points.is_empty() {
@@ -162,9 +167,16 @@ pub fn bounding_box(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
     Some(boxes.iter().fold((first, first), wider))
 }
 
-/// Length of the bounding box's diagonal in model units; 0 without points.
+/// Length of the bounding box's diagonal in model units; 0 without points or where all are one.
 pub fn diagonal(points: &[[f64; 3]]) -> f64 {
-    bounding_box(points).map_or(0.0, |(lo, hi)| distance(&lo, &hi))
+    let Some((lo, hi)) = bounding_box(points) else { return 0.0 };
+    let sides = subtract(&hi, &lo);
+    let longest = sides.into_iter().fold(0.0, f64::max);
+    if longest == 0.0 {
+        return 0.0;
+    }
+    let unit = if longest < SMALL_SIDE { longest } else { 1.0 };
+    unit * norm(&sides.map(|side| side / unit))
 }
 
 /// Euclidean distance of two points.

@@ -13,7 +13,8 @@ no option is needed. Of clouds the points move along their normals. Noise that n
 Examples:
   adwave denoise scan.obj -o clean.obj
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
-  adwave denoise brain.gii -o even.ply --field thickness
+  adwave denoise brain.ply -o even.ply --field thickness
+  adwave denoise white.gii -o even.ply --field thickness.gii
   adwave denoise part.stl -o part-clean.stl --noise-sigma 0.02 --creases keep --json")]
 pub(crate) struct DenoiseArgs {
     #[command(flatten)]
@@ -21,7 +22,8 @@ pub(crate) struct DenoiseArgs {
     /// Where the result goes; the format is that of the extension
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Take noise off a field of the file in place of the shape: steps stay
+    /// Take noise off a field in place of the shape, steps stay: of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN,
+    /// FILE.gii or FILE.gii:NAME, which goes into the result by the name of the file or column
     #[arg(long, value_name = "NAME")]
     pub(crate) field: Option<String>,
     /// By how much the noise counts: 0 changes nothing, 2 takes it for twice as large

@@ -56,19 +56,13 @@ fn denoise_field(
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     let signal = signal::load(&input, name)?;
-    let Some(old) = input.file.field(name) else {
-        return Err(CliError::Input(format!(
-            "{name} is not a field of {}, so it cannot be written back",
-            input.name
-        )));
-    };
     let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
     let decomposer = signal::mask(decomposer, &signal, name, global)?;
     let denoised = with_progress(global, "denoising", |progress| {
         denoise_signal(&decomposer, &signal.values, signal.n_channels, &args.params(), progress)
     })
     .map_err(|e| CliError::of(&e))?;
-    input.file.add_vertex_field(old.with_values_rounded(&denoised.values))?;
+    input.file.add_vertex_field(signal::written(&input.file, name, signal.n_channels, denoised.values))?;
     with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
     let mut text = format!("{}: {} vertices, {name}\n", input.name, input.shape.n_vertices());
     for info in &denoised.info {
