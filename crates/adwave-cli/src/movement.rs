@@ -80,7 +80,7 @@ impl Movement {
             );
             note(global, &said);
         }
-        if let Some((before, after)) = self.volumes
+        if let Some(Change { before, after, .. }) = self.volumes
             && (after - before).abs() > MUCH * before.abs()
         {
             note(global, &format!("the volume changed from {} to {}", number(before), number(after)));

@@ -193,7 +193,7 @@ fn an_impulse_is_as_wide_at_half_its_height_as_was_asked_for() {
     let spacing = 1.0;
     let mut impulse = vec![0.0; points.len()];
     impulse[at(n / 2, n / 2)] = 1.0;
-    for asked in [6.0, 10.0, 20.0].map(|cells| cells * spacing) {
+    for asked in [8.0, 12.0, 20.0].map(|cells| cells * spacing) {
         let schedule = Schedule::lengths(&[asked / FWHM], decomposer.diffusion().step_length()).unwrap();
         let bands = decomposer.decompose(&impulse, 1, &schedule).unwrap();
         let values = bands.coarsest();
