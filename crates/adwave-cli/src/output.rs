@@ -152,8 +152,8 @@ pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
     if let Some(widths) = args.lengths.as_ref().or(args.fwhm.as_ref()) {
         // Those of different units can be compared only when the shape is known.
         let rises = |k: usize| match (widths[k], if k == 0 { Length::Units(0.0) } else { widths[k - 1] }) {
-            (Length::Units(width), Length::Units(before)) => width > before,
-            (Length::PercentOfDiagonal(width), Length::PercentOfDiagonal(before)) => width > before,
+            (Length::Units(width), Length::Units(before))
+            | (Length::PercentOfDiagonal(width), Length::PercentOfDiagonal(before)) => width > before,
             (Length::Units(width) | Length::PercentOfDiagonal(width), _) => width > 0.0,
         };
         if let Some(bad) = (0..widths.len()).find(|&k| !rises(k)) {

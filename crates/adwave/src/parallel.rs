@@ -121,11 +121,14 @@ pub(crate) fn try_map_rows<T: Send, R: Send>(
     })
 }
 
+/// What a chunk of rows gives, by its number, or that the call is to stop.
+type AskedOfRows<'a, T, R> = dyn Fn(usize, &mut [T]) -> Result<R, Cancelled> + Sync + 'a;
+
 fn ask_rows<T: Send, R: Send>(
     values: &mut [T],
     len: usize,
     is_small: bool,
-    asked: &(dyn Fn(usize, &mut [T]) -> Result<R, Cancelled> + Sync),
+    asked: &AskedOfRows<'_, T, R>,
 ) -> Result<Vec<R>, Cancelled> {
     if is_small {
         return values.chunks_mut(len).enumerate().map(|(chunk, rows)| asked(chunk, rows)).collect();

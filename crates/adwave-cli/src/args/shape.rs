@@ -10,6 +10,7 @@ use clap::{Args, ValueEnum};
 use std::num::NonZeroUsize;
 
 /// A shape, and how its diffusion operator is built.
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ShapeArgs {
     /// File (OBJ, PLY, OFF, STL, XYZ/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI, MTX; plain or gzip), '-', or sample:NAME

@@ -115,10 +115,8 @@ impl Decomposer {
                 (diffusion, areas.into(), mean_length, Some(info))
             }
         };
-        let diffusion = match params.keep_creases {
-            true => keeping_creases(diffusion, &geometry, progress)?,
-            false => diffusion,
-        };
+        let diffusion =
+            if params.keep_creases { keeping_creases(diffusion, &geometry, progress)? } else { diffusion };
         Ok(Self {
             geometry: Arc::new(geometry),
             transform: transform(diffusion),
