@@ -156,7 +156,9 @@ pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
             | (Length::PercentOfDiagonal(width), Length::PercentOfDiagonal(before)) => width > before,
             (Length::Units(width) | Length::PercentOfDiagonal(width), _) => width > 0.0,
         };
-        if let Some(bad) = (0..widths.len()).find(|&k| !rises(k)) {
+        let is_finite =
+            |k: usize| matches!(widths[k], Length::Units(w) | Length::PercentOfDiagonal(w) if w.is_finite());
+        if let Some(bad) = (0..widths.len()).find(|&k| !(rises(k) && is_finite(k))) {
             let (Length::Units(width) | Length::PercentOfDiagonal(width)) = widths[bad];
             return Err(CliError::Input(format!(
                 "{}: {width:?} is number {} of the widths; they must be positive, finite and increasing",

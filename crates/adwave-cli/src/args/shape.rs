@@ -4,7 +4,7 @@ use super::named::named;
 use crate::error::CliError;
 use adwave::bands::{BandsParams, FWHM};
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
-use adwave::region::Length;
+use adwave::region::{Length, RegionSyntaxError};
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
 use clap::{Args, ValueEnum};
 use std::num::NonZeroUsize;
@@ -168,6 +168,8 @@ pub(crate) struct LevelArgs {
         long,
         value_name = "L,L,…",
         value_delimiter = ',',
+        value_parser = width,
+        allow_negative_numbers = true,
         help_heading = "Levels",
         conflicts_with_all = ["levels", "voices"]
     )]
@@ -177,10 +179,20 @@ pub(crate) struct LevelArgs {
         long,
         value_name = "L,L,…",
         value_delimiter = ',',
+        value_parser = width,
+        allow_negative_numbers = true,
         help_heading = "Levels",
         conflicts_with_all = ["levels", "voices", "steps", "lengths"]
     )]
     pub(crate) fwhm: Option<Vec<Length>>,
+}
+
+/// Reads a width of any size: what no level can have is refused when all are known.
+fn width(text: &str) -> Result<Length, RegionSyntaxError> {
+    match text.trim().parse() {
+        Ok(units) => Ok(Length::Units(units)),
+        Err(_) => text.parse(),
+    }
 }
 
 impl LevelArgs {
