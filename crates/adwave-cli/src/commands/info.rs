@@ -4,7 +4,7 @@ use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{
-    fwhm_json, fwhm_text, number, percent_of, print, schedule, steps_json, steps_text, table,
+    check_levels, fwhm_json, fwhm_text, number, percent_of, print, schedule, steps_json, steps_text, table,
 };
 use crate::progress::{prepare, with_spinner};
 use crate::shape_input::load;
@@ -28,6 +28,7 @@ pub(crate) struct InfoArgs {
 }
 
 pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
+    check_levels(&args.levels)?;
     let (input, decomposer, health) = with_spinner(global, "reading", || {
         let input = load(&args.shape)?;
         let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
