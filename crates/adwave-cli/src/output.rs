@@ -84,6 +84,7 @@ pub(crate) fn schedule_reaching(
     decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<(Schedule, String), CliError> {
+    check_levels(args)?;
     if let Some(steps) = &args.steps {
         let schedule = Schedule::real(steps.clone())?;
         let why = format!("{} levels, of the steps asked for", schedule.n_levels());
