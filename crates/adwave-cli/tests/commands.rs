@@ -207,7 +207,7 @@ fn any_number_of_threads_writes_the_same_bytes() {
 }
 
 #[test]
-fn denoised_fields_of_other_files_go_into_the_result() {
+fn denoised_and_filtered_fields_of_other_files_go_into_the_result() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let sphere = json(path, "sample sphere --vertices 500 -o s.ply");
@@ -220,5 +220,8 @@ fn denoised_fields_of_other_files_go_into_the_result() {
         let changed = fs::read(path.join("o.ply")).unwrap();
         assert_ne!(changed, fs::read(path.join("s.ply")).unwrap());
         json(path, &format!("transform o.ply --field {name} -o b.npz --levels 2"));
+        let report = json(path, &format!("filter s.ply --field {field} --preset suppress -o f.ply"));
+        assert!(report["changed"]["rms"].as_f64().unwrap() > 0.01, "{report}");
+        json(path, &format!("transform f.ply --field {name} -o b.npz --levels 2"));
     }
 }

@@ -176,13 +176,7 @@ impl Group<'_> {
         let counts = parallel::try_collect(data.len() / self.d, progress, |x| {
             f64::from(u8::from((self.is_known)(x)))
         })?;
-        let n_times = if let Ok(z) = std::env::var("ZZ") {
-            z.parse().unwrap()
-        } else if data.len() <= FEW_VALUES {
-            PROBES
-        } else {
-            1
-        };
+        let n_times = if data.len() <= FEW_VALUES { PROBES } else { 1 };
         let mut random = Pcg64Mcg::seed_from_u64(SEED);
         let shaken = (0..n_times).map(|_| {
             let mut shaken = |v: &f64| -> f64 {

@@ -29,7 +29,7 @@ pub(crate) struct FilterArgs {
     /// Where the result goes; the format is that of the extension
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// The signal that is filtered: coords, or a field of the file
+    /// The signal that is filtered: coords, a field of the file, or one of another: FILE.npy, FILE.csv[:COLUMN], FILE.gii
     #[arg(long, value_name = "NAME")]
     pub(crate) field: Option<String>,
     #[command(flatten)]

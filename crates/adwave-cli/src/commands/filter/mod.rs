@@ -43,12 +43,6 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
 
     let mut input = with_spinner(global, "reading", || load(&args.shape))?;
     let signal = signal::load(&input, &field)?;
-    if field != COORDS && input.file.field(&field).is_none() {
-        return Err(CliError::Input(format!(
-            "{field} is not a field of {}, so it cannot be written back",
-            input.name
-        )));
-    }
     let decomposer = prepare(global, &input.shape, &operator(args, recipe.as_ref())?)?;
     let decomposer = signal::mask(decomposer, &signal, &field, global)?;
     let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer, global)?;
@@ -90,8 +84,8 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         let change = change(&signal.values, &edited);
         let _ = writeln!(text, "{field} changed by {} (rms), {} at most", number(change.0), number(change.1));
         report["changed"] = json!({"rms": change.0, "max": change.1});
-        let old = input.file.field(&field).expect("the field that was filtered");
-        input.file.add_vertex_field(old.with_values_rounded(&edited))?;
+        let new = signal::written(&input.file, &field, signal.n_channels, edited);
+        input.file.add_vertex_field(new)?;
     }
     with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
     let _ = writeln!(text, "{}", args.output.display());
