@@ -36,10 +36,10 @@ fn main() -> ExitCode {
 fn how_large_vectors_are_kept() {
     const RETURNED: libc::c_int = 1 << 20;
     const KEPT: libc::c_int = 1 << 30;
-    let keeps = std::env::args_os().skip(1).find(|word| !word.as_encoded_bytes().starts_with(b"-"));
+    let keeps = std::env::args_os().skip(1).any(|word| word == "denoise");
     // SAFETY: it sets numbers of the allocator, before there is a second thread; where it is refused nothing changes.
     unsafe {
-        if keeps.is_some_and(|command| command == "denoise") {
+        if keeps {
             libc::mallopt(libc::M_MMAP_THRESHOLD, KEPT);
             libc::mallopt(libc::M_TRIM_THRESHOLD, libc::c_int::MAX);
             libc::mallopt(libc::M_TOP_PAD, 1 << 26);

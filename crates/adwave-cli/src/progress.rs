@@ -36,6 +36,11 @@ pub(crate) fn prepare(
     shape: &Shape,
     params: &OperatorParams,
 ) -> Result<Decomposer, CliError> {
+    if params.keep_creases && matches!(shape, Shape::Graph(_)) {
+        return Err(CliError::Input(
+            "--keep-creases is of normals, which a graph has not; leave it out".to_owned(),
+        ));
+    }
     with_progress(global, "preparing", |progress| Decomposer::with_params(shape, params, progress))
         .map_err(|_| CliError::Cancelled)
 }

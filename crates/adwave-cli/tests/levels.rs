@@ -241,6 +241,43 @@ fn a_recipe_keeps_creases_density_borders_and_volume() {
     );
     let said = refused(path, "info sample:bracket --density-invariant --operator surface");
     assert!(said.contains("--density-invariant is an option of the walk"), "{said}");
+    let said = refused(path, "info sample:bracket --as cloud --density-invariant --directed");
+    assert!(said.contains("leave out --directed"), "{said}");
+    fs::write(path.join("path.mtx"), "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n2 1 1.0\n")
+        .unwrap();
+    let said = refused(path, "info path.mtx --keep-creases");
+    assert!(said.contains("a graph has not"), "{said}");
+}
+
+#[test]
+fn a_recipe_has_the_levels_that_keeping_the_volume_adds() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for (how, levels) in
+        [("twice", "--lengths 5%,10%"), ("thrice", "--lengths 5%,10%"), ("twice", "--levels 3")]
+    {
+        let line = format!(
+            "filter sample:torus --vertices 900 {levels} --preset suppress --keep-volume {how} --operator walk"
+        );
+        json(path, &format!("{line} -o first.obj --save-recipe edit.toml"));
+        json(
+            path,
+            "filter sample:torus --vertices 900 --recipe edit.toml -o again.obj --save-recipe copy.toml",
+        );
+        let [first, again] =
+            ["edit.toml", "copy.toml"].map(|file| fs::read_to_string(path.join(file)).unwrap());
+        assert_eq!(first, again);
+        let coordinates = |file: &str| -> Vec<f64> {
+            let text = fs::read_to_string(path.join(file)).unwrap();
+            let vertices = text.lines().filter_map(|line| line.strip_prefix("v "));
+            vertices
+                .flat_map(|line| line.split(' ').map(|c| c.parse().unwrap()).collect::<Vec<f64>>())
+                .collect()
+        };
+        let (first, again) = (coordinates("first.obj"), coordinates("again.obj"));
+        assert!(first.len() >= 3 * 800 && first.len() == again.len());
+        assert!(first.iter().zip(&again).all(|(a, b)| (a - b).abs() < 1e-9), "{line}");
+    }
 }
 
 #[test]

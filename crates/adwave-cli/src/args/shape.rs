@@ -77,6 +77,10 @@ impl ShapeArgs {
     pub(crate) fn operator_or(&self, kind: OperatorKind) -> Result<OperatorParams, CliError> {
         let default = OperatorParams::default();
         let walk = self.walk();
+        if self.directed && self.density_invariant {
+            let said = "--density-invariant steps both ways; leave out --directed";
+            return Err(CliError::Input(said.to_owned()));
+        }
         let only_of_walk = [
             ("--rings", walk.rings != default.rings),
             ("--mesh-area", walk.mesh_area != default.mesh_area),

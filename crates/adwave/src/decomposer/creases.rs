@@ -6,7 +6,8 @@ use crate::shape::{
     try_vertex_normals,
 };
 use crate::signal::{FIT_NEIGHBOURS, OutwardError, outward_normals, try_cloud_normals};
-use crate::{Cancelled, Progress, parallel};
+use crate::sparse::try_apply;
+use crate::{Cancelled, Progress};
 
 /// Steps that smooth the normals before they are compared, so that noise is not taken for creases.
 const NORMAL_STEPS: usize = 2;
@@ -23,25 +24,12 @@ pub(super) fn keeping_creases(
 ) -> Result<Diffusion, Cancelled> {
     let Some(mut normals) = normals(geometry, progress)? else { return Ok(diffusion) };
     for _ in 0..NORMAL_STEPS {
-        normals = parallel::try_collect(normals.len(), progress, |x| stepped(&diffusion, &normals, x))?;
+        let before = normals.clone();
+        try_apply(&diffusion, before.as_flattened(), normals.as_flattened_mut(), 3, progress)?;
     }
     let points = geometry.points();
     let squared_length = |x: usize, y: usize| squared_distance(&points[x], &points[y]);
     diffusion.guided(&normals, REACH, squared_length, progress)
-}
-
-/// `Σ_y Φ₁(x,y)·n_y`.
-fn stepped(diffusion: &Diffusion, normals: &[[f64; 3]], x: usize) -> [f64; 3] {
-    let (columns, weights) = diffusion.row(x);
-    let mut stays = 1.0;
-    let mut sum = [0.0; 3];
-    let mut add = |w: f64, n: &[f64; 3]| sum.iter_mut().zip(n).for_each(|(s, n)| *s += w * n);
-    for (&y, &w) in columns.iter().zip(weights) {
-        add(w, &normals[y as usize]);
-        stays -= w;
-    }
-    add(stays, &normals[x]);
-    sum
 }
 
 /// Normals of the welded vertices that agree from one to the next where they can; `None` of a graph.

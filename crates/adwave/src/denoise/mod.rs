@@ -12,6 +12,7 @@ mod noise_level;
 mod params;
 mod risk;
 mod sample;
+mod scaling;
 mod signal;
 mod smoothed_normals;
 mod surface;
@@ -141,15 +142,12 @@ fn best_normals(
     let sample = surface.sample(points, progress)?;
     let (part, part_points) = sample.as_ref().map_or((surface, points), |(part, points)| (part, points));
     let walks = Walks::new(part, part_points, wanted, progress)?;
-    let flat = |candidates: Vec<Vec<[f64; 3]>>| -> Vec<Vec<f64>> {
-        candidates.into_iter().map(Vec::into_flattened).collect()
-    };
-    let candidates = flat(walks.candidates(progress)?);
+    let candidates = walks.candidates(progress)?;
     progress.step(2, STAGES)?;
     let n_times = if part.n_sites() <= FEW_SITES { 2 } else { 1 };
     let shaken = (0..n_times).map(|k| {
         let points = shaken(part_points, SHAKE * noise, SEED + k);
-        Ok(flat(Walks::new(part, &points, wanted, progress)?.candidates(progress)?))
+        Walks::new(part, &points, wanted, progress)?.candidates(progress)
     });
     let shaken = shaken.collect::<Result<Vec<_>, DenoiseError>>()?;
     let risk = Risk::new(&candidates, &shaken, &walks.areas, SHAKE, params.strength, progress)?;

@@ -87,7 +87,7 @@ fn point_normals(
 }
 
 /// The upper median; 0 of nothing.
-fn median(values: &mut [f64]) -> f64 {
+pub(super) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

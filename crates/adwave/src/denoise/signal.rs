@@ -1,8 +1,10 @@
 //! Noise taken off a signal on any shape.
 
+use super::noise_level::median;
 use super::risk::Risk;
+use super::scaling::{scaling_functions, transform};
 use super::{DenoiseError, DenoiseParams, SEED, SHAKE};
-use crate::bands::{BandsParams, Schedule, Transform};
+use crate::bands::{Schedule, Transform};
 use crate::operator::Diffusion;
 use crate::{Decomposer, Progress, parallel};
 use rand_distr::{Distribution, StandardNormal};
@@ -207,46 +209,26 @@ impl Group<'_> {
     /// The data, then their scaling functions by the shape's walk and by walks that two guides lead.
     fn candidates(&self, data: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, DenoiseError> {
         let walk = self.decomposer.diffusion();
+        let scaling =
+            |walk: &Transform, schedule: &Schedule| scaling_functions(walk, data, self.d, schedule, progress);
         let led = |by: &[f64]| -> Result<Transform, DenoiseError> {
             let guide: Vec<[f64; 3]> = by
                 .chunks_exact(self.d)
                 .map(|row| std::array::from_fn(|c| row.get(c).copied().unwrap_or_default()))
                 .collect();
             // Lengths of steps are not asked for.
-            transform(walk.guided(&guide, REACH, |_, _| 0.0, progress)?)
+            transform(walk.guided(&guide, REACH, |_, _| 0.0, progress)?, ACCURACY)
         };
         let plain_schedule = Schedule::real(PLAIN_STEPS.to_vec()).expect("increasing numbers");
-        let plain = self.levels(&transform(Diffusion::clone(walk))?, data, &plain_schedule, progress)?;
+        let plain = scaling(&transform(Diffusion::clone(walk), ACCURACY)?, &plain_schedule)?;
         let dyadic = |n| Schedule::dyadic(n).expect("a few levels");
         let led_levels = dyadic(LED_LEVELS);
         let first = led(&plain[FIRST_GUIDE_LEVELS - 1])?;
-        let second = led(&last(self.levels(&first, data, &dyadic(GUIDE_LEVELS[0]), progress)?))?;
-        let by_second = self.levels(&second, data, &led_levels, progress)?;
+        let second = led(&last(scaling(&first, &dyadic(GUIDE_LEVELS[0]))?))?;
+        let by_second = scaling(&second, &led_levels)?;
         let third = led(&by_second[GUIDE_LEVELS[1] - 1])?;
-        let by_third = self.levels(&third, data, &led_levels, progress)?;
+        let by_third = scaling(&third, &led_levels)?;
         Ok([vec![data.to_vec()], plain, by_second, by_third].concat())
-    }
-
-    /// S of every level.
-    fn levels(
-        &self,
-        walk: &Transform,
-        data: &[f64],
-        schedule: &Schedule,
-        progress: Progress<'_>,
-    ) -> Result<Vec<Vec<f64>>, DenoiseError> {
-        let mut bands = vec![vec![0.0; data.len()]; schedule.n_levels()];
-        let mut slices: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
-        walk.wavelets_into(data, self.d, schedule, &mut slices, progress.quiet())?;
-        // S(j) = f − W(1) − … − W(j) (eq. 15).
-        let mut above = data;
-        for band in &mut bands {
-            for (w, s) in band.iter_mut().zip(above) {
-                *w = s - *w;
-            }
-            above = band;
-        }
-        Ok(bands)
     }
 
     /// The standard deviation of noise, from the median absolute deviation of the difference between a value and the mean of its
@@ -264,16 +246,8 @@ impl Group<'_> {
             (data[i] - mean).abs() / (1.0 + 1.0 / k).sqrt()
         })?;
         deviations.retain(|v| v.is_finite());
-        if deviations.is_empty() {
-            return Ok(0.0);
-        }
-        let middle = deviations.len() / 2;
-        Ok(*deviations.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN_DEVIATION)
+        Ok(median(&mut deviations) / MEDIAN_DEVIATION)
     }
-}
-
-fn transform(diffusion: Diffusion) -> Result<Transform, DenoiseError> {
-    Ok(Transform::new(diffusion, &BandsParams::default().with_accuracy(ACCURACY))?)
 }
 
 fn last(mut levels: Vec<Vec<f64>>) -> Vec<f64> {

@@ -1,10 +1,11 @@
 //! Normals of a surface, smoothed by walks that keep to sites that point alike.
 
+use super::scaling::{scaling_functions, transform};
 use super::surface::Surface;
 use super::{Creases, DenoiseError};
 use crate::Progress;
-use crate::bands::{BandsParams, Schedule, Transform};
-use crate::operator::{Diffusion, site_diffusion};
+use crate::bands::{Schedule, Transform};
+use crate::operator::site_diffusion;
 use crate::vector::unit;
 
 /// Levels that normals are split into: 1, 2, 4, … 32 steps.
@@ -77,7 +78,7 @@ impl Walks {
         let guided = |guide: &[[f64; 3]], reach: f64| {
             // Lengths of steps are not asked for.
             let led = base.guided(guide, reach, |_, _| 0.0, progress)?;
-            transform(led)
+            transform(led, ACCURACY)
         };
         let first = surface.normals(&surface.smoothed(points, GUIDE_STEPS, progress)?, progress)?;
         let smooth = wanted.smooth.map(|reach| guided(&first, reach)).transpose()?;
@@ -95,11 +96,13 @@ impl Walks {
         Ok(Self { normals, areas, creases, smooth })
     }
 
-    /// All that the normals of the result are mixed from: the normals as they are, then `S(1) … S(LEVELS)` by each walk.
-    pub(super) fn candidates(&self, progress: Progress<'_>) -> Result<Vec<Vec<[f64; 3]>>, DenoiseError> {
-        let mut all = vec![self.normals.clone()];
+    /// All that the normals of the result are mixed from, three numbers each: the normals as they are, then `S(1) … S(LEVELS)` by
+    /// each walk.
+    pub(super) fn candidates(&self, progress: Progress<'_>) -> Result<Vec<Vec<f64>>, DenoiseError> {
+        let normals = self.normals.as_flattened();
+        let mut all = vec![normals.to_vec()];
         for walk in self.creases.iter().chain(&self.smooth) {
-            all.extend(levels(walk, &self.normals, progress)?);
+            all.extend(scaling_functions(walk, normals, 3, &dyadic(LEVELS), progress)?);
         }
         Ok(all)
     }
@@ -119,10 +122,6 @@ impl Walks {
     }
 }
 
-fn transform(diffusion: Diffusion) -> Result<Transform, DenoiseError> {
-    Ok(Transform::new(diffusion, &BandsParams::default().with_accuracy(ACCURACY))?)
-}
-
 /// So many dyadic levels, few enough to be.
 fn dyadic(n_levels: usize) -> Schedule {
     Schedule::dyadic(n_levels).expect("one to six levels")
@@ -132,27 +131,6 @@ fn normalise(vectors: &mut [[f64; 3]]) {
     for v in vectors {
         *v = unit(v).unwrap_or_default();
     }
-}
-
-/// S(1) … S([`LEVELS`]) of normals.
-fn levels(
-    walk: &Transform,
-    normals: &[[f64; 3]],
-    progress: Progress<'_>,
-) -> Result<Vec<Vec<[f64; 3]>>, DenoiseError> {
-    let mut bands = vec![vec![[0.0; 3]; normals.len()]; LEVELS];
-    let mut slices: Vec<&mut [f64]> = bands.iter_mut().map(|b| b.as_flattened_mut()).collect();
-    let schedule = dyadic(LEVELS);
-    walk.wavelets_into(normals.as_flattened(), 3, &schedule, &mut slices, progress.quiet())?;
-    // S(j) = f − W(1) − … − W(j) (eq. 15).
-    let mut above = normals;
-    for band in &mut bands {
-        for (w, s) in band.as_flattened_mut().iter_mut().zip(above.as_flattened()) {
-            *w = s - *w;
-        }
-        above = band;
-    }
-    Ok(bands)
 }
 
 /// Adds `Σ_j weights[j−1]·S(j)` of the normals to `out`: as a polynomial, with `S(j) = f − W(1) − … − W(j)`.

@@ -97,7 +97,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
             density_invariant: operator.density_invariant,
             keep_creases: operator.keep_creases,
             positions,
-            levels: levels_to_save(args, &schedule, &decomposer),
+            levels: levels_to_save(args, recipe.as_ref(), &schedule, &decomposer),
             layers,
         };
         write_recipe(path, &recipe).map_err(write_error)?;
@@ -228,15 +228,24 @@ fn chosen_schedule(
 }
 
 /// What a recipe says of its levels: widths, which mean the same on other shapes, or steps.
-fn levels_to_save(args: &FilterArgs, schedule: &Schedule, decomposer: &Decomposer) -> Levels {
+fn levels_to_save(
+    args: &FilterArgs,
+    recipe: Option<&Recipe>,
+    schedule: &Schedule,
+    decomposer: &Decomposer,
+) -> Levels {
     let step_length = decomposer.diffusion().step_length();
     if args.save_steps || step_length <= 0.0 {
         return Levels::Steps(schedule.steps().to_vec());
     }
-    if let Some(widths) = args.levels.widths() {
-        return Levels::Lengths(widths);
-    }
-    Levels::Lengths(schedule.sigma(step_length)[1..].iter().map(|&sigma| Length::Units(sigma)).collect())
+    let in_recipe = match recipe.map(|recipe| &recipe.levels) {
+        Some(Levels::Lengths(widths)) if !args.levels.is_asked() => Some(widths.clone()),
+        _ => None,
+    };
+    let sigma = schedule.sigma(step_length);
+    // As they were asked for, unless volume is kept by levels more.
+    let asked = args.levels.widths().or(in_recipe).filter(|widths| widths.len() == schedule.n_levels());
+    Levels::Lengths(asked.unwrap_or_else(|| sigma[1..].iter().map(|&sigma| Length::Units(sigma)).collect()))
 }
 
 /// Root mean square and largest change of a signal.

@@ -1,0 +1,33 @@
+//! The scaling functions that results are mixed from.
+
+use super::DenoiseError;
+use crate::Progress;
+use crate::bands::{BandsParams, Schedule, Transform};
+use crate::operator::Diffusion;
+
+/// The transform of a walk, whose bands are off by `accuracy`, relative to themselves, at most.
+pub(super) fn transform(diffusion: Diffusion, accuracy: f64) -> Result<Transform, DenoiseError> {
+    Ok(Transform::new(diffusion, &BandsParams::default().with_accuracy(accuracy))?)
+}
+
+/// S of every level of `data` (n_channels for each vertex, row-major), fine to coarse.
+pub(super) fn scaling_functions(
+    walk: &Transform,
+    data: &[f64],
+    n_channels: usize,
+    schedule: &Schedule,
+    progress: Progress<'_>,
+) -> Result<Vec<Vec<f64>>, DenoiseError> {
+    let mut bands = vec![vec![0.0; data.len()]; schedule.n_levels()];
+    let mut slices: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
+    walk.wavelets_into(data, n_channels, schedule, &mut slices, progress.quiet())?;
+    // S(j) = f − W(1) − … − W(j) (eq. 15).
+    let mut above = data;
+    for band in &mut bands {
+        for (w, s) in band.iter_mut().zip(above) {
+            *w = s - *w;
+        }
+        above = band;
+    }
+    Ok(bands)
+}
