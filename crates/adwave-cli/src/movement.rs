@@ -80,8 +80,8 @@ impl Movement {
             );
             note(global, &said);
         }
-        if let Some(Change { before, after, .. }) = self.volumes
-            && (after - before).abs() > MUCH * before.abs()
+        if let Some(Change { before, after, share: Some(share) }) = self.volumes
+            && share.abs() > MUCH
         {
             note(global, &format!("the volume changed from {} to {}", number(before), number(after)));
         }

@@ -153,6 +153,17 @@ fn widths_are_given_as_people_give_them() {
         let output = String::from_utf8(output).unwrap();
         assert!(output.contains(said), "{asked}: {output}");
     }
+    // What is hardly a change of bands any more is done and said.
+    for (edit, said) in [
+        ("--steps 3000,6000 --gains 500,500", "times the widest σ"),
+        ("--steps 3000,6000 --gains 0,0", "the volume changed from"),
+        ("--steps 1,2 --gains 1.5,1.2", ""),
+    ] {
+        let line = format!("filter sample:torus --vertices 900 {edit} -o far.obj");
+        let output = adwave(path).args(words(&line)).assert().success().get_output().stderr.clone();
+        let output = String::from_utf8(output).unwrap();
+        assert!(if said.is_empty() { output.is_empty() } else { output.contains(said) }, "{edit}: {output}");
+    }
     // Recipes travel: widths in them are those that were asked for.
     let line =
         "filter sample:torus --vertices 900 --lengths 2%,4% --gains 0,0 -o edit.obj --save-recipe edit.toml";
