@@ -6,10 +6,12 @@ use crate::commands::{
     compare::CompareArgs,
     demo::DemoArgs,
     denoise::DenoiseArgs,
+    diff::DiffArgs,
     evaluate::EvaluateArgs,
     features::FeaturesArgs,
     filter::FilterArgs,
     info::InfoArgs,
+    matching::MatchArgs,
     render::RenderArgs,
     report::ReportArgs,
     reproduce::ReproduceArgs,
@@ -59,6 +61,10 @@ pub(crate) enum Command {
     Saliency(SaliencyArgs),
     /// Find the places where a level stands out, each with its size
     Features(FeaturesArgs),
+    /// Find the motion between two scans of one thing, and which of their features are the same
+    Match(MatchArgs),
+    /// Compare two versions of a shape: what differs, and at which scale
+    Diff(DiffArgs),
     /// Measure how stable the features are, or how well a map agrees with fixations of the eye
     Evaluate(EvaluateArgs),
     /// Do the same by another method, and show the differences and the times side by side

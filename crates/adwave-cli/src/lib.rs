@@ -78,6 +78,8 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Denoise(args) => commands::denoise::run(args, global),
         Command::Saliency(args) => commands::saliency::run(args, global),
         Command::Features(args) => commands::features::run(args, global),
+        Command::Match(args) => commands::matching::run(args, global),
+        Command::Diff(args) => commands::diff::run(args, global),
         Command::Evaluate(args) => commands::evaluate::run(args, global),
         Command::Compare(args) => commands::compare::run(args, global),
         Command::Basis(args) => commands::basis::run(args, global),

@@ -5,6 +5,7 @@
 //! operator = "walk"               # or "surface"; left out: the walk, with lengths the surface
 //! density_invariant = true       # left out: false; and so keep_creases
 //! field = "coords"               # left out: the coordinates
+//! along = "normal"               # of coordinates: or "free", "surface", "x", "y", "z"; left out: normal for clouds, else free
 //! border = "natural"             # of coordinates: or "keep", "free"; left out: natural
 //! volume = "keep"                # of coordinates: by an offset; left out: free
 //!
@@ -21,7 +22,7 @@ use crate::{ReadError, WriteError, atomic_write};
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
 use adwave::operator::OperatorKind;
-use adwave::positions::{Borders, PositionParams, Volume};
+use adwave::positions::{Along, Borders, PositionParams, Volume};
 use adwave::region::Length;
 use serde::{Deserialize, Serialize, Serializer};
 use std::path::Path;
@@ -86,6 +87,8 @@ struct Table {
     density_invariant: bool,
     #[serde(default, skip_serializing_if = "is_default")]
     keep_creases: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    along: Option<Along>,
     #[serde(default, skip_serializing_if = "is_default")]
     border: Borders,
     #[serde(default, skip_serializing_if = "is_default")]
@@ -158,7 +161,7 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
         operator: table.operator,
         density_invariant: table.density_invariant,
         keep_creases: table.keep_creases,
-        positions: PositionParams { borders: table.border, volume: table.volume },
+        positions: PositionParams { along: table.along, borders: table.border, volume: table.volume },
         levels,
         layers: table.layers,
     })
@@ -183,6 +186,7 @@ pub fn recipe_to_text(recipe: &Recipe) -> String {
         operator: recipe.operator,
         density_invariant: recipe.density_invariant,
         keep_creases: recipe.keep_creases,
+        along: recipe.positions.along,
         border: recipe.positions.borders,
         volume: recipe.positions.volume,
         levels: None,
@@ -233,7 +237,11 @@ mod tests {
             operator: Some(OperatorKind::Surface),
             density_invariant: false,
             keep_creases: true,
-            positions: PositionParams { borders: Borders::Keep, volume: Volume::Keep },
+            positions: PositionParams {
+                along: Some(Along::Surface),
+                borders: Borders::Keep,
+                volume: Volume::Keep,
+            },
             levels: Levels::Steps(vec![1.0, 2.5, 9.0]),
             layers: vec![
                 Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },

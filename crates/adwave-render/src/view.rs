@@ -43,6 +43,11 @@ impl View {
         NAMED.iter().map(|n| n.0)
     }
 
+    /// The direction that points to the right in the picture, of length 1.
+    pub fn right(self, up: Up) -> Vector {
+        self.axes(up)[0]
+    }
+
     /// The picture's right, its up, and the direction towards the viewer: orthonormal, right-handed.
     pub(crate) fn axes(self, up: Up) -> [Vector; 3] {
         let [right, up, front] = up.axes();

@@ -84,7 +84,7 @@ pub fn demo(
     let saliency_picture = saliency_picture(subject, &triangles, progress)?;
     let features_picture = features_picture(subject, &triangles, progress)?;
     progress.step(2, N_PARTS)?;
-    let mut studio = Studio::new(subject, Viewpoint::default(), progress)?;
+    let mut studio = Studio::new(subject.shape, Viewpoint::default(), progress)?;
     let edits_section = edits_section(subject, edits, text.edits, &mut studio);
     progress.step(3, N_PARTS)?;
     let mut bands = Section::new("bands", "The bands that were edited");

@@ -2,6 +2,7 @@
 
 mod analysis;
 pub mod demo;
+pub mod difference_report;
 pub mod page;
 pub mod reproduce;
 pub mod shape_report;

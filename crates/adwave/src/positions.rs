@@ -1,4 +1,4 @@
-//! What smoothing should not do to a shape: draw its borders in, and take its volume.
+//! What smoothing should not do to a shape: slide its points along the surface, draw its borders in, and take its volume.
 
 use crate::parallel;
 use crate::shape::nearest_neighbours;
@@ -23,6 +23,24 @@ pub enum Borders {
     Free,
 }
 
+/// In which directions vertices may move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Along {
+    /// In all (the paper's): samples that are not even slide along the surface as well.
+    Free,
+    /// Along the normals only: the samples stay where they are on the surface.
+    Normal,
+    /// Within the surface only, which evens out its samples.
+    Surface,
+    /// Along x only.
+    X,
+    /// Along y only.
+    Y,
+    /// Along z only, as heights of a terrain should.
+    Z,
+}
+
 /// What becomes of the volume of a closed mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -37,6 +55,8 @@ pub enum Volume {
 /// What is asked of new positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PositionParams {
+    /// In which directions vertices move; `None` is along the normals on a cloud, and in all on a mesh.
+    pub along: Option<Along>,
     /// What becomes of borders.
     pub borders: Borders,
     /// What becomes of the volume.
@@ -83,9 +103,13 @@ const VOLUME_ACCURACY: f64 = 1e-13;
 /// Positions after a filter, with what [`PositionParams`] ask for: `before` and `after` are n_vertices positions in the order of
 /// the shape. Vertices that the filter left where they were stay there to the last bit. O(n log n).
 ///
-/// With borders other than [`Borders::Free`], in each connected part that has a border a vertex moves by `n·(n·d)` in place of d,
-/// n the unit normal there, smoothed over a few edges: what is tangential is the drift of one-sided neighbours, which draws
-/// the outline in by σ/√π. Parts without a border keep their bits. [`Volume::Keep`] then adds one offset δ times the vertex's
+/// Along the normals ([`Along::Normal`]) a vertex moves by `n·(n·d)` in place of d, n the unit normal there, smoothed over a few edges;
+/// within the surface by `d − n·(n·d)`. On a cloud what is tangential pulls points together where they are dense: neighbours come
+/// nearer and holes open.
+///
+/// With borders other than [`Borders::Free`], vertices that may move in all directions move along the normals in each connected part that
+/// has a border: what is tangential there is the drift of one-sided neighbours, which draws the outline in by σ/√π. Parts without a
+/// border keep their bits. [`Volume::Keep`] then adds one offset δ times the vertex's
 /// normal, weighted 1 where the filter moved anything and 0 elsewhere, δ from Newton's method on the enclosed volume (`desbrun1999`).
 ///
 /// ```
@@ -114,45 +138,53 @@ pub fn settle(
 ) -> Result<Vec<[f64; 3]>, PositionsError> {
     let n = decomposer.n_vertices();
     assert!(before.len() == n && after.len() == n, "a position for each vertex");
-    let after = match params.borders {
-        Borders::Free => after,
-        borders => along_normals(decomposer, before, after, borders, progress)?,
-    };
+    let after = directed(decomposer, before, after, params, progress)?;
     match params.volume {
         Volume::Free => Ok(after),
         Volume::Keep => with_volume_of(decomposer, before, &after, progress),
     }
 }
 
-/// The new positions with displacements along the normals only, in parts that have a border.
-fn along_normals(
+/// The new positions with displacements in the directions that are asked for, and borders treated.
+fn directed(
     decomposer: &Decomposer,
     before: &[[f64; 3]],
     after: Vec<[f64; 3]>,
-    borders: Borders,
+    params: &PositionParams,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
-    let border = decomposer.border(progress)?;
-    if border.is_empty() {
+    let along = params.along.unwrap_or(if decomposer.is_cloud() { Along::Normal } else { Along::Free });
+    let border = if params.borders == Borders::Free { Vec::new() } else { decomposer.border(progress)? };
+    if along == Along::Free && border.is_empty() {
         return Ok(after);
     }
     let is_open = reached(decomposer, &border, progress)?;
-    let normals = smooth_normals(decomposer, progress)?;
-    let kept = match borders {
-        Borders::Keep => decomposer.distance_from_border(KEPT_EDGES * decomposer.mean_length(), progress)?,
+    let needs_normals = matches!(along, Along::Free | Along::Normal | Along::Surface);
+    let normals = if needs_normals { smooth_normals(decomposer, progress)? } else { Vec::new() };
+    let width = KEPT_EDGES * decomposer.mean_length();
+    let kept = match params.borders {
+        Borders::Keep if !border.is_empty() => decomposer.distance_from_border(width, progress)?,
         _ => Vec::new(),
     };
     let welded = decomposer.geometry().vertex_map().as_slice();
     parallel::try_collect(after.len(), progress, |v| {
         let x = welded[v] as usize;
-        if !is_open[x] || before[v] == after[v] {
+        if before[v] == after[v] || (along == Along::Free && !is_open[x]) {
             return after[v];
         }
         let moved = subtract(&after[v], &before[v]);
-        let share = kept.get(x).map_or(1.0, |d| (d / (KEPT_EDGES * decomposer.mean_length())).min(1.0));
+        let part = |axis: usize| std::array::from_fn(|c| if c == axis { moved[c] } else { 0.0 });
+        let along_normal = |n: &[f64; 3]| n.map(|c| c * dot(&moved, n));
+        let moved = match along {
+            Along::Free | Along::Normal => along_normal(&normals[x]),
+            Along::Surface => subtract(&moved, &along_normal(&normals[x])),
+            Along::X => part(0),
+            Along::Y => part(1),
+            Along::Z => part(2),
+        };
+        let share = if is_open[x] { kept.get(x).map_or(1.0, |d| (d / width).min(1.0)) } else { 1.0 };
         // From 0 on the border to 1 without a corner at either end.
-        let share = share * share * (3.0 - 2.0 * share);
-        add_scaled(&before[v], share * dot(&moved, &normals[x]), &normals[x])
+        add_scaled(&before[v], share * share * (3.0 - 2.0 * share), &moved)
     })
 }
 

@@ -2,7 +2,7 @@
 
 use adwave::bands::Schedule;
 use adwave::filter::{Preset, WeightedLayer};
-use adwave::positions::{Borders, PositionParams, PositionsError, Volume, settle};
+use adwave::positions::{Along, Borders, PositionParams, PositionsError, Volume, settle};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons, Shape, enclosed_volume};
 use adwave::{Decomposer, Progress};
@@ -53,7 +53,8 @@ fn a_flat_square_stays_where_it_is_as_a_mesh_and_as_a_cloud() {
                 assert!(farthest(&points, &after) <= 1e-9, "{name}, {kind:?}");
             }
         }
-        let free = settled(shape, &points, Preset::SuppressPaper, 6, borders(Borders::Free));
+        let free = PositionParams { along: Some(Along::Free), ..borders(Borders::Free) };
+        let free = settled(shape, &points, Preset::SuppressPaper, 6, free);
         assert!(farthest(&points, &free) > 0.05, "the paper's way draws corners in");
     }
 }
@@ -148,4 +149,46 @@ fn an_open_shape_has_no_volume_to_keep() {
     let keep = PositionParams { volume: Volume::Keep, ..PositionParams::default() };
     let error = settle(&decomposer(&points, &faces), &points, points.clone(), &keep, Progress::none());
     assert_eq!(error, Err(PositionsError::NoVolume));
+}
+
+/// The distance of each point to its nearest.
+fn nearest(points: &[[f64; 3]]) -> Vec<f64> {
+    adwave::shape::nearest_neighbours(points, 1).radius
+}
+
+#[test]
+fn points_of_a_cloud_move_along_its_normals_and_stay_apart() {
+    // A sphere with waves, sampled at random: neighbours are at all distances.
+    let mut sample = Sample::by_name("sphere", Some(6000)).unwrap();
+    sample.add_noise(adwave::sample::NoiseSigma::MeanEdge(0.3), 5).unwrap();
+    let mut seed = 7_u64;
+    sample.points.retain(|_| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        seed >> 63 == 0
+    });
+    let points = sample.points;
+    let cloud = Decomposer::new(&Shape::Cloud(PointCloud::new(points.clone()).unwrap()));
+    let radius = |p: &[f64; 3]| p.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let roughness = |points: &[[f64; 3]]| {
+        let mean = points.iter().map(radius).sum::<f64>() / points.len() as f64;
+        (points.iter().map(|p| (radius(p) - mean).powi(2)).sum::<f64>() / points.len() as f64).sqrt()
+    };
+    let of = |along| PositionParams { along, ..PositionParams::default() };
+    let after = |along| settled(&cloud, &points, Preset::SuppressPaper, 5, of(along));
+    let least = |points: &[[f64; 3]]| {
+        let mut distances = nearest(points);
+        distances.sort_by(f64::total_cmp);
+        distances[distances.len() / 20]
+    };
+    let (normal, free, surface) = (after(None), after(Some(Along::Free)), after(Some(Along::Surface)));
+    assert_eq!(normal, after(Some(Along::Normal)), "clouds move along their normals unless told otherwise");
+    assert!(least(&normal) > 0.7 * least(&points), "{} of {}", least(&normal), least(&points));
+    assert!(least(&free) < 0.6 * least(&points), "{} of {}", least(&free), least(&points));
+    assert!(roughness(&normal) < 0.5 * roughness(&points), "{} of {}", roughness(&normal), roughness(&points));
+    assert!(roughness(&surface) > 0.9 * roughness(&points) && farthest(&surface, &points) > 0.0);
+    for (axis, along) in [Along::X, Along::Y, Along::Z].into_iter().enumerate() {
+        let moved = after(Some(along));
+        let stays = |c: usize| moved.iter().zip(&points).all(|(p, q)| p[c] == q[c]);
+        assert!((0..3).all(|c| stays(c) == (c != axis)), "{along:?}");
+    }
 }

@@ -30,7 +30,7 @@ pub struct BandSummary {
     pub detail_share: f64,
 }
 
-pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<BandSummary>) {
+pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<BandSummary>) {
     let mut section = Section::new("bands", "Bands");
     section.say(format!("There are {}.", subject.levels_reason));
     let spread = Spread::new(subject);
@@ -98,6 +98,11 @@ fn about_mean(signal: &[f64], n_channels: usize, areas: &[f64]) -> f64 {
     rows()
         .map(|(x, row)| weight(x) / total * row.iter().zip(&mean).map(|(v, m)| (v - m).powi(2)).sum::<f64>())
         .sum()
+}
+
+/// The bands in numbers, fine to coarse. O(vertices × levels).
+pub fn band_summaries(subject: &Subject<'_>) -> Vec<BandSummary> {
+    summaries(subject, &Spread::new(subject))
 }
 
 fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {

@@ -1,6 +1,6 @@
 //! Pictures of the shape for the page: one camera, and the colours' meaning beside them.
 
-use super::{Subject, Viewpoint};
+use super::Viewpoint;
 use crate::page::{Figure, Image, Legend};
 use crate::table::short;
 use adwave::shape::{Shape, triangulate};
@@ -156,18 +156,18 @@ impl FieldLook {
 
 impl<'a> Studio<'a> {
     pub(crate) fn new(
-        subject: &Subject<'a>,
+        shape: &'a Shape,
         viewpoint: Viewpoint,
         progress: Progress<'a>,
     ) -> Result<Self, Cancelled> {
-        let points = subject.shape.points().unwrap_or_default();
-        let triangles = match subject.shape {
+        let points = shape.points().unwrap_or_default();
+        let triangles = match shape {
             Shape::Mesh(mesh) => triangulate(points, mesh.faces()),
             _ => Vec::new(),
         };
         let start = Instant::now();
         let (kept, triangles) = if points.len() > MAX_VERTICES {
-            let (kept, triangles) = thinned(points, &triangles, subject.walk.diagonal() / CELLS, progress)?;
+            let (kept, triangles) = thinned(points, &triangles, shape.diagonal() / CELLS, progress)?;
             (Some(kept), triangles)
         } else {
             (None, triangles)

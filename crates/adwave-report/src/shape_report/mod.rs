@@ -12,7 +12,8 @@ pub(crate) mod saliency;
 mod scene;
 mod timings;
 
-pub use bands::BandSummary;
+pub use bands::{BandSummary, band_summaries};
+pub(crate) use bands::section as band_section;
 pub use features::FeatureSummary;
 pub use presets::PresetSummary;
 pub use saliency::SaliencySummary;
@@ -27,6 +28,9 @@ use drawing::Studio;
 
 /// The name of the coordinates as a signal.
 pub const COORDS: &str = "coords";
+
+/// The name of the difference between two versions of a shape as a signal.
+pub const DIFFERENCE: &str = "difference";
 
 /// Sections, for progress.
 const N_SECTIONS: u64 = 6;
@@ -68,7 +72,7 @@ impl Subject<'_> {
 
     /// The unit of the signal, in words.
     fn unit(&self) -> String {
-        if self.is_geometry() { "model units".to_owned() } else { format!("units of {}", self.signal) }
+        if self.is_geometry() || self.signal == DIFFERENCE { "model units".to_owned() } else { format!("units of {}", self.signal) }
     }
 
     /// The unit of the widths σ, in words.
@@ -106,7 +110,7 @@ impl Subject<'_> {
     }
 
     /// The length of the signal's row at each vertex; of a single channel the value itself.
-    fn scalar(&self, signal: &[f64]) -> Vec<f64> {
+    pub(crate) fn scalar(&self, signal: &[f64]) -> Vec<f64> {
         match self.bands.n_channels {
             1 => signal.to_vec(),
             n => signal.chunks_exact(n).map(|row| row.iter().map(|v| v * v).sum::<f64>().sqrt()).collect(),
@@ -114,7 +118,7 @@ impl Subject<'_> {
     }
 
     /// The signal's name, between bars where its length is meant.
-    fn scalar_name(&self) -> String {
+    pub(crate) fn scalar_name(&self) -> String {
         if self.bands.n_channels == 1 { self.signal.to_owned() } else { format!("|{}|", self.signal) }
     }
 }
@@ -163,7 +167,7 @@ pub fn shape_report(
     let mut seconds: Vec<(String, f64)> =
         subject.seconds.iter().map(|&(what, s)| (what.to_owned(), s)).collect();
     progress.step(0, N_SECTIONS)?;
-    let mut studio = Studio::new(subject, viewpoint, progress)?;
+    let mut studio = Studio::new(subject.shape, viewpoint, progress)?;
     let (health_section, health) = health::section(subject);
     let shape_section = scene::section(subject, &mut studio);
     progress.step(1, N_SECTIONS)?;

@@ -77,6 +77,11 @@ pub struct Changed {
 }
 
 impl Changed {
+    /// A shape with other vertices on the same surface, neither turned nor scaled.
+    pub fn resampled(shape: Shape) -> Self {
+        Self { shape, rotation: Rotation3::identity(), factor: 1.0 }
+    }
+
     /// Where a point of the changed shape was before it was rotated and scaled; noise is not undone.
     pub fn before(&self, point: &[f64; 3]) -> [f64; 3] {
         (self.rotation.inverse() * (Vector3::from(*point) / self.factor)).into()

@@ -2,7 +2,7 @@
 
 use crate::args::{LevelArgs, ShapeArgs, named};
 use adwave::filter::Preset;
-use adwave::positions::Borders;
+use adwave::positions::{Along, Borders};
 use adwave::region::{Region, RegionSyntaxError, parse_region};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -21,6 +21,7 @@ Examples:
   adwave filter bust.obj -o smooth.obj --preset suppress
   adwave filter bust.obj -o edit.obj --gains 3,2,1,1,1,1 --region 'ball:vertex=120,radius=10%'
   adwave filter bust.obj -o half.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
+  adwave filter lidar.laz -o smooth.laz --preset suppress --along z
   adwave filter brain.ply -o even.ply --field thickness --preset suppress
   adwave filter bust.obj -o edit.obj --recipe edit.toml")]
 pub(crate) struct FilterArgs {
@@ -53,6 +54,10 @@ pub(crate) struct FilterArgs {
     /// Keep the volume of a closed mesh
     #[arg(long, value_name = "HOW", value_enum, num_args = 0..=1, default_missing_value = "offset", help_heading = "Edit")]
     pub(crate) keep_volume: Option<KeepVolumeArg>,
+    /// In which directions vertices may move when coordinates are filtered [default: that of the recipe, else normal for a cloud and free
+    /// for a mesh]
+    #[arg(long, value_name = "KIND", value_enum, help_heading = "Edit")]
+    pub(crate) along: Option<AlongArg>,
     /// What becomes of borders when coordinates are filtered [default: that of the recipe, else natural]
     #[arg(long, value_name = "KIND", value_enum, help_heading = "Edit")]
     pub(crate) border: Option<BordersArg>,
@@ -79,6 +84,36 @@ pub(crate) enum KeepVolumeArg {
     Twice,
     /// Of a smoothing by n steps: 1 − (1 − Φⁿ)³, by two levels more
     Thrice,
+}
+
+/// `adwave::positions::Along` by its names here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AlongArg {
+    /// Along the normals: samples stay where they are on the surface
+    Normal,
+    /// Within the surface: samples are evened out, the shape stays
+    Surface,
+    /// Along x
+    X,
+    /// Along y
+    Y,
+    /// Along z, as the heights of a terrain should
+    Z,
+    /// In all directions (the paper's): points of a cloud slide together where they are dense
+    Free,
+}
+
+impl From<AlongArg> for Along {
+    fn from(along: AlongArg) -> Self {
+        match along {
+            AlongArg::Normal => Self::Normal,
+            AlongArg::Surface => Self::Surface,
+            AlongArg::X => Self::X,
+            AlongArg::Y => Self::Y,
+            AlongArg::Z => Self::Z,
+            AlongArg::Free => Self::Free,
+        }
+    }
 }
 
 named! {

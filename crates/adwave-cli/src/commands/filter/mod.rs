@@ -162,6 +162,7 @@ fn keeping_volume(
 fn positions(args: &FilterArgs, recipe: Option<&Recipe>) -> PositionParams {
     let in_recipe = recipe.map(|recipe| recipe.positions).unwrap_or_default();
     PositionParams {
+        along: args.along.map(Into::into).or(in_recipe.along),
         borders: args.border.map_or(in_recipe.borders, Into::into),
         volume: match args.keep_volume {
             Some(KeepVolumeArg::Offset) => Volume::Keep,

@@ -104,7 +104,7 @@ fn signal_name(field: &str) -> &str {
 }
 
 /// What was typed, so that it can be typed again.
-fn command_line(arguments: &[OsString]) -> String {
+pub(crate) fn command_line(arguments: &[OsString]) -> String {
     let safe = |c: char| c.is_alphanumeric() || "-_./:,=+@%".contains(c);
     let quoted = |word: String| {
         if !word.is_empty() && word.chars().all(safe) {

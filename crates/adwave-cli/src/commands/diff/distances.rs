@@ -1,0 +1,255 @@
+//! From two versions of a shape to their difference at each vertex.
+
+use super::DiffArgs;
+use super::args::ByArg;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::{note, number};
+use crate::progress::with_progress;
+use crate::shape_input::Input;
+use crate::signal::file_normals;
+use adwave::Decomposer;
+use adwave::operator::OperatorParams;
+use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
+use adwave::signal::outward_normals;
+use adwave_register::{
+    AlignInfo, AlignParams, ConsensusParams, Motion, Surface, align, common_lengths, consensus, described,
+    signed_distances,
+};
+use adwave_report::page::Fact;
+use serde_json::{Value, json};
+
+/// A fit whose median distance is beyond this share of the diagonal is begun anew from features.
+const POOR: f64 = 0.005;
+/// The same where fewer points have a closest point off the border.
+const LEAST_OVERLAP: f64 = 0.3;
+
+/// The difference at the vertices of the first shape, in its order; NaN where there is none.
+pub(super) struct Difference {
+    /// 3 for vectors from vertex to vertex, 1 for signed distances.
+    pub(super) n_channels: usize,
+    pub(super) values: Vec<f64>,
+    /// How the two were compared, in sentences.
+    pub(super) how: Vec<String>,
+    pub(super) facts: Vec<Fact>,
+    pub(super) json: Value,
+    /// What the second shape was moved by.
+    pub(super) motion: Option<Motion>,
+}
+
+impl Difference {
+    /// Root mean square of a signal like the difference, by area; NaN counts for nothing.
+    pub(super) fn rms_by_area(&self, signal: &[f64], areas: &[f64]) -> f64 {
+        let rows = || signal.chunks_exact(self.n_channels).zip(areas).filter(|(row, _)| row.iter().all(|v| v.is_finite()));
+        let total: f64 = rows().map(|(_, area)| area).sum();
+        let squares: f64 = rows().map(|(row, area)| area * row.iter().map(|v| v * v).sum::<f64>()).sum();
+        if total > 0.0 { (squares / total).sqrt() } else { f64::NAN }
+    }
+}
+
+/// The difference; `second` is moved to where it is compared.
+pub(super) fn difference(
+    args: &DiffArgs,
+    first: &Input,
+    second: &mut Input,
+    walk: &Decomposer,
+    global: &Global<'_>,
+) -> Result<Difference, CliError> {
+    for input in [first, &*second] {
+        if input.shape.points().is_none_or(<[_]>::is_empty) {
+            return Err(CliError::Input(format!("{}: it has no positions that could be compared", input.name)));
+        }
+    }
+    let same = first.shape.n_vertices() == second.shape.n_vertices() && first.file.faces() == second.file.faces();
+    let by_vertex = match args.by {
+        ByArg::Auto => same && (!first.file.faces().is_empty()),
+        ByArg::Vertex if first.shape.n_vertices() == second.shape.n_vertices() => true,
+        ByArg::Vertex => {
+            return Err(CliError::Input(format!(
+                "{} has {} vertices and {} has {}: they cannot be compared vertex by vertex; leave out --by",
+                first.name,
+                first.shape.n_vertices(),
+                second.name,
+                second.shape.n_vertices()
+            )));
+        }
+        ByArg::Closest => false,
+    };
+    if by_vertex { vectors(args, first, second, walk) } else { distances(args, first, second, walk, global) }
+}
+
+/// From vertex to vertex.
+fn vectors(args: &DiffArgs, first: &Input, second: &mut Input, walk: &Decomposer) -> Result<Difference, CliError> {
+    let points = first.shape.points().unwrap_or_default();
+    let areas = walk.areas();
+    let mut how = vec!["Both have the same vertices: the difference is the vector from vertex to vertex.".to_owned()];
+    let mut motion = None;
+    if args.align {
+        let fitted = Motion::fit_robust(second.shape.points().unwrap_or_default(), points, &areas);
+        let found = fitted.ok_or_else(|| CliError::Input("the points leave a rotation open: there is nothing to --align by".to_owned()))?;
+        how.push(moved_sentence(&second.name, &found));
+        move_shape(second, &found)?;
+        motion = Some(found);
+    }
+    let others = second.shape.points().unwrap_or_default();
+    let values: Vec<f64> = points.iter().zip(others).flat_map(|(p, q)| [0, 1, 2].map(|c| q[c] - p[c])).collect();
+    let mut found = Difference { n_channels: 3, values, how, facts: Vec::new(), json: Value::Null, motion };
+    let lengths: Vec<f64> = found.values.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum::<f64>().sqrt()).collect();
+    let rms = found.rms_by_area(&found.values, &areas);
+    let (vertex, greatest) = greatest(&lengths);
+    found.facts = vec![
+        fact("rms", number(rms), "root mean square of the distances, by area"),
+        fact("greatest", number(greatest), &format!("at vertex {vertex}")),
+    ];
+    found.json = json!({"rms": rms, "greatest": greatest, "vertex": vertex});
+    Ok(found)
+}
+
+/// To the closest points.
+fn distances(
+    args: &DiffArgs,
+    first: &Input,
+    second: &mut Input,
+    walk: &Decomposer,
+    global: &Global<'_>,
+) -> Result<Difference, CliError> {
+    let mut how = Vec::new();
+    let mut motion = None;
+    if args.align {
+        let (found, info) = fit(first, second, walk, global)?;
+        how.push(moved_sentence(&second.name, &found));
+        if info.overlap < LEAST_OVERLAP || info.median.is_nan() {
+            note(global, &format!("only {:.0} % of {} lie over {}", 100.0 * info.overlap, second.name, first.name));
+        }
+        move_shape(second, &found)?;
+        motion = Some(found);
+    }
+    let geometry = prepared(&second.shape, global)?;
+    let surface = surface(&geometry, &second.name)?;
+    let normals = file_normals(first);
+    let outward = outward_normals(walk.geometry(), normals.as_deref(), global.progress()).map_err(|e| CliError::classified(&e))?;
+    let limit = args.limit.map_or(f64::INFINITY, |limit| limit.in_units(walk.diagonal()));
+    let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &Surface| {
+        with_progress(global, "measuring", |progress| signed_distances(points, normals, surface, limit, progress))
+            .map_err(|_| CliError::Cancelled)
+    };
+    let there = measured(walk.geometry().points(), &outward.normals, &surface)?;
+    let own = self::surface(walk.geometry(), &first.name)?;
+    let back = measured(geometry.points(), &vec![[0.0; 3]; geometry.points().len()], &own)?;
+    how.push(format!(
+        "The difference at a vertex of {} is its distance to the closest point of {}, {}.",
+        first.name,
+        second.name,
+        if outward.info.has_outside() { "above 0 where that lies outside" } else { "without a sign, as neither side is outside" }
+    ));
+    let values = if outward.info.has_outside() { there.values } else { there.values.iter().map(|v| v.abs()).collect() };
+    let n = values.len();
+    let values = walk.geometry().vertex_map().scatter(&values, 1);
+    if values.iter().all(|v| v.is_nan()) {
+        return Err(CliError::Input(format!(
+            "no vertex of {} has a closest point on {} (off its borders, within the limit); try --align",
+            first.name, second.name
+        )));
+    }
+    let areas = walk.areas();
+    let mut found = Difference { n_channels: 1, values, how, facts: Vec::new(), json: Value::Null, motion };
+    let rms = found.rms_by_area(&found.values, &areas);
+    let mean = mean_by_area(&found.values, &areas);
+    let lengths: Vec<f64> = found.values.iter().map(|v| v.abs()).collect();
+    let (vertex, greatest_there) = greatest(&lengths);
+    let back_lengths: Vec<f64> = back.values.iter().map(|v| v.abs()).collect();
+    let (_, greatest_back) = greatest(&back_lengths);
+    found.facts = vec![
+        fact("rms", number(rms), "root mean square by area"),
+        fact("mean", number(mean), "by area"),
+        fact("greatest", number(greatest_there), &format!("at vertex {vertex}")),
+        fact("way back", number(greatest_back), &format!("the greatest distance from {} to {}", second.name, first.name)),
+    ];
+    let without = there.n_beyond_border + there.n_too_far;
+    if without > 0 {
+        let meaning = format!("{} lie beyond a border of {}, {} beyond the limit", there.n_beyond_border, second.name, there.n_too_far);
+        found.facts.push(fact("no value", format!("{without} of {n} vertices"), &meaning));
+    }
+    found.json = json!({
+        "rms": rms, "mean": mean, "greatest": greatest_there, "vertex": vertex, "greatest_back": greatest_back,
+        "beyond_border": there.n_beyond_border, "too_far": there.n_too_far, "signed": outward.info.has_outside(),
+    });
+    Ok(found)
+}
+
+fn fact(name: &str, value: String, meaning: &str) -> Fact {
+    Fact { name: name.to_owned(), value, meaning: meaning.to_owned() }
+}
+
+fn moved_sentence(name: &str, motion: &Motion) -> String {
+    format!("{name} was turned by {:.3}° and moved by ({}) to fit.", motion.degrees(), motion.translation().map(number).join(", "))
+}
+
+/// The index of the largest value that is not NaN, and the value; 0 and NaN where there is none.
+fn greatest(values: &[f64]) -> (usize, f64) {
+    let known = values.iter().copied().enumerate().filter(|(_, v)| !v.is_nan());
+    known.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).unwrap_or((0, f64::NAN))
+}
+
+fn mean_by_area(values: &[f64], areas: &[f64]) -> f64 {
+    let known = || values.iter().zip(areas).filter(|(v, _)| !v.is_nan());
+    known().map(|(v, a)| v * a).sum::<f64>() / known().map(|(_, a)| a).sum::<f64>()
+}
+
+fn prepared(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeometry, CliError> {
+    PreparedGeometry::new(shape, WeldMode::EqualPositions, global.progress()).map_err(|_| CliError::Cancelled)
+}
+
+fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError> {
+    Surface::new(geometry).ok_or_else(|| CliError::Input(format!("{name}: it has no points")))
+}
+
+/// The motion that brings the second shape to the first: from where it is, or from features where that leads nowhere.
+fn fit(first: &Input, second: &Input, walk: &Decomposer, global: &Global<'_>) -> Result<(Motion, AlignInfo), CliError> {
+    let (geometry, target) = (prepared(&second.shape, global)?, surface(walk.geometry(), &first.name)?);
+    let from = |start: Motion| {
+        with_progress(global, "fitting", |progress| {
+            align(geometry.points(), &target, start, &AlignParams::default(), progress)
+        })
+        .map_err(|_| CliError::Cancelled)
+    };
+    let straight = from(Motion::default())?;
+    let is_poor = |info: &AlignInfo| info.median.is_nan() || info.median > POOR * walk.diagonal() || info.overlap < LEAST_OVERLAP;
+    if !is_poor(&straight.1) {
+        return Ok(straight);
+    }
+    let Some(start) = by_features(first, second, walk, global)? else { return Ok(straight) };
+    let fitted = from(start)?;
+    let is_better = straight.1.median.is_nan() || fitted.1.median < straight.1.median;
+    Ok(if is_better { fitted } else { straight })
+}
+
+/// The motion that features of the second and the first shape agree on.
+fn by_features(first: &Input, second: &Input, walk: &Decomposer, global: &Global<'_>) -> Result<Option<Motion>, CliError> {
+    let params: &OperatorParams = walk.operator_params();
+    let other = crate::progress::prepare(global, &second.shape, params)?;
+    let Ok(lengths) = common_lengths(&other, walk) else { return Ok(None) };
+    let of = |input: &Input, walk: &Decomposer| {
+        with_progress(global, "finding features", |progress| {
+            described(walk, file_normals(input).as_deref(), &lengths, 1.0, progress)
+        })
+        .map_err(|e| CliError::classified(&e))
+    };
+    let (a, b) = (of(second, &other)?, of(first, walk)?);
+    let found = with_progress(global, "matching", |progress| {
+        consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &ConsensusParams::default(), progress)
+    })
+    .map_err(|_| CliError::Cancelled)?;
+    Ok(found.filter(|found| found.is_clear()).map(|found| found.motion))
+}
+
+/// Moves a shape, in its file too.
+fn move_shape(input: &mut Input, motion: &Motion) -> Result<(), CliError> {
+    let points: Vec<[f64; 3]> = input.shape.points().unwrap_or_default().iter().map(|p| motion.apply(p)).collect();
+    let moved = match &input.shape {
+        Shape::Mesh(mesh) => Mesh::new(points, mesh.faces().clone()).map(Shape::Mesh),
+        _ => PointCloud::new(points).map(Shape::Cloud),
+    };
+    input.shape = moved.map_err(CliError::input)?;
+    Ok(())
+}

@@ -1,0 +1,195 @@
+//! `adwave diff`: what differs between two versions of a shape, and at which scale.
+
+mod args;
+mod distances;
+
+use crate::args::ShapeArgs;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::{
+    bands_params, check_levels, check_writable, fwhm_json, fwhm_text, number, percent_of, print,
+    schedule_reaching, steps_json, table, write_error, write_shape,
+};
+use crate::progress::{prepare, with_progress, with_spinner};
+use crate::shape_input::{Input, load};
+use crate::signal::{Signal, Values, file_normals, mask};
+use adwave::bands::Bands;
+use adwave::saliency::SALIENCY_EXTENT;
+use adwave::{BandsRequest, Decomposer};
+use adwave_io::{Field, FieldValues, Format, atomic_write};
+use adwave_report::difference_report::{Versions, difference_report};
+use adwave_report::page::Fact;
+use adwave_report::shape_report::{BandSummary, DIFFERENCE, Subject, Viewpoint, band_summaries};
+pub(crate) use args::DiffArgs;
+use distances::{Difference, difference};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::Path;
+
+pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> {
+    let output = args.output.as_deref().map(output_kind).transpose()?;
+    if let Some(path) = &args.output {
+        check_writable(path)?;
+    }
+    let params = bands_params(&args.levels)?;
+    check_levels(&args.levels)?;
+    let (first, mut second) = with_spinner(global, "reading", || {
+        let other = ShapeArgs { shape: args.other.clone(), ..args.shape.clone() };
+        Ok::<_, CliError>((load(&args.shape)?, load(&other)?))
+    })?;
+    let walk = prepare(global, &first.shape, &args.shape.over_meshes().operator()?)?;
+    let found = difference(args, &first, &mut second, &walk, global)?;
+    let signal = Signal { n_channels: found.n_channels, values: Values::Other(found.values.clone()) };
+    let walk = mask(walk, &signal, DIFFERENCE, global)?;
+    let (schedule, why) = schedule_reaching(SALIENCY_EXTENT, &args.levels, &walk, global)?;
+    let bands = with_progress(global, "splitting", |progress| {
+        let request: BandsRequest<'_> = walk.request(&signal.values, signal.n_channels, &schedule);
+        request.params(&params).progress(progress).bands()
+    })?;
+    let compared = Compared { args, first: &first, second: &second, walk: &walk, found: &found, bands: &bands, why: &why };
+    let summaries = band_summaries(&compared.subject(""));
+    match (output, &args.output) {
+        (Some(OutputKind::Page), Some(path)) => compared.write_page(path, global)?,
+        (Some(OutputKind::Fields), Some(path)) => compared.write_fields(path, global)?,
+        _ => {}
+    }
+    print(global, &compared.text(&summaries), &compared.json(&summaries))
+}
+
+#[derive(Clone, Copy)]
+enum OutputKind {
+    Page,
+    Fields,
+}
+
+fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
+    let is_page = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
+    match Format::from_path(path) {
+        _ if is_page => Ok(OutputKind::Page),
+        Some(Format::Ply | Format::Vtp) => Ok(OutputKind::Fields),
+        _ => Err(CliError::Input(format!("{}: a difference is written as .html, .ply or .vtp", path.display()))),
+    }
+}
+
+/// All that there is to say.
+struct Compared<'a> {
+    args: &'a DiffArgs,
+    first: &'a Input,
+    second: &'a Input,
+    walk: &'a Decomposer,
+    found: &'a Difference,
+    bands: &'a Bands,
+    why: &'a str,
+}
+
+impl Compared<'_> {
+    fn subject<'s>(&'s self, command: &'s str) -> Subject<'s> {
+        Subject {
+            name: &self.first.name,
+            format: "",
+            fields: &[],
+            shape: &self.first.shape,
+            walk: self.walk,
+            signal: DIFFERENCE,
+            values: &self.found.values,
+            normals: None,
+            bands: self.bands,
+            levels_reason: self.why,
+            command,
+            seconds: &[],
+        }
+    }
+
+    fn text(&self, summaries: &[BandSummary]) -> String {
+        let mut text = format!("{} against {}\n", self.second.name, self.first.name);
+        for sentence in &self.found.how {
+            let _ = writeln!(text, "{sentence}");
+        }
+        for fact in &self.found.facts {
+            let _ = writeln!(text, "  {:<12} {}{}", fact.name, fact.value, meaning(fact));
+        }
+        let diagonal = self.walk.diagonal();
+        let _ = writeln!(text, "\n{} (rms by area, model units)\n", self.why);
+        text += &table(
+            ["level", "sigma", "FWHM", "% of diagonal", "rms of W", "largest |W|", "% of the bands"],
+            summaries.iter().map(|b| {
+                [
+                    b.level.to_string(),
+                    number(b.sigma),
+                    fwhm_text(b.sigma, diagonal),
+                    percent_of(b.sigma, diagonal),
+                    number(b.rms),
+                    number(b.max),
+                    if b.detail_share.is_finite() { format!("{:.1}", 100.0 * b.detail_share) } else { "–".to_owned() },
+                ]
+            }),
+        );
+        let _ = writeln!(text, "  what is wider still (S_J) has an rms of {}", number(self.rest()));
+        if let Some(path) = &self.args.output {
+            let _ = writeln!(text, "{}", path.display());
+        }
+        text
+    }
+
+    /// Root mean square of S_J by area.
+    fn rest(&self) -> f64 {
+        self.found.rms_by_area(self.bands.coarsest(), &self.walk.areas())
+    }
+
+    fn json(&self, summaries: &[BandSummary]) -> Value {
+        let sigma: Vec<f64> = summaries.iter().map(|b| b.sigma).collect();
+        json!({
+            "first": self.first.name,
+            "second": self.second.name,
+            "by": if self.found.n_channels == 3 { "vertex" } else { "closest" },
+            "difference": self.found.json,
+            "motion": self.found.motion.as_ref().map(|motion| json!({
+                "matrix": motion.matrix(), "degrees": motion.degrees(),
+            })),
+            "levels": summaries.iter().map(|b| json!({
+                "level": b.level, "steps": steps_json(&[b.steps])[0], "sigma": b.sigma,
+                "rms": b.rms, "max": b.max,
+                "share": if b.detail_share.is_finite() { Some(b.detail_share) } else { None },
+            })).collect::<Vec<_>>(),
+            "fwhm": fwhm_json(&sigma, self.walk.diagonal()),
+            "rest_rms": self.rest(),
+        })
+    }
+
+    /// SHAPE with the difference and its bands as fields.
+    fn write_fields(&self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
+        let mut file = self.first.file.clone();
+        file.forget_original();
+        let n_levels = self.bands.n_levels();
+        let levels = self.bands.wavelets().enumerate().map(|(j, level)| (format!("W{}", j + 1), level));
+        let rest = (format!("S{n_levels}"), self.bands.coarsest());
+        for (name, values) in std::iter::once((DIFFERENCE.to_owned(), &self.found.values[..])).chain(levels).chain([rest]) {
+            file.add_vertex_field(Field::new(name, self.found.n_channels, FieldValues::F64(values.to_vec())))?;
+        }
+        with_spinner(global, "writing", || write_shape(global, &file, path))?;
+        Ok(())
+    }
+
+    fn write_page(&self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
+        let normals = file_normals(self.first);
+        let command = crate::commands::report::command_line(global.arguments);
+        let subject = Subject { normals: normals.as_deref(), ..self.subject(&command) };
+        let versions = Versions {
+            other: &self.second.name,
+            shape: &self.second.shape,
+            facts: self.found.facts.clone(),
+            how: self.found.how.clone(),
+        };
+        let viewpoint = Viewpoint { view: Some(self.args.view), up: self.args.up };
+        let report = with_progress(global, "drawing", |progress| {
+            difference_report(&subject, &versions, viewpoint, progress)
+        })
+        .map_err(|_| CliError::Cancelled)?;
+        let html = report.page.html();
+        atomic_write(path, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)
+    }
+}
+
+fn meaning(fact: &Fact) -> String {
+    if fact.meaning.is_empty() { String::new() } else { format!("   {}", fact.meaning) }
+}

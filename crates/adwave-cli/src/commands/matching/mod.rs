@@ -1,0 +1,265 @@
+//! `adwave match`: the motion between two shapes, and their features in pairs.
+
+mod args;
+mod picture;
+
+use crate::args::ShapeArgs;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::{check_writable, format_of, number, print, table, write_error, write_shape};
+use crate::progress::{prepare, with_progress, with_spinner};
+use crate::shape_input::{Input, load};
+use crate::signal::file_normals;
+use adwave::Decomposer;
+use adwave::features::match_features;
+use adwave::shape::surface_area;
+use adwave_io::atomic_write;
+use adwave_register::{
+    AlignInfo, AlignParams, Consensus, ConsensusParams, Described, Motion, Pair, PairParams, Surface, align,
+    common_lengths, consensus, described, pairs_under,
+};
+use adwave_report::Table;
+pub(crate) use args::MatchArgs;
+use args::MotionArg;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::Path;
+
+/// How many pairs are printed.
+const MAX_PRINTED: usize = 20;
+
+/// One of the two shapes.
+struct Side {
+    input: Input,
+    walk: Decomposer,
+    described: Described,
+}
+
+/// What was found.
+struct Found {
+    /// The motion from the first to the second, and how many features agree with it; none where there is no clear one.
+    motion: Option<(Motion, Consensus, AlignInfo)>,
+    pairs: Vec<Pair>,
+    sigma: Vec<f64>,
+}
+
+pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
+    check(args)?;
+    let [first, second] = sides(args, global)?;
+    let found = find(args, &first, &second, global)?;
+    let mut text = describe(&first, &second, &found);
+    if let Some(path) = &args.output {
+        write_pairs(path, &first, &second, &found)?;
+        let _ = writeln!(text, "{}", path.display());
+    }
+    if let Some(path) = &args.moved {
+        let Some((motion, ..)) = &found.motion else {
+            return Err(CliError::Input("there is no motion that SHAPE could be moved by".to_owned()));
+        };
+        let mut file = first.input.file.clone();
+        file.set_points(file.points().iter().map(|p| motion.apply(p)).collect())?;
+        with_spinner(global, "writing", || write_shape(global, &file, path))?;
+        let _ = writeln!(text, "{}", path.display());
+    }
+    if let Some(path) = &args.picture {
+        let motion = found.motion.as_ref().map_or_else(Motion::default, |(motion, ..)| *motion);
+        with_spinner(global, "drawing", || picture::write(path, args, [&first, &second], &motion, &found.pairs, global))?;
+        let _ = writeln!(text, "{}", path.display());
+    }
+    print(global, &text, &report(&first, &second, &found))
+}
+
+/// What can be refused before anything is read.
+fn check(args: &MatchArgs) -> Result<(), CliError> {
+    let has = |path: &Path, endings: &[&str]| {
+        path.extension().is_some_and(|e| endings.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
+    };
+    if let Some(path) = args.output.as_deref().filter(|path| !has(path, &["csv", "json"])) {
+        return Err(CliError::Input(format!("{}: pairs are written as .csv or .json", path.display())));
+    }
+    if let Some(path) = args.picture.as_deref().filter(|path| !has(path, &["png"])) {
+        return Err(CliError::Input(format!("{}: a picture is written as .png", path.display())));
+    }
+    if let Some(path) = &args.moved {
+        format_of(path)?;
+    }
+    for path in [&args.output, &args.picture, &args.moved].into_iter().flatten() {
+        check_writable(path)?;
+    }
+    for (name, value) in [("--within", args.within), ("--theta", args.theta), ("--ratio", args.ratio)] {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(CliError::Input(format!("{name} is {value}; it must be a number above 0")));
+        }
+    }
+    Ok(())
+}
+
+fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
+    let shapes = [args.shape.clone(), ShapeArgs { shape: args.other.clone(), ..args.shape.clone() }];
+    let mut prepared = Vec::new();
+    for shape in &shapes {
+        let input = with_spinner(global, "reading", || load(shape))?;
+        let walk = prepare(global, &input.shape, &shape.over_meshes().operator()?)?;
+        prepared.push((input, walk));
+    }
+    let own = |k: usize| common_lengths(&prepared[k].1, &prepared[k].1).map_err(|e| CliError::classified(&e));
+    let lengths = if args.motion == MotionArg::Rigid {
+        let both = common_lengths(&prepared[0].1, &prepared[1].1).map_err(|e| CliError::classified(&e))?;
+        [both.clone(), both]
+    } else {
+        [own(0)?, own(1)?]
+    };
+    let mut sides = Vec::new();
+    for ((input, walk), lengths) in prepared.into_iter().zip(lengths) {
+        let normals = file_normals(&input);
+        let described = with_progress(global, "finding features", |progress| {
+            described(&walk, normals.as_deref(), &lengths, args.theta, progress)
+        })
+        .map_err(|e| CliError::classified(&e))?;
+        sides.push(Side { input, walk, described });
+    }
+    sides.try_into().map_err(|_| CliError::Input("two shapes are needed".to_owned()))
+}
+
+fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> Result<Found, CliError> {
+    let (a, b) = (&first.described, &second.described);
+    let sigma: Vec<f64> = a.features.iter().map(|f| f.sigma).collect();
+    if args.motion == MotionArg::None {
+        let pair = |m: adwave::features::Match| Pair {
+            first: m.first,
+            second: m.second,
+            sigmas: f64::NAN,
+            // Twice the distance between two descriptors that have nothing in common is 2·√2.
+            confidence: (1.0 - m.distance / std::f64::consts::SQRT_2).clamp(0.0, 1.0),
+        };
+        let pairs = match_features(&a.descriptors, &b.descriptors, args.ratio).into_iter().map(pair).collect();
+        return Ok(Found { motion: None, pairs, sigma });
+    }
+    let params =
+        ConsensusParams { scaled: args.motion == MotionArg::Similarity, ..ConsensusParams::default() };
+    let found = with_progress(global, "matching", |progress| {
+        consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &params, progress)
+    })
+    .map_err(|_| CliError::Cancelled)?;
+    let clear = found.filter(Consensus::is_clear);
+    let (Some(found), Some(surface)) = (clear, Surface::new(second.walk.geometry())) else {
+        return Ok(Found { motion: None, pairs: Vec::new(), sigma });
+    };
+    let points = first.walk.geometry().points();
+    let (motion, info) = with_progress(global, "fitting", |progress| {
+        align(points, &surface, found.motion, &AlignParams { scaled: params.scaled, ..AlignParams::default() }, progress)
+    })
+    .map_err(|_| CliError::Cancelled)?;
+    let area = match second.walk.geometry().triangles() {
+        [] => second.walk.areas().iter().sum(),
+        triangles => surface_area(second.walk.geometry().points(), triangles),
+    };
+    let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams { sigmas: args.within });
+    Ok(Found { motion: Some((motion, found, info)), pairs, sigma })
+}
+
+fn describe(first: &Side, second: &Side, found: &Found) -> String {
+    let mut text = String::new();
+    for side in [first, second] {
+        let (n, n_features) = (side.walk.n_vertices(), side.described.features.len());
+        let _ = writeln!(text, "{}: {n} vertices, {n_features} features", side.input.name);
+    }
+    match &found.motion {
+        Some((motion, consensus, info)) => {
+            let scale = if motion.scale() == 1.0 { String::new() } else { format!(", scale {}", number(motion.scale())) };
+            let _ = writeln!(
+                text,
+                "motion: turn by {:.2}°, move by ({}){scale}; {} features agree with it, {} at most by chance",
+                motion.degrees(),
+                motion.translation().map(number).join(", "),
+                consensus.n_agreeing,
+                consensus.n_by_chance
+            );
+            let _ = writeln!(
+                text,
+                "fit: median distance {} ({} mean edges), {:.0} % overlap",
+                number(info.median),
+                number(info.median / second.walk.mean_length()),
+                100.0 * info.overlap
+            );
+        }
+        None if found.pairs.is_empty() => {
+            text += "no motion explains the features better than chance; try --theta 0.7 for more features, --motion similarity if the units \
+                     differ, or --motion none for shapes that are bent\n";
+        }
+        None => {}
+    }
+    let _ = writeln!(text, "{} pair{}\n", found.pairs.len(), if found.pairs.len() == 1 { "" } else { "s" });
+    let mut sure: Vec<&Pair> = found.pairs.iter().collect();
+    sure.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    if !sure.is_empty() {
+        text += &table(
+            ["vertex", "other vertex", "sigma", "apart, σ", "confidence"],
+            sure.iter().take(MAX_PRINTED).map(|p| {
+                let (a, b) = (&first.described.features[p.first], &second.described.features[p.second]);
+                let apart = if p.sigmas.is_nan() { "–".to_owned() } else { format!("{:.2}", p.sigmas) };
+                [a.vertex.to_string(), b.vertex.to_string(), number(found.sigma[p.first]), apart, format!("{:.2}", p.confidence)]
+            }),
+        );
+    }
+    if sure.len() > MAX_PRINTED {
+        let _ = writeln!(text, "  … {} more; write them with -o FILE.csv", sure.len() - MAX_PRINTED);
+    }
+    text
+}
+
+/// A pair by what its two features are.
+fn pair_json(first: &Side, second: &Side, pair: &Pair) -> Value {
+    let feature = |side: &Side, k: usize| {
+        let f = &side.described.features[k];
+        json!({"vertex": f.vertex, "position": f.position, "sigma": f.sigma, "sign": f.sign()})
+    };
+    json!({
+        "first": feature(first, pair.first), "second": feature(second, pair.second),
+        "apart_sigmas": if pair.sigmas.is_nan() { None } else { Some(pair.sigmas) },
+        "confidence": pair.confidence,
+    })
+}
+
+fn report(first: &Side, second: &Side, found: &Found) -> Value {
+    let side = |side: &Side| {
+        json!({
+            "shape": side.input.name, "vertices": side.walk.n_vertices(), "features": side.described.features.len(),
+            "signed": side.described.is_signed,
+        })
+    };
+    json!({
+        "first": side(first),
+        "second": side(second),
+        "motion": found.motion.as_ref().map(|(motion, consensus, info)| json!({
+            "matrix": motion.matrix(), "degrees": motion.degrees(), "scale": motion.scale(),
+            "agreeing": consensus.n_agreeing, "by_chance": consensus.n_by_chance,
+            "median_distance": info.median, "overlap": info.overlap,
+        })),
+        "pairs": found.pairs.iter().map(|p| pair_json(first, second, p)).collect::<Vec<_>>(),
+    })
+}
+
+fn write_pairs(path: &Path, first: &Side, second: &Side, found: &Found) -> Result<(), CliError> {
+    let text = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        format!("{:#}\n", report(first, second, found))
+    } else {
+        let head = [
+            "vertex", "x", "y", "z", "sigma", "other_vertex", "other_x", "other_y", "other_z", "other_sigma", "apart_sigmas", "confidence",
+        ];
+        let mut table = Table::new("pairs.csv", "", &head);
+        for pair in &found.pairs {
+            let mut row = Vec::new();
+            for f in [&first.described.features[pair.first], &second.described.features[pair.second]] {
+                row.push(f.vertex.to_string());
+                row.extend(f.position.unwrap_or([f64::NAN; 3]).map(|c| c.to_string()));
+                row.push(f.sigma.to_string());
+            }
+            row.push(if pair.sigmas.is_nan() { String::new() } else { pair.sigmas.to_string() });
+            row.push(pair.confidence.to_string());
+            table.rows.push(row);
+        }
+        table.csv()
+    };
+    atomic_write(path, |out| Ok(out.write_all(text.as_bytes())?)).map_err(write_error)
+}

@@ -1,0 +1,100 @@
+//! Two shapes side by side, with lines between their pairs.
+
+use super::{MatchArgs, Side};
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::write_error;
+use adwave::shape::{Shape, triangulate};
+use adwave_io::atomic_write;
+use adwave_register::{Motion, Pair};
+use adwave_render::{Ball, Paint, RenderParams, Surface, render};
+use std::path::Path;
+
+/// Half the thickness of a line, as a share of the diagonal.
+const THICKNESS: f64 = 0.001;
+/// Lines that are drawn at most: the surest.
+const MAX_LINES: usize = 120;
+/// The empty space between the shapes, as a share of their width.
+const GAP: f64 = 0.15;
+
+/// Draws SHAPE after the motion to the left of OTHER, and the lines.
+pub(super) fn write(
+    path: &Path,
+    args: &MatchArgs,
+    sides: [&Side; 2],
+    motion: &Motion,
+    pairs: &[Pair],
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let [first, second] = sides;
+    let moved: Vec<[f64; 3]> =
+        first.input.shape.points().unwrap_or_default().iter().map(|p| motion.apply(p)).collect();
+    let others = second.input.shape.points().unwrap_or_default();
+    let params = RenderParams::default().with_size(1600, 900).with_view(args.view).with_up(args.up);
+    let aside = to_the_left(&moved, others, args.view.right(args.up));
+    let left: Vec<[f64; 3]> = moved.iter().map(|p| std::array::from_fn(|k| p[k] + aside[k])).collect();
+    let points = [&left[..], others].concat();
+    let mut triangles = triangles(&first.input.shape);
+    let n_left = left.len() as u32;
+    let of_mesh = [triangles.len(), self::triangles(&second.input.shape).len()];
+    triangles.extend(self::triangles(&second.input.shape).into_iter().map(|t| t.map(|v| v + n_left)));
+    // A cloud beside a mesh is drawn as discs where both are clouds only.
+    if of_mesh.contains(&0) {
+        triangles.clear();
+    }
+    let mut sure: Vec<&Pair> = pairs.iter().collect();
+    sure.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    let radius = THICKNESS * adwave::shape::diagonal(&points);
+    let line = |(k, pair): (usize, &&Pair)| {
+        let from = motion.apply(&first.described.features[pair.first].position?);
+        let to = second.described.features[pair.second].position?;
+        let from = std::array::from_fn(|c| from[c] + aside[c]);
+        Some(beads(&from, &to, radius, color((k as f64 * GOLDEN).fract())))
+    };
+    let lines: Vec<Ball> = sure.iter().take(MAX_LINES).enumerate().filter_map(line).flatten().collect();
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::CLAY };
+    let picture = render(&surface, &lines, &params, global.progress())?;
+    let png = picture.png()?;
+    atomic_write(path, |out| Ok(out.write_all(&png)?)).map_err(write_error)
+}
+
+fn triangles(shape: &Shape) -> Vec<[u32; 3]> {
+    match shape {
+        Shape::Mesh(mesh) => triangulate(mesh.points(), mesh.faces()),
+        _ => Vec::new(),
+    }
+}
+
+/// How far to move `points` so that they lie beside `others`, against the direction to the right.
+fn to_the_left(points: &[[f64; 3]], others: &[[f64; 3]], right: [f64; 3]) -> [f64; 3] {
+    let along = |p: &[f64; 3]| p.iter().zip(right).map(|(c, r)| c * r).sum::<f64>();
+    let last = points.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+    let (first, end) = others.iter().map(along).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    let by = first - last - GAP * (end - first);
+    right.map(|r| by * r)
+}
+
+/// A line as balls that touch.
+fn beads(from: &[f64; 3], to: &[f64; 3], radius: f64, color: [u8; 3]) -> Vec<Ball> {
+    let length = from.iter().zip(to).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let n = (length / radius).ceil().clamp(1.0, 4000.0) as usize;
+    let at = |k: usize| -> [f64; 3] {
+        let t = k as f64 / n as f64;
+        std::array::from_fn(|c| (1.0 - t) * from[c] + t * to[c])
+    };
+    let end = |center: &[f64; 3]| Ball { center: *center, radius: 3.0 * radius, color };
+    let between = (0..=n).map(|k| Ball { center: at(k), radius, color });
+    between.chain([end(from), end(to)]).collect()
+}
+
+/// The golden section: hues that many steps apart never come near each other.
+const GOLDEN: f64 = 0.618_034;
+
+/// A saturated colour of that hue in [0, 1).
+fn color(hue: f64) -> [u8; 3] {
+    [0.0, 2.0, 4.0].map(|shift| {
+        let k = (6.0 * hue + shift) % 6.0;
+        let level = (2.0 - (k - 3.0).abs()).clamp(0.0, 1.0);
+        (255.0 * (1.0 - 0.85 * level)) as u8
+    })
+}

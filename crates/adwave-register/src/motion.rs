@@ -1,0 +1,157 @@
+//! Rotation, scale and translation, and the ones that fit best.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// Rounds of weights that leave out what moved otherwise.
+const ROBUST_ROUNDS: usize = 10;
+/// How many medians off a pair counts for nothing.
+const TUKEY: f64 = 6.0;
+
+/// `p ↦ s·R·p + t`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    rotation: Rotation3<f64>,
+    scale: f64,
+    translation: Vector3<f64>,
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self { rotation: Rotation3::identity(), scale: 1.0, translation: Vector3::zeros() }
+    }
+}
+
+impl Motion {
+    /// By its parts: a vector whose direction is the axis and whose length is the angle in radians, and a translation.
+    pub fn new(axis_angle: [f64; 3], translation: [f64; 3]) -> Self {
+        Self {
+            rotation: Rotation3::new(Vector3::from(axis_angle)),
+            scale: 1.0,
+            translation: translation.into(),
+        }
+    }
+
+    /// The same, then larger by a factor.
+    #[must_use]
+    pub fn scaled_by(self, factor: f64) -> Self {
+        Self { scale: factor * self.scale, translation: factor * self.translation, ..self }
+    }
+
+    /// The motion that takes the points `from` to the points `to` with the least weighted sum of squares, `None` with fewer than
+    /// three pairs or where they leave a rotation open (all on one line). With `scaled` it may change the size too. O(pairs).
+    ///
+    /// Source: `umeyama1991`.
+    ///
+    /// ```
+    /// use adwave_register::Motion;
+    /// let from = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    /// let to = from.map(|[x, y, z]| [5.0 - y, x, z + 1.0]); // a quarter turn and a shift
+    /// let motion = Motion::fit(&from, &to, &[1.0; 3], false).unwrap();
+    /// assert!((motion.apply(&[1.0, 1.0, 1.0])[0] - 4.0).abs() < 1e-12);
+    /// assert!((motion.degrees() - 90.0).abs() < 1e-9);
+    /// ```
+    pub fn fit(from: &[[f64; 3]], to: &[[f64; 3]], weights: &[f64], scaled: bool) -> Option<Self> {
+        let total: f64 = weights.iter().sum();
+        if from.len() < 3 || !(total.is_finite() && total > 0.0) {
+            return None;
+        }
+        let mean = |points: &[[f64; 3]]| {
+            let sum = |sum: Vector3<f64>, (p, w): (&[f64; 3], &f64)| sum + *w * Vector3::from(*p);
+            points.iter().zip(weights).fold(Vector3::zeros(), sum) / total
+        };
+        let (from_mean, to_mean) = (mean(from), mean(to));
+        let (mut covariance, mut spread) = (Matrix3::zeros(), 0.0);
+        for ((p, q), w) in from.iter().zip(to).zip(weights) {
+            let (p, q) = (Vector3::from(*p) - from_mean, Vector3::from(*q) - to_mean);
+            covariance += *w * q * p.transpose();
+            spread += w * p.norm_squared();
+        }
+        let svd = covariance.try_svd(true, true, f64::EPSILON, 100)?;
+        let (u, v_t) = (svd.u?, svd.v_t?);
+        let values = svd.singular_values;
+        // One direction only: a turn round it is left open.
+        if values[1].is_nan() || values[1] <= 1e-12 * values[0] {
+            return None;
+        }
+        let flip = if (u * v_t).determinant() < 0.0 { -1.0 } else { 1.0 };
+        let signs = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, flip));
+        let rotation = Rotation3::from_matrix_unchecked(u * signs * v_t);
+        let scale = if scaled { (values[0] + values[1] + flip * values[2]) / spread } else { 1.0 };
+        Some(Self { rotation, scale, translation: to_mean - scale * (rotation * from_mean) })
+    }
+
+    /// As [`fit`](Self::fit) without a change of size, by weights that leave out what moved otherwise (Tukey's, from the median distance, ten
+    /// rounds), times `areas`.
+    pub fn fit_robust(from: &[[f64; 3]], to: &[[f64; 3]], areas: &[f64]) -> Option<Self> {
+        let mut motion = Self::fit(from, to, areas, false)?;
+        for _ in 0..ROBUST_ROUNDS {
+            let off = |(p, q): (&[f64; 3], &[f64; 3])| (Vector3::from(motion.apply(p)) - Vector3::from(*q)).norm();
+            let distances: Vec<f64> = from.iter().zip(to).map(off).collect();
+            let middle = distances.len() / 2;
+            let median = *distances.clone().select_nth_unstable_by(middle, f64::total_cmp).1;
+            let weight = |(d, area): (&f64, &f64)| area * (1.0 - (d / (TUKEY * median)).powi(2)).max(0.0).powi(2);
+            if median <= 0.0 {
+                break;
+            }
+            let weights: Vec<f64> = distances.iter().zip(areas).map(weight).collect();
+            let Some(next) = Self::fit(from, to, &weights, false) else { break };
+            motion = next;
+        }
+        Some(motion)
+    }
+
+    /// Where a point goes.
+    pub fn apply(&self, point: &[f64; 3]) -> [f64; 3] {
+        (self.scale * (self.rotation * Vector3::from(*point)) + self.translation).into()
+    }
+
+    /// Where a direction goes; its length stays.
+    pub fn turn(&self, direction: &[f64; 3]) -> [f64; 3] {
+        (self.rotation * Vector3::from(*direction)).into()
+    }
+
+    /// First `self`, then `after`.
+    #[must_use]
+    pub fn then(&self, after: &Self) -> Self {
+        Self {
+            rotation: after.rotation * self.rotation,
+            scale: after.scale * self.scale,
+            translation: after.scale * (after.rotation * self.translation) + after.translation,
+        }
+    }
+
+    /// The way back.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let (rotation, scale) = (self.rotation.inverse(), 1.0 / self.scale);
+        Self { rotation, scale, translation: -(scale * (rotation * self.translation)) }
+    }
+
+    /// The factor s.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// The angle of R in degrees, 0 to 180.
+    pub fn degrees(&self) -> f64 {
+        self.rotation.angle().to_degrees()
+    }
+
+    /// t, which is where the origin goes.
+    pub fn translation(&self) -> [f64; 3] {
+        self.translation.into()
+    }
+
+    /// The homogeneous matrix, row by row.
+    pub fn matrix(&self) -> [[f64; 4]; 4] {
+        let m = self.rotation.matrix();
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| match (i, j) {
+                (3, 3) => 1.0,
+                (3, _) => 0.0,
+                (i, 3) => self.translation[i],
+                (i, j) => self.scale * m[(i, j)],
+            })
+        })
+    }
+}
