@@ -10,6 +10,7 @@ use crate::commands::{
     features::FeaturesArgs,
     filter::FilterArgs,
     info::InfoArgs,
+    region::RegionArgs,
     render::RenderArgs,
     report::ReportArgs,
     reproduce::ReproduceArgs,
@@ -34,6 +35,7 @@ Examples:
   adwave filter bunny.obj -o smooth.obj --preset suppress
   adwave denoise scan.obj -o clean.obj                noise off, no knob needed
   adwave filter bunny.obj -o crisp.obj --preset enhance --region 'ball:vertex=120,radius=10%'
+  adwave region bunny.obj --region 'ball:vertex=120,radius=10%' -o mask.ply
 
 A SHAPE is a file, '-' for the standard input, or sample:NAME for a built-in shape (see 'adwave sample').
 Exit codes: 0 done, 1 the machine failed (disk, permissions), 2 bad usage or input, 130 stopped by Ctrl-C."
@@ -53,6 +55,8 @@ pub(crate) enum Command {
     Transform(TransformArgs),
     /// Change bands, everywhere or by region, and write the shape back with everything its file had
     Filter(FilterArgs),
+    /// Measure a region by itself: its weights, and how much of the shape it covers
+    Region(RegionArgs),
     /// Take noise off a shape: how much is there, and whether creases stay, is found by itself
     Denoise(DenoiseArgs),
     /// Map where a signal stands out, over all levels
