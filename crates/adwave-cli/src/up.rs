@@ -19,6 +19,8 @@ enum Why {
     Asked,
     /// Scans from the air have their heights in z.
     Las,
+    /// In the spaces of GIFTI z is towards the top of the head.
+    Gifti,
     /// Low and open, as scans of land are.
     Land,
     /// As most models have it.
@@ -26,13 +28,15 @@ enum Why {
 }
 
 impl Upward {
-    /// The axis asked for; else z for LAS, LAZ and what looks like land, else y.
+    /// The axis asked for; else z for LAS, LAZ, GIFTI and what looks like land, else y.
     pub(crate) fn of(asked: Option<Up>, input: &Input) -> Self {
         if let Some(up) = asked {
             return Self { up, why: Why::Asked };
         }
-        if matches!(input.file.format(), Some(Format::Las | Format::Laz)) {
-            return Self { up: Up::Z, why: Why::Las };
+        match input.file.format() {
+            Some(Format::Las | Format::Laz) => return Self { up: Up::Z, why: Why::Las },
+            Some(Format::Gifti) => return Self { up: Up::Z, why: Why::Gifti },
+            _ => {}
         }
         let up = Up::guess(input.shape.points().unwrap_or_default(), || is_open(&input.shape));
         Self { up, why: if up == Up::Z { Why::Land } else { Why::Usual } }
@@ -55,6 +59,7 @@ impl Upward {
         match self.why {
             Why::Asked => None,
             Why::Las => Some("guessed from the LAS file"),
+            Why::Gifti => Some("guessed from the GIFTI"),
             Why::Land => Some("guessed from a shape as low and open as land"),
             Why::Usual => Some("as most models have it"),
         }

@@ -62,9 +62,11 @@ fn land_lies_and_models_stand() {
     let row = |x: u32, y: u32| format!("{x} {y} {}\n", f64::from(x * x % 7) / 4.0);
     let land: String = (0..400).map(|k| row(k % 20, k / 20)).collect();
     fs::write(path.join("land.xyz"), &land).unwrap();
+    json(path, "sample sphere --vertices 300 -o brain.gii");
     for (shape, more, axis, why) in [
         ("land.xyz", "", "z", "as low and open as land"),
         ("land.xyz", " --up y", "y", ""),
+        ("brain.gii", "", "z", "the GIFTI"),
         ("sample:sphere --vertices 300", "", "y", "as most models"),
     ] {
         let line = format!("render {shape} --size 60x60 -o a.png{more}");
@@ -144,7 +146,7 @@ fn bad_requests_are_refused_in_one_line() {
         ("sample:sphere -o a.png --features missing.json", "missing.json"),
         ("graph.mtx -o a.png", "no positions"),
         ("missing.obj -o a.png", "missing.obj"),
-        ("sample:sphere -o a.png --zoom 0", "the zoom is 0"),
+        ("sample:sphere -o a.png --zoom 0", "the zoom is 0.0"),
         ("sample:sphere -o a.png --zoom nan", "the zoom is NaN"),
         ("sample:sphere -o a.png --zoom 1e9", "at most 277 "),
         ("sample:sphere -o a.png --focus vertex=999999", "counted from 0"),

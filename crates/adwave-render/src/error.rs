@@ -94,7 +94,7 @@ pub enum RenderError {
     },
     /// A zoom out of range.
     #[error(
-        "the zoom is {zoom}; it is above 0 and at most {most} with pictures of this size, more with smaller ones"
+        "the zoom is {zoom:?}; it is above 0 and at most {most} with pictures of this size, more with smaller ones"
     )]
     BadZoom {
         /// What was given.
@@ -104,7 +104,7 @@ pub enum RenderError {
     },
     /// A middle of the picture from where nothing of the shape is seen.
     #[error(
-        "the focus ({}, {}, {}) is far off the shape, whose middle is ({}, {}, {}); name a place on it",
+        "the focus ({:?}, {:?}, {:?}) is far off the shape, whose middle is ({:?}, {:?}, {:?}); name a place on it",
         focus[0], focus[1], focus[2], middle[0], middle[1], middle[2]
     )]
     FarFocus {

@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use crate::color_bar;
 use crate::color_range::{ColorScale, ValueRange};
 use crate::error::RenderError;
-use crate::layout::{Layout, bar, caption_height, letter_size};
+use crate::layout::{Layout, MARGIN, bar, caption_height, letter_size};
 use crate::params::{ColorBar, RenderParams, check_size};
 use crate::picture::Picture;
 use crate::render::{Subject, keep_room};
@@ -112,7 +112,10 @@ pub fn grid(
             _ => Camera::fit(&subject.framed, params, layout.stage, progress)?,
         };
         let mut picture = subject.picture(&camera, scales[k].as_ref(), params, progress)?;
-        keep_room(&mut picture, layout.room, params);
+        // Close-ups fill their panels, which would run into each other.
+        let gap = (MARGIN * width.min(height) / 2.0).ceil() as u32;
+        let [right, bottom] = layout.room;
+        keep_room(&mut picture, [gap, gap], [right.min(params.width.saturating_sub(gap)), bottom], params);
         if let (Some(scale), Some(bar)) = (&scales[k], &layout.bar) {
             color_bar::draw(&mut picture, bar, scale);
         }

@@ -56,22 +56,24 @@ pub fn render(
     let layout = Layout::new(params, scale.as_ref().zip(subject.label()), None);
     let camera = Camera::fit(&subject.framed, params, layout.stage, progress)?;
     let mut picture = subject.picture(&camera, scale.as_ref(), params, progress)?;
-    keep_room(&mut picture, layout.room, params);
+    keep_room(&mut picture, [0, 0], layout.room, params);
     if let (Some(scale), Some(bar)) = (&scale, &layout.bar) {
         color_bar::draw(&mut picture, bar, scale);
     }
     Ok(picture)
 }
 
-/// Empties what belongs to bar and caption: a part of a shape goes on beyond the borders of the picture.
-pub(crate) fn keep_room(picture: &mut Picture, room: [u32; 2], params: &RenderParams) {
+/// Empties what is not from `low` (inside) to `high` (outside) and so belongs to bar and caption: a part of a shape goes on beyond
+/// the borders of the picture.
+pub(crate) fn keep_room(picture: &mut Picture, low: [u32; 2], high: [u32; 2], params: &RenderParams) {
     if params.framing == Framing::default() {
         return;
     }
     let empty = params.background.pixel();
     let width = picture.width as usize;
     for (k, pixel) in picture.rgba.chunks_exact_mut(4).enumerate() {
-        if k % width >= room[0] as usize || k / width >= room[1] as usize {
+        let inside = |c: usize, at: usize| (low[c] as usize..high[c] as usize).contains(&at);
+        if !(inside(0, k % width) && inside(1, k / width)) {
             pixel.copy_from_slice(&empty);
         }
     }

@@ -71,7 +71,7 @@ pub(crate) struct RenderArgs {
         help_heading = "Picture"
     )]
     pub(crate) view: View,
-    /// Which axis of the shape points up: x, y or z [default: z of LAS, LAZ and what is as low and open as land, else y]
+    /// Which axis of the shape points up: x, y or z [default: z of LAS, LAZ, GIFTI and what is as low and open as land, else y]
     #[arg(long, value_name = "AXIS", help_heading = "Picture")]
     pub(crate) up: Option<Up>,
     #[command(flatten)]
