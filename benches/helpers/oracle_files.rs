@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use adwave::shape::Polygons;
 use adwave_io::{
     ArrayValues, Compression, Edges, Field, FieldValues, MatrixValues, ShapeFile, SparseRows, WriteError,
-    write_matrix_market, write_npy, write_npz, write_path, write_sparse_npz,
+    write_gifti_fields, write_matrix_market, write_npy, write_npz, write_path, write_sparse_npz,
 };
 
 fn main() -> Result<(), WriteError> {
@@ -30,6 +30,15 @@ fn main() -> Result<(), WriteError> {
     let mut wire = ShapeFile::from_graph(5, Edges { pairs: vec![[0, 1], [1, 4]], ..Edges::default() });
     wire.set_points(points).expect("one row each");
     write_path(&wire, &folder.join("wire.vtp"), None)?;
+    mesh.add_vertex_field(Field::new(
+        "a<b> & \"c\"",
+        1,
+        FieldValues::F64(vec![0.5, f64::NAN, -2.0, 1e-3, 7.0]),
+    ))
+    .expect("one row each");
+    write_path(&mesh, &folder.join("mesh.gii"), None)?;
+    write_path(&mesh, &folder.join("mesh.gii.gz"), None)?;
+    write_gifti_fields(&folder.join("fields.func.gii"), mesh.vertex_fields(), Some("CortexLeft"))?;
     // More than one block of the compression.
     let n = 300_000;
     let mut large = ShapeFile::from_cloud((0..n).map(|i| [f64::from(i), 0.0, 0.0]).collect());

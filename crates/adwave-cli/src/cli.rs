@@ -12,6 +12,7 @@ use crate::commands::{
     filter::FilterArgs,
     info::InfoArgs,
     matching::MatchArgs,
+    region::RegionArgs,
     render::RenderArgs,
     report::ReportArgs,
     reproduce::ReproduceArgs,
@@ -36,6 +37,7 @@ Examples:
   adwave filter bunny.obj -o smooth.obj --preset suppress
   adwave denoise scan.obj -o clean.obj                noise off, no knob needed
   adwave filter bunny.obj -o crisp.obj --preset enhance --region 'ball:vertex=120,radius=10%'
+  adwave region bunny.obj --region 'ball:vertex=120,radius=10%' -o mask.ply
 
 A SHAPE is a file, '-' for the standard input, or sample:NAME for a built-in shape (see 'adwave sample').
 Exit codes: 0 done, 1 the machine failed (disk, permissions), 2 bad usage or input, 130 stopped by Ctrl-C."
@@ -55,6 +57,8 @@ pub(crate) enum Command {
     Transform(TransformArgs),
     /// Change bands, everywhere or by region, and write the shape back with everything its file had
     Filter(FilterArgs),
+    /// Measure a region by itself: its weights, and how much of the shape it covers
+    Region(RegionArgs),
     /// Take noise off a shape: how much is there, and whether creases stay, is found by itself
     Denoise(DenoiseArgs),
     /// Map where a signal stands out, over all levels

@@ -9,13 +9,16 @@ mod args;
 mod cli;
 mod commands;
 mod error;
+mod field_file;
 mod global;
 mod movement;
 mod output;
 mod progress;
+mod region;
 mod shape_input;
 mod signal;
 mod stopwatch;
+mod up;
 
 use clap::Parser;
 use cli::{Cli, Command};
@@ -84,6 +87,7 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Compare(args) => commands::compare::run(args, global),
         Command::Basis(args) => commands::basis::run(args, global),
         Command::Render(args) => commands::render::run(args, global),
+        Command::Region(args) => commands::region::run(args, global),
         Command::Report(args) => commands::report::run(args, global),
         Command::Sample(args) => commands::sample::run(args, global),
         Command::Demo(args) => commands::demo::run(args, global),

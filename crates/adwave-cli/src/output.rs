@@ -35,6 +35,22 @@ pub(crate) fn percent_of(length: f64, diagonal: f64) -> String {
     if diagonal > 0.0 { number(100.0 * length / diagonal) } else { "–".to_owned() }
 }
 
+/// The corners of a box in the digits that its size asks for: four of the `diagonal` of the whole.
+pub(crate) fn bounds_text((low, high): ([f64; 3], [f64; 3]), diagonal: f64) -> String {
+    let decimals = if diagonal > 0.0 { 3.0 - diagonal.log10().floor() } else { 3.0 };
+    let coordinate = |c: f64| {
+        let is_plain = c.abs() < 1e9 && decimals <= 9.0;
+        if is_plain { format!("{c:.*}", decimals.max(0.0) as usize) } else { number(c) }
+    };
+    let corner = |p: [f64; 3]| p.map(coordinate).join(" ");
+    format!("{} to {}", corner(low), corner(high))
+}
+
+/// The same for machines.
+pub(crate) fn bounds_json(bounds: Option<([f64; 3], [f64; 3])>) -> Value {
+    json!(bounds.map(|(min, max)| json!({"min": min, "max": max})))
+}
+
 /// Says something that is not the result, to people only.
 pub(crate) fn note(global: &Global<'_>, text: &str) {
     if !global.quiet {

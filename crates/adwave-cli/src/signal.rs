@@ -52,18 +52,11 @@ impl From<Field> for Signal {
     }
 }
 
-/// As [`load_with_texture`], the texture being that of the shape's materials.
-pub(crate) fn load(input: &Input, name: &str) -> Result<Signal, CliError> {
-    load_with_texture(input, name, None)
-}
-
 /// The coordinates, a field of the file by its name, a signal that the shape gives by itself, the texture's colours, or the
 /// content of another file.
-pub(crate) fn load_with_texture(
-    input: &Input,
-    name: &str,
-    texture: Option<&Path>,
-) -> Result<Signal, CliError> {
+///
+/// `texture` is the picture of the texture, in the place of the one that the shape's materials name.
+pub(crate) fn load(input: &Input, name: &str, texture: Option<&Path>) -> Result<Signal, CliError> {
     if texture.is_some() && !name.starts_with("texture") {
         return Err(CliError::Input(format!(
             "--texture goes with --field texture, texture-luminance or texture-lightness, not with {name}"

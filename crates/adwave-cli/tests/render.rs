@@ -2,12 +2,14 @@
 
 mod common;
 
-use common::{adwave, json, refused};
+use common::{adwave, json, refused, words};
+use serde_json::Value;
+use std::fs;
 use std::path::Path;
 
 /// Width, height and channels as the file itself has them.
 fn header(path: &Path) -> (u32, u32, u8) {
-    let bytes = std::fs::read(path).unwrap();
+    let bytes = fs::read(path).unwrap();
     assert_eq!(&bytes[1..4], b"PNG");
     let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
     (number(16), number(20), bytes[25])
@@ -37,13 +39,68 @@ fn pictures_have_the_size_and_ground_that_was_asked_for() {
 }
 
 #[test]
+fn a_place_can_be_looked_at_from_near() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let sphere = "render sample:sphere --vertices 500 --size 90x90 -o a.png";
+    let whole = json(path, sphere);
+    assert_eq!(
+        (&whole["zoom"], &whole["focus"], &whole["projection"]),
+        (&1.0.into(), &Value::Null, &"perspective".into())
+    );
+    let near = json(path, &format!("{sphere} --focus 0,-1,0.5"));
+    assert_eq!((&near["zoom"], &near["focus"]), (&4.0.into(), &serde_json::json!([0.0, -1.0, 0.5])));
+    let nearer = json(path, &format!("{sphere} --focus vertex=7 --zoom 2.5 --orthographic"));
+    assert_eq!((&nearer["zoom"], &nearer["projection"]), (&2.5.into(), &"orthographic".into()));
+    assert_eq!(nearer["focus"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn land_lies_and_models_stand() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let row = |x: u32, y: u32| format!("{x} {y} {}\n", f64::from(x * x % 7) / 4.0);
+    let land: String = (0..400).map(|k| row(k % 20, k / 20)).collect();
+    fs::write(path.join("land.xyz"), &land).unwrap();
+    json(path, "sample sphere --vertices 300 -o brain.gii");
+    for (shape, more, axis, why) in [
+        ("land.xyz", "", "z", "as low and open as land"),
+        ("land.xyz", " --up y", "y", ""),
+        ("brain.gii", "", "z", "the GIFTI"),
+        ("sample:sphere --vertices 300", "", "y", "as most models"),
+    ] {
+        let line = format!("render {shape} --size 60x60 -o a.png{more}");
+        let made = json(path, &line);
+        assert_eq!(made["up"]["axis"], axis, "{line}");
+        assert!(made["up"]["guessed"].as_str().unwrap_or_default().contains(why), "{line}: {}", made["up"]);
+        let text = adwave(path).args(words(&line)).assert().success().get_output().stdout.clone();
+        assert_eq!(String::from_utf8(text).unwrap().contains("--up x, y or z sets it"), more.is_empty());
+    }
+}
+
+#[test]
+fn a_region_is_shown_as_a_field_of_weights() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let line = "render sample:sphere --vertices 500 --size 200x150 -o a.png --region 'ball:vertex=0,radius=20%' --region \
+                'vertices:indices=99'";
+    assert_eq!(json(path, line)["shapes"][0]["colors"][0], "weight");
+    json(
+        path,
+        "region sample:sphere --vertices 500 -o m.ply --region 'ball:vertex=0,radius=20%|vertices:indices=99'",
+    );
+    json(path, "render m.ply --size 200x150 -o b.png --color weight --range 0,1");
+    assert_eq!(fs::read(path.join("a.png")).unwrap(), fs::read(path.join("b.png")).unwrap());
+}
+
+#[test]
 fn the_same_command_makes_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     for (name, threads) in [("a.png", "1"), ("b.png", "2")] {
         let arguments = ["render", "sample:knot", "-o", name, "--size", "160x120", "--threads", threads];
         adwave(folder.path()).args(arguments).assert().success();
     }
-    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
     assert_eq!(read("a.png"), read("b.png"));
 }
 
@@ -72,8 +129,8 @@ fn features_are_shown_from_the_files_that_features_writes() {
 fn bad_requests_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    std::fs::write(path.join("other.csv"), "a,b\n1,2\n").unwrap();
-    std::fs::write(
+    fs::write(path.join("other.csv"), "a,b\n1,2\n").unwrap();
+    fs::write(
         path.join("graph.mtx"),
         "%%MatrixMarket matrix coordinate real symmetric\n3 3 2\n2 1 1\n3 2 1\n",
     )
@@ -89,6 +146,13 @@ fn bad_requests_are_refused_in_one_line() {
         ("sample:sphere -o a.png --features missing.json", "missing.json"),
         ("graph.mtx -o a.png", "no positions"),
         ("missing.obj -o a.png", "missing.obj"),
+        ("sample:sphere -o a.png --zoom 0", "the zoom is 0.0"),
+        ("sample:sphere -o a.png --zoom nan", "the zoom is NaN"),
+        ("sample:sphere -o a.png --zoom 1e9", "at most 277 "),
+        ("sample:sphere -o a.png --focus vertex=999999", "counted from 0"),
+        ("sample:sphere -o a.png --focus 1e9,0,0", "far off the shape"),
+        ("sample:sphere -o a.png --region 'ball:vertex=999999,radius=1'", "vertex 999999"),
+        ("sample:sphere -o a.png --region 'field:name=heat'", "heat"),
     ] {
         let error = refused(path, &format!("render {arguments}"));
         assert!(error.contains(words), "{arguments}: {error}");
@@ -106,6 +170,8 @@ fn flags_that_cannot_be_parsed_say_what_they_want() {
         ("--view", "10,100", "-90 to 90"),
         ("--range", "3,1", "LOW,HIGH"),
         ("--up", "w", "x, y or z"),
+        ("--focus", "1,2", "vertex=N"),
+        ("--region", "bal:radius=1", "no region 'bal'"),
     ] {
         let run = adwave(folder.path())
             .args(["render", "sample:sphere", "-o", "a.png", flag, value])

@@ -1,11 +1,12 @@
-"""Reads what `cargo run -p adwave-bench-helpers --bin oracle_files -- FOLDER` has written with NumPy, SciPy and PyVista.
+"""Reads what `cargo run -p adwave-bench-helpers --bin oracle_files -- FOLDER` has written with NumPy, SciPy, PyVista and NiBabel.
 
-Needs: pip install numpy scipy pyvista. Run: python check.py FOLDER
+Needs: pip install numpy scipy pyvista nibabel. Run: python check.py FOLDER
 """
 
 import sys
 from pathlib import Path
 
+import nibabel
 import numpy as np
 import pyvista as pv
 import scipy.io
@@ -39,6 +40,28 @@ for name in ["mesh.ply", "ascii.ply", "mesh.obj", "mesh.stl"]:
     assert other.n_points == 5, name
     assert np.allclose(other.bounds, mesh.bounds, rtol=1e-6), name
 assert pv.read(folder / "mesh.ply").faces.tolist() == mesh.faces.tolist()
+
+for name in ["mesh.gii", "mesh.gii.gz"]:
+    surface = nibabel.load(folder / name)
+    (pointset,) = surface.get_arrays_from_intent("NIFTI_INTENT_POINTSET")
+    (triangles,) = surface.get_arrays_from_intent("NIFTI_INTENT_TRIANGLE")
+    assert pointset.data.dtype == np.float32 and np.array_equal(pointset.data, points.astype(np.float32))
+    assert pointset.coordsys.xform.tolist() == np.eye(4).tolist()
+    # The polygon of four corners is two triangles.
+    assert triangles.data.dtype == np.int32 and triangles.data.shape == (3, 3)
+    arrays = {array.metadata["Name"]: array for array in surface.darrays[2:]}
+    assert list(arrays) == ["quality", "flow", "color", "label", 'a<b> & "c"']
+    assert np.array_equal(arrays["flow"].data, np.arange(15.0, dtype=np.float32).reshape(5, 3))
+    assert arrays["color"].data.dtype == np.uint8 and arrays["color"].intent == nibabel.nifti1.intent_codes["NIFTI_INTENT_RGB_VECTOR"]
+    assert arrays["label"].data.dtype == np.int32 and arrays["label"].data.tolist() == [-1, 0, 1, 2, 3]
+    assert np.isnan(arrays['a<b> & "c"'].data[1]) and arrays['a<b> & "c"'].data[2] == -2
+
+fields = nibabel.load(folder / "fields.func.gii")
+assert fields.meta["AnatomicalStructurePrimary"] == "CortexLeft"
+names = ["quality", "flow_x", "flow_y", "flow_z", "red", "green", "blue", "label", 'a<b> & "c"']
+assert [array.metadata["Name"] for array in fields.darrays] == names
+assert all(array.data.shape == (5,) for array in fields.darrays)
+assert np.array_equal(np.stack(fields.agg_data()[1:4], axis=1), np.arange(15.0).reshape(5, 3))
 
 assert np.array_equal(np.load(folder / "a.npy"), np.arange(6.0).reshape(2, 3))
 for name in ["stored.npz", "deflated.npz"]:

@@ -34,7 +34,7 @@ pub enum Format {
     Laz,
     /// MatrixMarket coordinate matrix, read as a weighted graph.
     Mtx,
-    /// GIFTI surface, read only.
+    /// GIFTI surface.
     Gifti,
     /// VTK XML PolyData, written only.
     Vtp,
@@ -96,7 +96,7 @@ impl Format {
 
     /// Whether it can be written.
     pub fn can_write(self) -> bool {
-        !matches!(self, Self::Las | Self::Laz | Self::Gifti)
+        !matches!(self, Self::Las | Self::Laz)
     }
 
     /// The binary or text form that stands for both: `ply` for `ply-ascii`.
@@ -116,7 +116,7 @@ impl Format {
 
     /// Endings of all that can be written, for messages.
     pub(crate) fn writable_names() -> String {
-        ".obj, .ply, .off, .stl, .xyz, .pts, .csv, .pcd, .mtx, .vtp (each also with .gz)".into()
+        ".obj, .ply, .off, .stl, .xyz, .pts, .csv, .pcd, .mtx, .gii, .vtp (each also with .gz)".into()
     }
 }
 

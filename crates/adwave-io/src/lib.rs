@@ -15,6 +15,7 @@
 //! | PCD text, binary, compressed | yes | text, binary | text; view point and image size |
 //! | LAS, LAZ | yes | no | – |
 //! | MatrixMarket (as a graph) | coordinates | yes | – |
+//! | GIFTI | yes | yes, in 32-bit floats | metadata, encodings, all other text |
 //! | VTP | no | yes | – |
 //! | NPY, NPZ (as arrays) | NPY | yes | – |
 //!
@@ -74,11 +75,12 @@ mod write;
 
 pub use atomic::{atomic_write, atomic_write_with, remove_temporaries};
 pub use csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
-pub use csv::write::{csv_number, push_csv_row};
+pub use csv::write::{csv_number, push_csv_row, write_csv_fields};
 pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;
 pub use gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
+pub use gifti::write::{write_gifti_fields, write_gifti_fields_with};
 pub use limits::ReadLimits;
 pub use mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};
 pub use npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};

@@ -16,6 +16,8 @@ pub(crate) enum Original {
     Ply(PlyOriginal),
     /// The header line or 80 bytes of an STL.
     StlHeader(Vec<u8>),
+    /// A GIFTI.
+    Gifti(crate::gifti::update::GiftiOriginal),
     /// The `VIEWPOINT` line and the width and height of a PCD.
     Pcd(crate::pcd::read::PcdOriginal),
 }

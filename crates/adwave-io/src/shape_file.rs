@@ -65,6 +65,8 @@ pub struct ShapeFile {
     pub(crate) face_fields: Vec<Field>,
     pub(crate) format: Option<Format>,
     pub(crate) precision: Precision,
+    /// The part of the anatomy, where the file names it.
+    pub(crate) structure: Option<String>,
     /// What only the original bytes hold, named for the report of what another format leaves out.
     pub(crate) extras: Vec<String>,
     pub(crate) original: Option<Arc<Original>>,
@@ -108,6 +110,7 @@ impl ShapeFile {
             face_fields: Vec::new(),
             format: None,
             precision: Precision::F64,
+            structure: None,
             extras: Vec::new(),
             original: None,
             n_original_fields: 0,
@@ -193,6 +196,11 @@ impl ShapeFile {
             self.original = None;
         }
         self.precision = precision;
+    }
+
+    /// The part of the anatomy that a GIFTI names (`AnatomicalStructurePrimary`), such as `CortexLeft`.
+    pub fn structure(&self) -> Option<&str> {
+        self.structure.as_deref()
     }
 
     /// What the file has besides points, faces and fields; only a file of the same format keeps it.

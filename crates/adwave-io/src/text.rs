@@ -84,6 +84,22 @@ pub(crate) fn parse_u64(word: &[u8]) -> Option<u64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
+/// A text as XML has it between tags and in attributes; control characters, which XML does not have, become `_`.
+pub(crate) fn escape_xml(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('_'),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
 /// Writes the shortest decimal that reads back to the same value.
 pub(crate) fn push_f64(out: &mut Vec<u8>, x: f64) {
     push_shortest(out, ryu::Buffer::new().format(x));

@@ -134,7 +134,8 @@ pub fn write_bytes_with(
         }
         Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
         Format::Vtp => crate::vtp::write::write_vtp(shape, &mut report, out, progress)?,
-        Format::Las | Format::Laz | Format::Gifti => return Err(WriteError::NotWritable { format }),
+        Format::Gifti => crate::gifti::write::write_gifti(shape, &mut report, out, progress)?,
+        Format::Las | Format::Laz => return Err(WriteError::NotWritable { format }),
     }
     Ok(report)
 }
@@ -178,6 +179,7 @@ fn update(
             rows.write_all(shape, &RowEdit::default(), out, progress)?;
             Ok(Some(WriteReport::default()))
         }
+        Original::Gifti(gifti) => crate::gifti::update::update_gifti(shape, gifti, out, progress),
         Original::Ply(ply) => crate::ply::update::update_ply(shape, ply, out, progress).map(Some),
         _ => Ok(None),
     }

@@ -1,8 +1,9 @@
 //! From the model to the picture.
 
-use crate::params::{Projection, RenderParams};
+use crate::error::RenderError;
+use crate::params::{FARTHEST_FOCUS, Framing, Projection, RenderParams};
+use adwave::Progress;
 use adwave::vector::{Vector, dot, subtract};
-use adwave::{Cancelled, Progress};
 
 /// A part of the picture, pixels.
 #[derive(Clone, Copy, Debug)]
@@ -48,13 +49,14 @@ const MIN_DISTANCE: f64 = 0.5;
 const BALLS_AT_A_TIME: usize = 1 << 14;
 
 impl Camera {
-    /// The camera from `params.view` that shows all the balls (centre and radius) as large as fits into `rect`. O(n).
+    /// The camera from `params.view` that shows all the balls (centre and radius) as large as fits into `rect`, or the part of
+    /// that picture that `params.framing` asks for. O(n).
     pub(crate) fn fit(
         balls: &[(Vector, f64)],
         params: &RenderParams,
         rect: Rect,
         progress: Progress<'_>,
-    ) -> Result<Self, Cancelled> {
+    ) -> Result<Self, RenderError> {
         let axes = params.view.axes(params.up);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (p, r) in balls {
@@ -130,7 +132,25 @@ impl Camera {
         camera.distance = distance;
         camera.focal = focal;
         camera.depths = [farthest - 1e-3, nearest];
+        camera.frame(&params.framing, rect)?;
         Ok(camera)
+    }
+
+    /// Looks at a part of the picture: as through a longer lens from the same distance, so that nothing gets behind the eye.
+    fn frame(&mut self, framing: &Framing, rect: Rect) -> Result<(), RenderError> {
+        let middle = [rect.left + rect.width / 2.0, rect.top + rect.height / 2.0];
+        if let Some(focus) = framing.focus {
+            let seen = self.seen(&focus);
+            if !seen.iter().all(|c| c.abs() <= FARTHEST_FOCUS) {
+                return Err(RenderError::FarFocus { focus, middle: self.origin });
+            }
+            // The eye moves across, and what it looks at straight ahead is in the middle at any depth.
+            self.eye = [seen[0], seen[1]];
+            self.center = middle;
+        }
+        self.center = [0, 1].map(|c| middle[c] + framing.zoom * (self.center[c] - middle[c]));
+        self.focal *= framing.zoom;
+        Ok(())
     }
 
     /// In the viewer's axes, from the origin, in units.
@@ -193,5 +213,78 @@ impl Camera {
     /// Pixels to the diagonal of what is framed, at its middle.
     pub(crate) fn pixels_per_unit(&self) -> f64 {
         self.scale(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::View;
+
+    /// The part of the picture for the shape in these tests, pixels; its middle is (200, 150).
+    const RECT: Rect = Rect { left: 0.0, top: 0.0, width: 400.0, height: 300.0 };
+
+    /// Pixels may differ by rounding only.
+    const ROUNDING: f64 = 1e-9;
+
+    fn cube() -> Vec<(Vector, f64)> {
+        (0..8).map(|k| ([k & 1, k >> 1 & 1, k >> 2].map(f64::from), 0.0)).collect()
+    }
+
+    fn camera(projection: Projection, framing: Framing) -> Result<Camera, RenderError> {
+        let params = RenderParams::default()
+            .with_view(View { azimuth: 30.0, elevation: 20.0 })
+            .with_projection(projection)
+            .with_framing(framing);
+        Camera::fit(&cube(), &params, RECT, Progress::none())
+    }
+
+    const BOTH: [Projection; 2] = [Projection::Orthographic, Projection::Perspective { field_of_view: 20.0 }];
+
+    #[test]
+    fn zoom_enlarges_the_picture_about_its_middle() {
+        for projection in BOTH {
+            let whole = camera(projection, Framing::default()).unwrap();
+            let part = camera(projection, Framing { zoom: 3.0, focus: None }).unwrap();
+            for (p, _) in cube() {
+                let (a, b) = (whole.project(&p), part.project(&p));
+                assert!((b.x - 200.0 - 3.0 * (a.x - 200.0)).abs() < ROUNDING, "{projection:?}");
+                assert!((b.y - 150.0 - 3.0 * (a.y - 150.0)).abs() < ROUNDING, "{projection:?}");
+                assert_eq!(a.near, b.near, "nothing comes nearer");
+                assert!((part.radius(&p, 0.1).0 - 3.0 * whole.radius(&p, 0.1).0).abs() < ROUNDING);
+            }
+        }
+    }
+
+    #[test]
+    fn the_focus_is_in_the_middle_of_the_picture() {
+        for projection in BOTH {
+            for focus in [[0.0; 3], [1.0, 1.0, 0.0], [0.2, 0.9, 1.5]] {
+                let camera = camera(projection, Framing { zoom: 5.0, focus: Some(focus) }).unwrap();
+                let seen = camera.project(&focus);
+                assert!((seen.x - 200.0).abs() < ROUNDING && (seen.y - 150.0).abs() < ROUNDING);
+            }
+        }
+    }
+
+    #[test]
+    fn parallel_rays_show_equal_lengths_equally_wherever_they_are() {
+        let framing = Framing { zoom: 2.0, focus: Some([1.0; 3]) };
+        let radii = |projection| {
+            let camera = camera(projection, framing).unwrap();
+            [[0.0; 3], [1.0; 3]].map(|p| camera.radius(&p, 0.1).0)
+        };
+        let [far, near] = radii(Projection::Orthographic);
+        assert!((far - near).abs() < ROUNDING);
+        let [far, near] = radii(BOTH[1]);
+        assert!(near > 1.05 * far, "{near} {far}");
+    }
+
+    #[test]
+    fn a_focus_far_off_the_shape_is_refused() {
+        for focus in [[1e3, 0.0, 0.0], [0.0, -1e300, 0.0], [0.0, 0.0, f64::NAN]] {
+            let error = camera(BOTH[1], Framing { zoom: 4.0, focus: Some(focus) }).unwrap_err();
+            assert!(error.to_string().contains("whose middle is (0.5, 0.5, 0.5)"), "{error}");
+        }
     }
 }

@@ -92,6 +92,27 @@ pub enum RenderError {
         /// What may be given.
         range: &'static str,
     },
+    /// A zoom out of range.
+    #[error(
+        "the zoom is {zoom:?}; it is above 0 and at most {most} with pictures of this size, more with smaller ones"
+    )]
+    BadZoom {
+        /// What was given.
+        zoom: f64,
+        /// The largest.
+        most: f64,
+    },
+    /// A middle of the picture from where nothing of the shape is seen.
+    #[error(
+        "the focus ({:?}, {:?}, {:?}) is far off the shape, whose middle is ({:?}, {:?}, {:?}); name a place on it",
+        focus[0], focus[1], focus[2], middle[0], middle[1], middle[2]
+    )]
+    FarFocus {
+        /// What was given.
+        focus: [f64; 3],
+        /// The middle of the shape's bounding box.
+        middle: [f64; 3],
+    },
     /// A sheet without panels.
     #[error("a sheet needs at least one panel and one column")]
     NoPanels,
@@ -135,6 +156,8 @@ impl ClassifiedError for RenderError {
             | Self::BadRange { .. }
             | Self::BadBall { .. }
             | Self::BadParam { .. }
+            | Self::BadZoom { .. }
+            | Self::FarFocus { .. }
             | Self::NoPanels
             | Self::BadPart { .. } => ErrorKind::Input,
             Self::Encoding { .. } => ErrorKind::Machine,

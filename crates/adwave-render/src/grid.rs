@@ -4,10 +4,10 @@ use crate::camera::Camera;
 use crate::color_bar;
 use crate::color_range::{ColorScale, ValueRange};
 use crate::error::RenderError;
-use crate::layout::{Layout, bar, caption_height, letter_size};
-use crate::params::{Background, ColorBar, RenderParams, check_size};
+use crate::layout::{Layout, MARGIN, bar, caption_height, letter_size};
+use crate::params::{ColorBar, RenderParams, check_size};
 use crate::picture::Picture;
-use crate::render::Subject;
+use crate::render::{Subject, keep_room};
 use crate::surface::{Ball, FieldPaint, Paint, Surface, check_balls};
 use crate::text;
 use adwave::Progress;
@@ -88,11 +88,7 @@ pub fn grid(
     let (sheet_width, sheet_rows) =
         (sum(columns, params.width, bar_width as u32), sum(rows, params.height, 0));
     check_size(sheet_width, sheet_rows)?;
-    let empty = match params.background {
-        Background::Transparent => [0; 4],
-        Background::Color([r, g, b]) => [r, g, b, 255],
-    };
-    let mut sheet = Picture::filled(sheet_width, sheet_rows, empty)?;
+    let mut sheet = Picture::filled(sheet_width, sheet_rows, params.background.pixel())?;
     let own = if common.is_some() { params.clone().with_color_bar(ColorBar::Hidden) } else { params.clone() };
     let subjects: Vec<Subject> =
         panels.iter().map(|p| Subject::new(&p.surface, &p.balls, progress)).collect::<Result<_, _>>()?;
@@ -116,6 +112,10 @@ pub fn grid(
             _ => Camera::fit(&subject.framed, params, layout.stage, progress)?,
         };
         let mut picture = subject.picture(&camera, scales[k].as_ref(), params, progress)?;
+        // Close-ups fill their panels, which would run into each other.
+        let gap = (MARGIN * width.min(height) / 2.0).ceil() as u32;
+        let [right, bottom] = layout.room;
+        keep_room(&mut picture, [gap, gap], [right.min(params.width.saturating_sub(gap)), bottom], params);
         if let (Some(scale), Some(bar)) = (&scales[k], &layout.bar) {
             color_bar::draw(&mut picture, bar, scale);
         }

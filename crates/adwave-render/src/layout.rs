@@ -28,6 +28,8 @@ const MIN_LETTERS: f64 = 7.0;
 pub(crate) struct Layout {
     /// Where the shape is.
     pub(crate) stage: Rect,
+    /// Width and height of what bar and caption leave to the shape, pixels from the left and the top.
+    pub(crate) room: [u32; 2],
     /// Where the bar of colours is.
     pub(crate) bar: Option<Bar>,
     /// Where the caption is: its line and its place and size.
@@ -62,12 +64,14 @@ impl Layout {
         let inside = |whole: f64| (whole - 2.0 * margin).max(0.5);
         let stage =
             Rect { left: margin, top: margin, width: inside(width - taken), height: inside(height - line) };
+        let beside = |taken: f64| if taken > 0.0 { taken + margin } else { 0.0 };
+        let room = [width - beside(taken), height - line].map(|side| side.max(0.0) as u32);
         let caption = caption.filter(|_| roomy).map(|text| {
             let text = text::shortened(text, size as f32, (width - size) as f32);
             let left = (width - f64::from(text::width(&text, size as f32))) / 2.0;
             (text, size as f32, left as f32, (height - 1.1 * size) as f32)
         });
-        Self { stage, bar, caption }
+        Self { stage, room, bar, caption }
     }
 }
 

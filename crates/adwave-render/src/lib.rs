@@ -27,6 +27,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod text;
+mod up;
 mod vector;
 mod view;
 
@@ -34,7 +35,7 @@ pub use color_map::{ColorMap, value_range};
 pub use color_range::ValueRange;
 pub use error::RenderError;
 pub use grid::{Panel, SharedCamera, grid};
-pub use params::{Background, ColorBar, MAX_PIXELS, MAX_SIDE, Projection, RenderParams};
+pub use params::{Background, ColorBar, Framing, MAX_PIXELS, MAX_SIDE, Projection, RenderParams};
 pub use picture::Picture;
 pub use render::render;
 pub use surface::{Ball, FieldPaint, Paint, Surface};

@@ -18,6 +18,16 @@ pub enum Background {
     Color([u8; 3]),
 }
 
+impl Background {
+    /// Red, green, blue and alpha where nothing is.
+    pub(crate) fn pixel(self) -> [u8; 4] {
+        match self {
+            Self::Transparent => [0; 4],
+            Self::Color([r, g, b]) => [r, g, b, 255],
+        }
+    }
+}
+
 /// How depth shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
@@ -29,6 +39,28 @@ pub enum Projection {
         field_of_view: f64,
     },
 }
+
+/// What of the shape fills the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Framing {
+    /// How many times as large as the whole shape would fit; 1 shows all of it.
+    pub zoom: f64,
+    /// The place in the middle of the picture, model units; without one the middle is where it is with all of the shape.
+    pub focus: Option<[f64; 3]>,
+}
+
+impl Default for Framing {
+    /// All of the shape.
+    fn default() -> Self {
+        Self { zoom: 1.0, focus: None }
+    }
+}
+
+/// How far from the middle of a shape a picture may have its own, in diagonals of the shape.
+pub(crate) const FARTHEST_FOCUS: f64 = 10.0;
+
+/// The most samples of a picture's longer side times zoom: corners beyond what the rasteriser can count would be misplaced.
+const MAX_ZOOMED_SAMPLES: f64 = 1e6;
 
 /// Whether a field gets a bar of its colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,6 +85,8 @@ pub struct RenderParams {
     pub up: Up,
     /// How depth shows.
     pub projection: Projection,
+    /// What of the shape fills the picture.
+    pub framing: Framing,
     /// What stands behind the shape.
     pub background: Background,
     /// The bar of a field's colours.
@@ -72,6 +106,7 @@ impl Default for RenderParams {
             view: View::THREE_QUARTER,
             up: Up::Y,
             projection: Projection::Perspective { field_of_view: 20.0 },
+            framing: Framing::default(),
             background: Background::Color([255; 3]),
             color_bar: ColorBar::Shown,
             crease_angle: 50.0,
@@ -105,6 +140,12 @@ impl RenderParams {
         Self { projection, ..self }
     }
 
+    /// With this part of the shape.
+    #[must_use]
+    pub fn with_framing(self, framing: Framing) -> Self {
+        Self { framing, ..self }
+    }
+
     /// With this background.
     #[must_use]
     pub fn with_background(self, background: Background) -> Self {
@@ -129,6 +170,12 @@ impl RenderParams {
         Self { samples, ..self }
     }
 
+    /// The largest zoom of a picture of this size.
+    fn max_zoom(&self) -> f64 {
+        let samples = f64::from(self.samples) * f64::from(self.width.max(self.height));
+        (MAX_ZOOMED_SAMPLES / samples.max(1.0)).floor().max(1.0)
+    }
+
     /// Refuses what cannot be drawn.
     ///
     /// # Errors
@@ -142,6 +189,10 @@ impl RenderParams {
             && !(field_of_view > 0.0 && field_of_view <= 90.0)
         {
             return refused("the field of view", field_of_view, "above 0 and at most 90 degrees");
+        }
+        let zoom = self.framing.zoom;
+        if !(zoom > 0.0 && zoom <= self.max_zoom()) {
+            return Err(RenderError::BadZoom { zoom, most: self.max_zoom() });
         }
         if !(0.0..=180.0).contains(&self.crease_angle) {
             return refused("the crease angle", self.crease_angle, "from 0 to 180 degrees");

@@ -6,7 +6,7 @@ use crate::color_range::ColorScale;
 use crate::error::RenderError;
 use crate::layout::Layout;
 use crate::occlusion::Front;
-use crate::params::{Background, RenderParams};
+use crate::params::{Background, Framing, RenderParams};
 use crate::picture::Picture;
 use crate::raster::{Bins, NOTHING, TILE, TileSamples};
 use crate::scene::Scene;
@@ -56,10 +56,27 @@ pub fn render(
     let layout = Layout::new(params, scale.as_ref().zip(subject.label()), None);
     let camera = Camera::fit(&subject.framed, params, layout.stage, progress)?;
     let mut picture = subject.picture(&camera, scale.as_ref(), params, progress)?;
+    keep_room(&mut picture, [0, 0], layout.room, params);
     if let (Some(scale), Some(bar)) = (&scale, &layout.bar) {
         color_bar::draw(&mut picture, bar, scale);
     }
     Ok(picture)
+}
+
+/// Empties what is not from `low` (inside) to `high` (outside) and so belongs to bar and caption: a part of a shape goes on beyond
+/// the borders of the picture.
+pub(crate) fn keep_room(picture: &mut Picture, low: [u32; 2], high: [u32; 2], params: &RenderParams) {
+    if params.framing == Framing::default() {
+        return;
+    }
+    let empty = params.background.pixel();
+    let width = picture.width as usize;
+    for (k, pixel) in picture.rgba.chunks_exact_mut(4).enumerate() {
+        let inside = |c: usize, at: usize| (low[c] as usize..high[c] as usize).contains(&at);
+        if !(inside(0, k % width) && inside(1, k / width)) {
+            pixel.copy_from_slice(&empty);
+        }
+    }
 }
 
 /// A surface with what its picture needs before the camera is known.
@@ -124,7 +141,8 @@ impl<'a> Subject<'a> {
         let scene =
             Scene::new(self.surface, self.balls, self.splats.as_ref(), camera, scale, params, progress)?;
         let pixels = draw(&scene, camera, params, progress)?;
-        let reach = OCCLUSION_REACH * camera.pixels_per_unit() as f32;
+        // Of the whole shape; a part that is seen enlarged is shaded as a shape of its own.
+        let reach = OCCLUSION_REACH * (camera.pixels_per_unit() / params.framing.zoom.max(1.0)) as f32;
         let front = Front {
             width: params.width as usize,
             height: params.height as usize,

@@ -60,6 +60,57 @@ fn what_is_nearer_hides_what_is_behind() {
 }
 
 #[test]
+fn a_ball_in_a_close_up_has_its_radius_in_either_projection() {
+    let (points, triangles) = sphere();
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::Plain([255, 0, 0]) };
+    let framing = Framing { zoom: 4.0, focus: Some([0.0, 0.0, 1.0]) };
+    for projection in [Projection::Orthographic, RenderParams::default().projection] {
+        let params = small().with_size(300, 300).with_projection(projection).with_framing(framing);
+        let area = |radius: f64| {
+            let ball = Ball { center: [0.0, 0.0, 1.0], radius, color: [0, 255, 0] };
+            let picture = render(&surface, &[ball], &params, Progress::none()).unwrap();
+            picture.rgba.chunks_exact(4).filter(|p| p[1] > p[0]).count() as f64
+        };
+        let [small, large] = [0.05, 0.1].map(area);
+        assert!(small > 200.0 && (large / small - 4.0).abs() < 0.3, "{projection:?}: {small} {large}");
+        if projection == Projection::Orthographic {
+            // The whole sphere, of radius 1, would be 4 times as wide as what the margins leave.
+            let radius = 0.1 * 4.0 * (1.0 - 2.0 * layout::MARGIN) * 150.0;
+            assert!((large - PI * radius * radius).abs() < BORDER_PIXELS * 2.0 * PI * radius, "{large}");
+        }
+    }
+}
+
+#[test]
+fn a_close_up_leaves_bar_and_caption_free() {
+    let (points, triangles) = sphere();
+    let values: Vec<f64> = points.iter().map(|p| p[0]).collect();
+    let field =
+        FieldPaint { values: &values, label: "x".to_owned(), color_map: None, range: ValueRange::Auto };
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::Field(field) };
+    let params =
+        small().with_size(400, 300).with_framing(Framing { zoom: 20.0, focus: Some([0.0, 0.0, 1.0]) });
+    let picture = render(&surface, &[], &params, Progress::none()).unwrap();
+    let white = |x: u32| (0..300).filter(|&y| picture.pixel(x, y)[..3] == [255; 3]).count();
+    assert_eq!((white(0), white(399)), (0, 300));
+    let panel = Panel { surface, balls: Vec::new(), caption: "below".to_owned() };
+    let sheet = grid(&[panel], 1, SharedCamera::Own, &params, Progress::none()).unwrap();
+    assert_eq!(sheet.pixel(2, sheet.height - 1)[..3], [255; 3]);
+}
+
+#[test]
+fn zooms_that_no_picture_can_have_are_refused_with_the_largest() {
+    let error = |zoom| small().with_framing(Framing { zoom, focus: None }).check().unwrap_err().to_string();
+    for zoom in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e5] {
+        assert!(error(zoom).contains("above 0 and at most 2777"), "{}", error(zoom));
+    }
+    let most = Framing { zoom: 2777.0, focus: Some([0.5, -0.5, 0.5]) };
+    let (points, triangles) = sphere();
+    let surface = Surface { points: &points, triangles: &triangles, paint: Paint::CLAY };
+    render(&surface, &[], &small().with_framing(most), Progress::none()).unwrap();
+}
+
+#[test]
 fn a_flat_face_is_lit_evenly() {
     let points = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let surface = Surface { points: &points, triangles: &[[0, 1, 2], [0, 2, 3]], paint: Paint::CLAY };

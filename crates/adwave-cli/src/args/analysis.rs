@@ -1,22 +1,54 @@
 //! The signal, the map of where it stands out, and its features.
 
 use super::named::named;
+use crate::signal::COORDS;
 use adwave::bands::DEFAULT_EXTENT;
 use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope};
 use adwave::saliency::{SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// The signal that is analysed.
-#[derive(Debug, Args)]
+/// The names that a signal can have.
+macro_rules! signal_names {
+    () => {
+        "coords, normals, mean-curvature, gaussian-curvature, shape-index, density, degree (of a graph), luminance, lightness, \
+         texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN, FILE.gii \
+         or FILE.gii:NAME"
+    };
+}
+
+pub(crate) use signal_names;
+
+/// The signal that is split, filtered or analysed.
+#[derive(Clone, Debug, Default, Args)]
 pub(crate) struct FieldArgs {
-    /// The signal: coords, normals, mean-curvature, gaussian-curvature, shape-index, density, degree (of a graph), luminance, lightness,
-    /// texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN, FILE.gii or FILE.gii:NAME
-    #[arg(long, value_name = "NAME", default_value = "coords", help_heading = "Signal")]
-    pub(crate) field: String,
+    #[arg(
+        long,
+        value_name = "NAME",
+        help = concat!("The signal: ", signal_names!(), " [default: coords]"),
+        help_heading = "Signal"
+    )]
+    field: Option<String>,
     /// The picture of the texture [default: the one that the OBJ's materials name]
     #[arg(long, value_name = "FILE", help_heading = "Signal")]
     pub(crate) texture: Option<PathBuf>,
+}
+
+impl FieldArgs {
+    /// The name that was asked for.
+    pub(crate) fn asked(&self) -> Option<&str> {
+        self.field.as_deref()
+    }
+
+    /// The name that was asked for, else that of the coordinates.
+    pub(crate) fn name(&self) -> &str {
+        self.asked().unwrap_or(COORDS)
+    }
+
+    /// The same with another name in the place of none.
+    pub(crate) fn or(&self, name: &str) -> Self {
+        Self { field: Some(self.asked().unwrap_or(name).to_owned()), ..self.clone() }
+    }
 }
 
 /// What is masked near a border.

@@ -4,7 +4,7 @@ mod analysis;
 mod named;
 mod shape;
 
-pub(crate) use analysis::{BorderArgs, DetectArgs, FieldArgs, MapArgs, ResponseArg};
+pub(crate) use analysis::{BorderArgs, DetectArgs, FieldArgs, MapArgs, ResponseArg, signal_names};
 pub(crate) use named::named;
 pub(crate) use shape::{Kind, LevelArgs, ShapeArgs};
 

@@ -85,12 +85,12 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
         CliError::Environment(format!("cannot make the folder {}: {e}", args.output.display()))
     })?;
     let method = args.method.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
-    let field = match (args.method, args.field.field.as_str()) {
+    let field = match (args.method, args.field.name()) {
         (MethodArg::FeatureMap, COORDS) => CURVATURE,
         (_, field) => field,
     };
     let input = with_spinner(global, "reading", || load(&args.shape))?;
-    let signal = signal::load_with_texture(&input, field, args.field.texture.as_deref())?;
+    let signal = signal::load(&input, field, args.field.texture.as_deref())?;
     let start = Instant::now();
     let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let prepare_seconds = Some(start.elapsed().as_secs_f64());

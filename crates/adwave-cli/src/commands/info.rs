@@ -4,7 +4,8 @@ use crate::args::{LevelArgs, ShapeArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{
-    check_levels, fwhm_json, fwhm_text, number, percent_of, print, schedule, steps_json, steps_text, table,
+    bounds_json, bounds_text, check_levels, fwhm_json, fwhm_text, number, percent_of, print, schedule,
+    steps_json, steps_text, table,
 };
 use crate::progress::{prepare, with_spinner};
 use crate::shape_input::load;
@@ -42,7 +43,15 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     let format = input.file.format().map_or_else(|| "sample".to_owned(), |f| f.to_string());
 
     let mut text = format!("{}: {kind}, {format}\n", input.name);
-    health_lines(&mut text, &input.shape, &health, diagonal);
+    let bounds = input.shape.points().and_then(bounding_box);
+    health_lines(&mut text, &input.shape, &health);
+    if let Some(bounds) = bounds {
+        let _ = writeln!(text, "  bounding box  {}", bounds_text(bounds, diagonal));
+    }
+    if diagonal > 0.0 {
+        let _ = writeln!(text, "  diagonal      {}", number(diagonal));
+    }
+    health_notes(&mut text, &health);
     let is_unsymmetric = kind == "graph" && input.file.is_unsymmetric();
     if is_unsymmetric {
         let _ = writeln!(
@@ -82,13 +91,12 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         }),
     );
 
-    let bounds = input.shape.points().and_then(bounding_box);
     let json = json!({
         "shape": input.name,
         "kind": kind,
         "format": format,
         "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
-        "bounding_box": bounds.map(|(min, max)| json!({"min": min, "max": max})),
+        "bounding_box": bounds_json(bounds),
         "diagonal": diagonal,
         "made_symmetric": is_unsymmetric,
         "health": health_json(&health),
@@ -142,8 +150,8 @@ pub(crate) fn kind(shape: &Shape) -> &'static str {
     }
 }
 
-/// The counts that mean something, one a line; those that are 0 when all is well only where they are not.
-fn health_lines(text: &mut String, shape: &Shape, health: &Health, diagonal: f64) {
+/// The counts that mean something, one a line.
+fn health_lines(text: &mut String, shape: &Shape, health: &Health) {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "  {name:<13} {value}");
     };
@@ -163,9 +171,10 @@ fn health_lines(text: &mut String, shape: &Shape, health: &Health, diagonal: f64
     }
     line("edges", health.n_edges.to_string());
     line("components", (health.n_components - health.n_isolated).to_string());
-    if diagonal > 0.0 {
-        line("diagonal", number(diagonal));
-    }
+}
+
+/// Counts that are 0 when all is well, where they are not.
+fn health_notes(text: &mut String, health: &Health) {
     for (count, what) in [
         (health.n_boundary_edges, "boundary edges"),
         (health.n_non_manifold_edges, "edges of three faces or more"),
@@ -177,7 +186,7 @@ fn health_lines(text: &mut String, shape: &Shape, health: &Health, diagonal: f64
         (health.n_unreferenced, "vertices of no face"),
     ] {
         if count > 0 {
-            line("note", format!("{count} {what}"));
+            let _ = writeln!(text, "  note          {count} {what}");
         }
     }
 }

@@ -10,6 +10,7 @@ pub(crate) mod features;
 pub(crate) mod filter;
 pub(crate) mod info;
 pub(crate) mod matching;
+pub(crate) mod region;
 pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod reproduce;

@@ -4,11 +4,12 @@ use crate::analysis::{Analysis, Map};
 use crate::args::{BorderArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
 use crate::commands::transform::fresh;
 use crate::error::CliError;
+use crate::field_file::FieldFile;
 use crate::global::Global;
-use crate::output::{check_writable, number, print, table, write_error, write_shape};
+use crate::output::{check_writable, number, print, table, write_shape};
 use crate::progress::with_spinner;
 use adwave::saliency::{Saliency, SaliencyLevel, saliency_per_level};
-use adwave_io::{ArrayValues, Field, FieldValues, Format, write_npy};
+use adwave_io::{Field, FieldValues, Format};
 use adwave_render::{ColorMap, value_range};
 use clap::Args;
 use serde_json::json;
@@ -19,6 +20,7 @@ use std::path::PathBuf;
 Output by extension:
   .ply .vtp   the shape with the fields saliency and color
   .npy        the map, one number per vertex; with --per-level one row per vertex: the map, then each level
+  .csv .gii   the same with names, .gii as 32-bit floats
 
 Coordinates have + where the shape is convex and - where it is concave, where one of its sides is outside; a scalar signal has
 its own sign: + above its surroundings. Other vectors, --unsigned and --weighting give a map without a sign.
@@ -30,11 +32,11 @@ Examples:
   adwave saliency scan.pcd -o map.vtp --field mean-curvature --color-map magma
   adwave saliency face-scan.ply -o map.ply --border 1
   adwave saliency cow.obj -o map.ply --field texture-lightness --texture cow.png
-  adwave saliency pial.gii.gz -o map.vtp --field sulc.gii.gz")]
+  adwave saliency pial.gii.gz -o map.shape.gii --field sulc.gii.gz")]
 pub(crate) struct SaliencyArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the map goes (.ply, .vtp or .npy)
+    /// Where the map goes (.ply, .vtp, .npy, .csv or .gii)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -58,10 +60,10 @@ pub(crate) struct SaliencyArgs {
 }
 
 pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let npy = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npy"));
-    if !npy && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
+    let alone = FieldFile::of(&args.output);
+    if alone.is_none() && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
         let output = args.output.display();
-        return Err(CliError::Input(format!("{output}: a map is written as .ply, .vtp or .npy")));
+        return Err(CliError::Input(format!("{output}: a map is written as .ply, .vtp, .npy, .csv or .gii")));
     }
     check_writable(&args.output)?;
     let colors = color_map(args)?;
@@ -83,10 +85,10 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
         Vec::new()
     };
     with_spinner(global, "writing", || {
-        if npy {
-            write_map(args, &map.saliency, &levels)
-        } else {
-            write_field(args, global, &analysis, &map, &levels, colors)
+        let fields = fields(&map.saliency, &levels);
+        match alone {
+            Some(kind) => kind.write(&args.output, &fields, analysis.input.file.structure()),
+            None => write_colored(args, global, &analysis, &map, fields, colors),
         }
     })?;
     report(args, global, &analysis, &map)
@@ -103,7 +105,7 @@ fn color_map(args: &SaliencyArgs) -> Result<Option<ColorMap>, CliError> {
 
 fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &Map) -> Result<(), CliError> {
     let saliency = &map.saliency;
-    let mut text = analysis.headline(&args.field.field);
+    let mut text = analysis.headline(args.field.name());
     text += &format!("{}\n\n", map.sides());
     text += &table(
         ["level", "sigma", "% of diagonal", "mean of |W|", "max of |W|", "alpha"],
@@ -127,7 +129,7 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
     let json = json!({
         "shape": analysis.input.name,
         "output": args.output.display().to_string(),
-        "field": args.field.field,
+        "field": args.field.name(),
         "vertices": analysis.walk.n_vertices(),
         "operator": analysis.walk.operator_kind().name(),
         "sides": map.sides_json(),
@@ -148,37 +150,27 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
     print(global, &text, &json)
 }
 
-fn write_map(
-    args: &SaliencyArgs,
-    saliency: &Saliency,
-    levels: &[(SaliencyLevel, Vec<f64>)],
-) -> Result<(), CliError> {
-    let n = saliency.map.len();
-    if levels.is_empty() {
-        return write_npy(&args.output, &[n], ArrayValues::F64(&saliency.map)).map_err(write_error);
-    }
-    let row = |x: usize| std::iter::once(saliency.map[x]).chain(levels.iter().map(move |(_, map)| map[x]));
-    let rows: Vec<f64> = (0..n).flat_map(row).collect();
-    write_npy(&args.output, &[n, 1 + levels.len()], ArrayValues::F64(&rows)).map_err(write_error)
+/// The map, then what each level adds where that is asked for.
+fn fields(saliency: &Saliency, levels: &[(SaliencyLevel, Vec<f64>)]) -> Vec<Field> {
+    let field = |name: String, map: &[f64]| Field::new(name, 1, FieldValues::F64(map.to_vec()));
+    let each = levels.iter().map(|(level, map)| field(format!("saliency{}", level.level), map));
+    std::iter::once(field("saliency".to_owned(), &saliency.map)).chain(each).collect()
 }
 
-fn write_field(
+/// The shape with the fields and colours.
+fn write_colored(
     args: &SaliencyArgs,
     global: &Global<'_>,
     analysis: &Analysis,
     map: &Map,
-    levels: &[(SaliencyLevel, Vec<f64>)],
+    fields: Vec<Field>,
     colors: Option<ColorMap>,
 ) -> Result<(), CliError> {
     let mut file = fresh(&analysis.input.file);
-    let mut add = |name: String, map: &[f64]| {
-        file.add_vertex_field(Field::new(name, 1, FieldValues::F64(map.to_vec())))
-    };
-    let values = &map.saliency.map;
-    add("saliency".to_owned(), values)?;
-    for (level, map) in levels {
-        add(format!("saliency{}", level.level), map)?;
+    for field in fields {
+        file.add_vertex_field(field)?;
     }
+    let values = &map.saliency.map;
     let sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     let top = value_range(&sizes, 0.0, args.color_top / 100.0).1;
     let (name, bottom) = if map.is_signed { ("coolwarm", -top) } else { ("viridis", 0.0) };

@@ -2,6 +2,7 @@
 
 use crate::args::{FieldArgs, LevelArgs, ShapeArgs};
 use crate::error::CliError;
+use crate::field_file::FieldFile;
 use crate::global::Global;
 use crate::output::{
     bands_params, check_writable, fwhm_json, fwhm_text, number, peak_memory, percent_of, print, schedule,
@@ -23,15 +24,17 @@ use std::path::PathBuf;
 Output by extension:
   .npz        points (n,3), scaling (J+1,n,d), wavelet (J,n,d), steps (J+1), sigma (J+1), for numpy
   .vtp .ply   the shape with the fields S0 … SJ and W1 … WJ, for ParaView
+  .gii        the fields W1 … WJ and SJ, which sum to the signal, as 32-bit floats
 
 Examples:
   adwave transform bunny.obj -o bands.npz --levels 8
   adwave transform brain.ply -o bands.vtp --field thickness
+  adwave transform pial.gii.gz -o bands.func.gii --field thick.gii.gz --fwhm 4,8,16
   adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --field intensity")]
 pub(crate) struct TransformArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the bands go (.npz, .vtp or .ply)
+    /// Where the bands go (.npz, .vtp, .ply or .gii)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -42,9 +45,10 @@ pub(crate) struct TransformArgs {
 
 pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliError> {
     let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
-    if !npz && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
+    let format = Format::from_path(&args.output);
+    if !npz && !matches!(format, Some(Format::Vtp | Format::Ply | Format::Gifti)) {
         return Err(CliError::Input(format!(
-            "{}: bands are written as .npz, .vtp or .ply",
+            "{}: bands are written as .npz, .vtp, .ply or .gii",
             args.output.display()
         )));
     }
@@ -52,8 +56,8 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let params = bands_params(&args.levels)?;
     let mut watch = Stopwatch::start();
     let input = with_spinner(global, "reading", || load(&args.shape))?;
-    let field = args.field.field.as_str();
-    let signal = signal::load_with_texture(&input, field, args.field.texture.as_deref())?;
+    let field = args.field.name();
+    let signal = signal::load(&input, field, args.field.texture.as_deref())?;
     let read = watch.lap();
     let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let decomposer = signal::mask(decomposer, &signal, field, global)?;
@@ -70,6 +74,8 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     with_spinner(global, "writing", || {
         if npz {
             write_npz(&args.output, &input, &signal, &bands)
+        } else if format == Some(Format::Gifti) {
+            write_gifti(&args.output, &input, &bands)
         } else {
             write_fields(global, &args.output, &input, &signal, &bands)
         }
@@ -144,6 +150,18 @@ fn write_npz(path: &Path, input: &Input, signal: &Signal, bands: &Bands) -> Resu
         arrays.push(("points", &points_shape, ArrayValues::F64(points.as_flattened())));
     }
     adwave_io::write_npz(path, &arrays, Compression::Stored).map_err(write_error)
+}
+
+/// The fields W1 … WJ and SJ without the shape.
+fn write_gifti(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+    let n_levels = bands.n_levels();
+    let name = |j: usize| if j < n_levels { format!("W{}", j + 1) } else { format!("S{n_levels}") };
+    let size = bands.n_vertices * bands.n_channels;
+    let field = |(j, values): (usize, &[f64])| {
+        Field::new(name(j), bands.n_channels, FieldValues::F64(values.to_vec()))
+    };
+    let fields: Vec<Field> = bands.as_slice().chunks_exact(size).enumerate().map(field).collect();
+    FieldFile::Gifti.write(path, &fields, input.file.structure())
 }
 
 /// The shape with the fields S0 … SJ and W1 … WJ.

@@ -97,7 +97,7 @@ fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Ve
     Ok(columns.into_iter().enumerate().map(|(c, v)| Field::new(name(c), 1, FieldValues::F64(v))).collect())
 }
 
-fn number(cell: &[u8]) -> Option<f64> {
+pub(super) fn number(cell: &[u8]) -> Option<f64> {
     match cell {
         b"" | b"NA" | b"N/A" | b"null" => Some(f64::NAN),
         _ => parse_f64(cell),

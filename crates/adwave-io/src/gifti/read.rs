@@ -2,31 +2,32 @@
 //!
 //! Coordinates are taken as they stand; the transforms to other spaces that a file may name are not applied.
 
-use std::io::Read;
+use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
-use adwave::{Cancelled, Progress};
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use roxmltree::{Document, Node, ParsingOptions};
-
-use crate::field::{ByteOrder, Number, with_values};
-use crate::limits::decompress;
-use crate::progress::{BYTES_PER_STEP, at_row, collect, extend};
-use crate::read::read_file;
-use crate::text::{one_line, parse_f64, show};
-use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+use adwave::Progress;
 use adwave::shape::Polygons;
+use roxmltree::{Document, ParsingOptions};
 
-/// One array of a file.
-struct Array {
-    /// What the array is for, without `NIFTI_INTENT_`, in lower case.
-    intent: String,
-    /// The last part of the name that the file gives it.
-    name: Option<String>,
-    rows: usize,
-    columns: usize,
-    values: FieldValues,
+use super::array::{Array, STRUCTURE, Stop, about, array};
+use super::update::GiftiOriginal;
+use crate::limits::decompress;
+use crate::original::Original;
+use crate::progress::{at_row, collect};
+use crate::read::read_file;
+use crate::text::one_line;
+use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+
+/// What a file holds.
+struct Content {
+    arrays: Vec<Array>,
+    /// The part of the anatomy that the file names for all its arrays.
+    structure: Option<String>,
+    /// Where the number of arrays stands.
+    count: Option<Range<usize>>,
+    /// Where the last array ends.
+    end: usize,
 }
 
 /// Whether the bytes are a GIFTI.
@@ -36,11 +37,12 @@ pub(crate) fn is_gifti(head: &[u8]) -> bool {
 
 /// Reads the surface in a GIFTI: its points, its triangles, and every other array of values per vertex as a field.
 pub(crate) fn read_gifti(
-    bytes: &[u8],
+    bytes: Vec<u8>,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let mut arrays = arrays(bytes, limits, progress)?;
+    let Content { mut arrays, structure, count, end } = content(&bytes, limits, progress)?;
+    let n_arrays = arrays.len();
     let Some(at) = arrays.iter().position(|a| a.intent == "pointset") else {
         return Err(ReadError::Whole(
             "this GIFTI has no points, only values; give it as a field of a surface (--field FILE.gii)"
@@ -55,22 +57,35 @@ pub(crate) fn read_gifti(
     let point = |i: usize| [0, 1, 2].map(|c| coordinates.get(3 * i + c));
     let mut shape = ShapeFile::from_cloud(collect(coordinates.len() / 3, progress, point)?);
     shape.format = Some(Format::Gifti);
+    shape.structure = points.structure.or(structure);
     shape.precision =
         if points.values.value_type() == ValueType::F64 { Precision::F64 } else { Precision::F32 };
     if let Some(at) = arrays.iter().position(|a| a.intent == "triangle") {
         shape.faces = faces(&arrays.remove(at), shape.n_vertices, progress)?.into();
     }
+    let mut places = Vec::new();
     for array in arrays {
         if array.rows == shape.n_vertices && !array.values.is_empty() {
             let name = array.name.unwrap_or(array.intent);
             let name = unused(&name, |name| shape.field(name).is_some());
+            places.extend(array.place.map(|place| (name.clone(), place)));
             shape.vertex_fields.push(Field::new(name, array.columns, array.values));
         } else {
             shape.extras.push(format!("{} array of {} rows", array.intent, array.rows));
         }
     }
+    // Places are counted without the mark of UTF-8, which hardly any file has.
+    if let (Some(points), Some(count)) = (points.place, count)
+        && !bytes.starts_with(MARK)
+    {
+        let original = GiftiOriginal { bytes, points, fields: places, count, n_arrays, end };
+        shape.original = Some(Arc::new(Original::Gifti(original)));
+    }
     Ok(shape)
 }
+
+/// What some editors put before a text in UTF-8.
+const MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Reads the values in a GIFTI, compressed or not, without its points and triangles: a field for each array.
 ///
@@ -105,7 +120,7 @@ pub fn parse_gifti_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field
 
 fn parse_fields(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Vec<Field>, ReadError> {
     let mut fields: Vec<Field> = Vec::new();
-    for array in arrays(bytes, limits, progress)? {
+    for array in content(bytes, limits, progress)?.arrays {
         if !matches!(array.intent.as_str(), "pointset" | "triangle") && !array.values.is_empty() {
             let name = array.name.unwrap_or(array.intent);
             let name = unused(&name, |name| fields.iter().any(|f| f.name == name));
@@ -153,8 +168,8 @@ fn faces(array: &Array, n_vertices: usize, progress: Progress<'_>) -> Result<Pol
     Ok(Polygons::from_triangles(&triangles))
 }
 
-fn arrays(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Vec<Array>, ReadError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+fn content(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Content, ReadError> {
+    let bytes = bytes.strip_prefix(MARK).unwrap_or(bytes);
     let text = std::str::from_utf8(bytes)
         .map_err(|e| ReadError::at_byte(e.valid_up_to(), "the XML is not UTF-8; save it as UTF-8"))?;
     // The standard document type names a file of its own; nothing is fetched.
@@ -170,8 +185,10 @@ fn arrays(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<V
     if root.tag_name().name() != "GIFTI" {
         return Err(ReadError::Whole("this XML is no GIFTI; give a .gii file".into()));
     }
+    let count = root.attribute_node("NumberOfDataArrays").map(|count| count.range_value());
+    let end = root.children().filter(|n| n.has_tag_name("DataArray")).map(|n| n.range().end).max();
     let nodes = root.children().filter(|n| n.has_tag_name("DataArray"));
-    nodes
+    let arrays = nodes
         .map(|node| {
             array(node, limits, progress).map_err(|stop| match stop {
                 Stop::Cancelled(cancelled) => cancelled.into(),
@@ -181,194 +198,6 @@ fn arrays(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<V
                 }
             })
         })
-        .collect()
-}
-
-/// Why an array is not read.
-enum Stop {
-    Cancelled(Cancelled),
-    Broken(String),
-}
-
-impl From<Cancelled> for Stop {
-    fn from(cancelled: Cancelled) -> Self {
-        Self::Cancelled(cancelled)
-    }
-}
-
-impl From<String> for Stop {
-    fn from(message: String) -> Self {
-        Self::Broken(message)
-    }
-}
-
-impl From<&str> for Stop {
-    fn from(message: &str) -> Self {
-        Self::Broken(message.into())
-    }
-}
-
-fn array(node: Node<'_, '_>, limits: &ReadLimits, progress: Progress<'_>) -> Result<Array, Stop> {
-    let attribute = |name: &str| {
-        node.attribute(name).ok_or_else(|| format!("the array has no {name}; save the file again"))
-    };
-    let intent = attribute("Intent")?.trim_start_matches("NIFTI_INTENT_").to_ascii_lowercase();
-    let dimension = |k: usize| {
-        let text = attribute(&format!("Dim{k}"))?;
-        text.trim().parse::<usize>().map_err(|_| format!("Dim{k} is {}, not a number", show(text.as_bytes())))
-    };
-    let n_dimensions: usize = attribute("Dimensionality")?.trim().parse().unwrap_or(0);
-    if !(1..=6).contains(&n_dimensions) {
-        return Err("the array has no dimensions between 1 and 6; save the file again".into());
-    }
-    let rows = dimension(0)?;
-    limits.check_points(rows as u64).map_err(|e| e.to_string())?;
-    let mut columns = 1_usize;
-    for k in 1..n_dimensions {
-        columns = columns.checked_mul(dimension(k)?).ok_or("the array is larger than memory")?;
-    }
-    let kind = value_type(attribute("DataType")?)?;
-    let n = rows.checked_mul(columns).ok_or("the array is larger than memory")?;
-    let n_bytes = n.checked_mul(kind.n_bytes()).ok_or("the array is larger than memory")?;
-    let data = node.children().find(|c| c.has_tag_name("Data"));
-    let text: String = data.map(|d| d.children().filter_map(|c| c.text()).collect()).unwrap_or_default();
-    let order = match attribute("Endian") {
-        Ok("BigEndian") => ByteOrder::Big,
-        _ => ByteOrder::Little,
-    };
-    let whole = |bytes: Vec<u8>| {
-        let found = bytes.len();
-        if found == n_bytes {
-            return Ok(from_bytes(&bytes, kind, order, progress)?);
-        }
-        let more = if found > n_bytes { "more than" } else { "fewer than" };
-        let message =
-            format!("the array has {more} the {n_bytes} bytes of its dimensions; get the whole file");
-        Err(Stop::Broken(message))
-    };
-    let mut values = match attribute("Encoding")? {
-        "ASCII" => from_text(&text, kind, progress)?,
-        "Base64Binary" => whole(base64(&text, progress)?)?,
-        "GZipBase64Binary" => whole(inflate(&base64(&text, progress)?, n_bytes, progress)?)?,
-        "ExternalFileBinary" => return Err("the array is in another file; save it within this one".into()),
-        other => return Err(format!("the encoding {} is not known", show(other.as_bytes())).into()),
-    };
-    if values.len() != n {
-        let found = values.len();
-        return Err(
-            format!("the array has {found} values and its dimensions say {n}; get the whole file").into()
-        );
-    }
-    if node.attribute("ArrayIndexingOrder") == Some("ColumnMajorOrder") && columns > 1 {
-        values = transposed(&values, rows, columns, progress)?;
-    }
-    Ok(Array { intent, name: name(node), rows, columns, values })
-}
-
-fn value_type(text: &str) -> Result<ValueType, String> {
-    Ok(match text.trim_start_matches("NIFTI_TYPE_") {
-        "UINT8" => ValueType::U8,
-        "INT8" => ValueType::I8,
-        "UINT16" => ValueType::U16,
-        "INT16" => ValueType::I16,
-        "UINT32" => ValueType::U32,
-        "INT32" => ValueType::I32,
-        "UINT64" => ValueType::U64,
-        "INT64" => ValueType::I64,
-        "FLOAT32" => ValueType::F32,
-        "FLOAT64" => ValueType::F64,
-        other => return Err(format!("arrays of {} are not known", show(other.as_bytes()))),
-    })
-}
-
-fn from_text(text: &str, kind: ValueType, progress: Progress<'_>) -> Result<FieldValues, Stop> {
-    let mut values = kind.empty();
-    for (i, word) in text.split_ascii_whitespace().enumerate() {
-        at_row(progress, i as u64, 0)?;
-        let number = parse_f64(word.as_bytes()).filter(|&x| values.push_f64(x));
-        number.ok_or_else(|| format!("{} stands where a number belongs", show(word.as_bytes())))?;
-    }
-    Ok(values)
-}
-
-fn base64(text: &str, progress: Progress<'_>) -> Result<Vec<u8>, Stop> {
-    let mut packed: Vec<u8> = Vec::with_capacity(text.len());
-    for chunk in text.as_bytes().chunks(BYTES_PER_STEP) {
-        progress.check()?;
-        packed.extend(chunk.iter().filter(|b| !b.is_ascii_whitespace()));
-    }
-    let mut plain = Vec::with_capacity(packed.len() / 4 * 3);
-    // Groups of four letters stand for three bytes each; only the last may be shorter.
-    for (k, chunk) in packed.chunks(BYTES_PER_STEP).enumerate() {
-        progress.check()?;
-        let is_last = (k + 1) * BYTES_PER_STEP >= packed.len();
-        if !is_last && chunk.ends_with(b"=") {
-            return Err("the Base64 of the array ends before its text; get the whole file".into());
-        }
-        STANDARD.decode_vec(chunk, &mut plain).map_err(|e| {
-            Stop::Broken(format!("the Base64 of the array is broken ({e}); get the whole file"))
-        })?;
-    }
-    Ok(plain)
-}
-
-/// What the zlib stream holds, no more than one byte beyond what is expected.
-fn inflate(packed: &[u8], n_bytes: usize, progress: Progress<'_>) -> Result<Vec<u8>, Stop> {
-    let mut plain = Vec::new();
-    let mut stream = flate2::read::ZlibDecoder::new(packed).take(n_bytes as u64 + 1);
-    loop {
-        progress.check()?;
-        let before = plain.len();
-        stream.by_ref().take(BYTES_PER_STEP as u64).read_to_end(&mut plain).map_err(|e| {
-            format!("the compressed array breaks after {} bytes ({e}); get the whole file", plain.len())
-        })?;
-        if plain.len() == before {
-            return Ok(plain);
-        }
-    }
-}
-
-fn from_bytes(
-    bytes: &[u8],
-    kind: ValueType,
-    order: ByteOrder,
-    progress: Progress<'_>,
-) -> Result<FieldValues, Cancelled> {
-    let (mut values, width) = (kind.empty(), kind.n_bytes());
-    with_values!(&mut values, v => extend(v, bytes.len() / width, progress, |i| {
-        Number::from_bytes(&bytes[i * width..], order)
-    }))?;
-    Ok(values)
-}
-
-fn transposed(
-    values: &FieldValues,
-    rows: usize,
-    columns: usize,
-    progress: Progress<'_>,
-) -> Result<FieldValues, Cancelled> {
-    let mut by_row = values.value_type().empty();
-    let mut number = Vec::with_capacity(8);
-    for r in 0..rows {
-        at_row(progress, r as u64, rows as u64)?;
-        for c in 0..columns {
-            number.clear();
-            values.write_bytes(c * rows + r, ByteOrder::Little, &mut number);
-            by_row.push_bytes(&number, ByteOrder::Little);
-        }
-    }
-    Ok(by_row)
-}
-
-/// The last part of the name in the array's metadata, which often is a path.
-fn name(node: Node<'_, '_>) -> Option<String> {
-    let metadata = node.children().find(|c| c.has_tag_name("MetaData"))?;
-    let text = |entry: Node<'_, '_>, tag: &str| {
-        let child = entry.children().find(|c| c.has_tag_name(tag))?;
-        Some(child.text().unwrap_or("").trim().to_owned())
-    };
-    let entry = metadata.children().find(|entry| text(*entry, "Name").as_deref() == Some("Name"))?;
-    let value = text(entry, "Value")?;
-    let last = value.rsplit(['/', '\\']).next().unwrap_or("").to_owned();
-    (!last.is_empty()).then_some(last)
+        .collect::<Result<_, _>>()?;
+    Ok(Content { arrays, structure: about(root, STRUCTURE), count, end: end.unwrap_or(0) })
 }

@@ -6,6 +6,7 @@ use adwave::Progress;
 
 use crate::field::ByteOrder;
 use crate::progress::{at_row, collect};
+use crate::text::escape_xml;
 use crate::{Field, FieldValues, Precision, ShapeFile, WriteError, WriteReport};
 
 /// Uncompressed bytes of one block.
@@ -65,7 +66,7 @@ impl Appended<'_> {
             FieldValues::F32(_) => "Float32",
             FieldValues::F64(_) => "Float64",
         };
-        let name = escape(name);
+        let name = escape_xml(name);
         *xml += &format!(
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n_channels}\" \
              format=\"appended\" offset=\"{offset}\"/>\n"
@@ -96,22 +97,6 @@ impl Appended<'_> {
         *xml += &format!("</{element}>\n");
         Ok(())
     }
-}
-
-fn escape(name: &str) -> String {
-    let mut text = String::with_capacity(name.len());
-    for c in name.chars() {
-        match c {
-            '&' => text += "&amp;",
-            '<' => text += "&lt;",
-            '>' => text += "&gt;",
-            '"' => text += "&quot;",
-            // XML has no other control characters.
-            c if c.is_control() => text.push('_'),
-            c => text.push(c),
-        }
-    }
-    text
 }
 
 /// Writes a VTP. The cells are points (of a cloud), lines, then polygons, so face fields need a value for each.

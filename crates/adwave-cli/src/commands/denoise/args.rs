@@ -1,6 +1,6 @@
 //! The arguments of `adwave denoise`.
 
-use crate::args::{ShapeArgs, named};
+use crate::args::{FieldArgs, ShapeArgs, named};
 use adwave::denoise::{Creases, DenoiseParams};
 use clap::Args;
 use std::path::PathBuf;
@@ -9,23 +9,27 @@ use std::path::PathBuf;
 #[command(after_help = "\
 The noise is estimated from the shape, and how much is smoothed, and whether creases stay, by an estimate of the risk;
 no option is needed. Of clouds the points move along their normals. Noise that neighbours share is not told from detail.
+Of a field (--field) steps stay; it goes into the shape by its name, by that of its column or file, or alone into a file of values.
+
+Output by extension:
+  a format of shapes   the shape with new positions, or with the field
+  .npy                 the result alone, one row per vertex
+  .csv .gii            of a field the result alone (a field of the shape's own file goes back into a file of that format)
 
 Examples:
   adwave denoise scan.obj -o clean.obj
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
   adwave denoise brain.ply -o even.ply --field thickness
-  adwave denoise white.gii -o even.ply --field thickness.gii
+  adwave denoise white.gii -o even.shape.gii --field thickness.gii
   adwave denoise part.stl -o part-clean.stl --noise-sigma 0.02 --creases keep --json")]
 pub(crate) struct DenoiseArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the result goes; the format is that of the extension
+    /// Where the result goes; the format is that of the extension (see below)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Take noise off a field in place of the shape, steps stay: of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN,
-    /// FILE.gii or FILE.gii:NAME, which goes into the result by the name of the file or column
-    #[arg(long, value_name = "NAME")]
-    pub(crate) field: Option<String>,
+    #[command(flatten)]
+    pub(crate) field: FieldArgs,
     /// By how much the noise counts: 0 changes nothing, 2 takes it for twice as large
     #[arg(long, value_name = "S", default_value_t = DenoiseParams::default().strength, help_heading = "Noise")]
     pub(crate) strength: f64,

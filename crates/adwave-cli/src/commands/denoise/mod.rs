@@ -3,9 +3,10 @@
 mod args;
 
 use crate::error::CliError;
+use crate::field_file::{FieldFile, check_result, write_field, write_points};
 use crate::global::Global;
 use crate::movement::Movement;
-use crate::output::{check_writable, format_of, number, print, write_shape};
+use crate::output::{number, print};
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load, refresh_normals};
 use crate::signal::{self, COORDS};
@@ -16,11 +17,11 @@ use serde_json::json;
 use std::fmt::Write;
 
 pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliError> {
-    format_of(&args.output)?;
-    check_writable(&args.output)?;
+    check_result(&args.output)?;
     let mut input = with_spinner(global, "reading", || load(&args.shape))?;
-    if let Some(field) = args.field.as_deref().filter(|name| *name != COORDS) {
-        return denoise_field(field, input, args, global);
+    let alone = FieldFile::for_result(&args.output, args.field.name(), &input.file);
+    if args.field.name() != COORDS {
+        return denoise_field(args.field.name(), input, alone, args, global);
     }
     let weld = args.shape.operator()?.weld;
     let geometry =
@@ -32,7 +33,7 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
     let movement = Movement::new(&geometry, &denoised.points);
     input.file.set_points(denoised.points)?;
     refresh_normals(args.update_normals, global, &mut input)?;
-    with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
+    with_spinner(global, "writing", || write_points(global, &args.output, alone, &input.file))?;
 
     let mut text = format!("{}: {} vertices\n", input.name, input.shape.n_vertices());
     describe(&mut text, &denoised.info, matches!(input.shape, Shape::Mesh(_)));
@@ -52,18 +53,19 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
 fn denoise_field(
     name: &str,
     mut input: Input,
+    alone: Option<FieldFile>,
     args: &DenoiseArgs,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let signal = signal::load(&input, name)?;
+    let signal = signal::load(&input, name, args.field.texture.as_deref())?;
     let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
     let decomposer = signal::mask(decomposer, &signal, name, global)?;
     let denoised = with_progress(global, "denoising", |progress| {
         denoise_signal(&decomposer, &signal.values, signal.n_channels, &args.params(), progress)
     })
     .map_err(|e| CliError::of(&e))?;
-    input.file.add_vertex_field(signal::written(&input.file, name, signal.n_channels, denoised.values))?;
-    with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
+    let new = signal::written(&input.file, name, signal.n_channels, denoised.values);
+    with_spinner(global, "writing", || write_field(global, &args.output, alone, &mut input.file, new))?;
     let mut text = format!("{}: {} vertices, {name}\n", input.name, input.shape.n_vertices());
     for info in &denoised.info {
         let share = |weights: &[f64]| 100.0 * weights.iter().sum::<f64>();

@@ -41,7 +41,7 @@ fn against(
 ) -> Result<(), CliError> {
     let found = analysis.saliency(&args.map, &args.border, global)?;
     let one_channel = |name: &str| {
-        let signal = signal::load(&analysis.input, name)?;
+        let signal = signal::load(&analysis.input, name, None)?;
         if signal.n_channels != 1 {
             return Err(CliError::Input(format!("{name} has {} channels, not one", signal.n_channels)));
         }
@@ -51,7 +51,7 @@ fn against(
     let sides = (found.sides(), found.sides_json());
     let own = found.saliency.map;
     let control = analysis.input.shape.points().map(centre_distance);
-    let mut maps = vec![(format!("saliency of {}", args.field.field), own)];
+    let mut maps = vec![(format!("saliency of {}", args.field.name()), own)];
     for name in &args.maps {
         maps.push((name.clone(), one_channel(name)?));
     }
@@ -65,7 +65,7 @@ fn against(
     if let Some(control) = &control {
         rows.push(("distance from the centre".to_owned(), compare(control, None)?));
     }
-    let mut text = analysis.headline(&args.field.field);
+    let mut text = analysis.headline(args.field.name());
     text += &format!("{}\n", sides.0);
     text += &format!("{} of {} vertices were looked at\n\n", rows[0].1.n_positive, rows[0].1.n_vertices);
     text += &table(
@@ -135,7 +135,7 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
         }
         rows.push(row);
     }
-    let text = analysis.headline(&args.field.field) + "\n" + &repeatability_table(&reference, &rows);
+    let text = analysis.headline(args.field.name()) + "\n" + &repeatability_table(&reference, &rows);
     let json = json!({
         "shape": analysis.input.name,
         "levels": analysis.schedule.n_levels(),
@@ -229,11 +229,11 @@ fn find_again(
     let walk = prepare(global, shape, &args.shape.operator_for(&args.levels)?)?;
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
     let is_own = ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]
-        .contains(&args.field.field.as_str());
+        .contains(&args.field.name());
     let (n_channels, values) = if is_own {
         let file = ShapeFile::from_cloud(shape.points().unwrap_or_default().to_vec());
         let input = Input { file, shape: shape.clone(), name: analysis.input.name.clone() };
-        let signal = signal::load(&input, &args.field.field)?;
+        let signal = signal::load(&input, args.field.name(), args.field.texture.as_deref())?;
         (signal.n_channels, signal.values.to_vec())
     } else if same_vertices {
         (analysis.signal.n_channels, analysis.signal.values.to_vec())

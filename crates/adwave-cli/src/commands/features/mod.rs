@@ -100,7 +100,7 @@ fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
 
 fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) -> String {
     let analysis = &found.analysis;
-    let mut text = analysis.headline(&args.field.field);
+    let mut text = analysis.headline(args.field.name());
     if found.features.is_empty() {
         let _ = writeln!(text, "no features: {}", what_to_try(args, analysis.signal.n_channels));
     } else {
@@ -199,7 +199,7 @@ fn report(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>
         })
     };
     let mut json = one(found);
-    json["field"] = json!(args.field.field);
+    json["field"] = json!(args.field.name());
     json["theta"] = json!(args.detect.theta);
     if let Some((other, pairs)) = paired {
         json["other"] = one(other);

@@ -1,21 +1,19 @@
 //! The arguments of `adwave filter`.
 
-use crate::args::{LevelArgs, ShapeArgs, named};
+use crate::args::{FieldArgs, LevelArgs, ShapeArgs, named};
+use crate::region::{region, regions_help};
 use adwave::filter::Preset;
 use adwave::positions::{Along, Borders};
-use adwave::region::{Region, RegionSyntaxError, parse_region};
+use adwave::region::Region;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Regions (0 outside, rising smoothly to 1 inside; lengths in model units or in % of the diagonal):
-  ball:vertex=V,radius=R[,falloff=F]        within R of a vertex along the surface (or point=X Y Z)
-  stroke:path=X Y Z;X Y Z;…,radius=R        within R of a line over the surface (or vertices=V V …)
-  box:min=X Y Z,max=X Y Z[,falloff=F]       half-space:point=X Y Z,normal=X Y Z[,falloff=F]
-  field:name=NAME[,low=A][,high=B]          0 where the field is A, 1 where it is B
-  vertices:indices=V V …[,radius=R]         all
-  !REGION not   REGION & REGION both   REGION | REGION either   ( … )
+#[command(after_help = concat!(regions_help!(), "
+Output by extension:
+  a format of shapes   the shape with new positions, or with the field that --field names
+  .npy                 the result alone, one row per vertex
+  .csv .gii            of a field the result alone (a field of the shape's own file goes back into a file of that format)
 
 Examples:
   adwave filter bust.obj -o smooth.obj --preset suppress
@@ -23,16 +21,16 @@ Examples:
   adwave filter bust.obj -o half.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
   adwave filter lidar.laz -o smooth.laz --preset suppress --along z
   adwave filter brain.ply -o even.ply --field thickness --preset suppress
-  adwave filter bust.obj -o edit.obj --recipe edit.toml")]
+  adwave filter pial.gii.gz -o smooth.shape.gii --field thick.gii.gz --preset suppress
+  adwave filter bust.obj -o edit.obj --recipe edit.toml"))]
 pub(crate) struct FilterArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the result goes; the format is that of the extension
+    /// Where the result goes; the format is that of the extension (see below)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// The signal that is filtered: coords, a field of the file, or one of another: FILE.npy, FILE.csv[:COLUMN], FILE.gii
-    #[arg(long, value_name = "NAME")]
-    pub(crate) field: Option<String>,
+    #[command(flatten)]
+    pub(crate) field: FieldArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     /// A ready-made filter
@@ -48,7 +46,7 @@ pub(crate) struct FilterArgs {
         help_heading = "Edit"
     )]
     pub(crate) gains: Option<Vec<f64>>,
-    /// Where the gains apply; several are joined (see below)
+    /// Where the gains apply; several are joined by "or" (see below; 'adwave region' shows them)
     #[arg(long, value_name = "REGION", value_parser = region, conflicts_with = "recipe", help_heading = "Edit")]
     pub(crate) region: Vec<Region>,
     /// Keep the volume of a closed mesh
@@ -126,10 +124,6 @@ named! {
         /// As the bands have it: smoothing draws borders in (the paper's)
         Free = Free,
     }
-}
-
-fn region(text: &str) -> Result<Region, RegionSyntaxError> {
-    parse_region(text)
 }
 
 /// `adwave::filter::Preset` by its names here.

@@ -3,13 +3,12 @@
 mod args;
 
 use crate::error::CliError;
+use crate::field_file::{FieldFile, check_result, write_field, write_points};
 use crate::global::Global;
 use crate::movement::Movement;
-use crate::output::{
-    bands_params, check_writable, format_of, number, print, schedule, schedule_of, steps_json, write_error,
-    write_shape,
-};
+use crate::output::{bands_params, number, print, schedule, schedule_of, steps_json, write_error};
 use crate::progress::{prepare, with_progress, with_spinner};
+use crate::region::joined;
 use crate::shape_input::{load, refresh_normals};
 use crate::signal::{self, COORDS};
 use adwave::Decomposer;
@@ -18,7 +17,7 @@ use adwave::filter::{Edit, FilterError, Gains, Layer, Preset};
 use adwave::measure::rms;
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::{PositionParams, Volume, settle};
-use adwave::region::{Length, Region};
+use adwave::region::Length;
 use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
 pub(crate) use args::FilterArgs;
 use args::KeepVolumeArg;
@@ -26,8 +25,7 @@ use serde_json::json;
 use std::fmt::Write;
 
 pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError> {
-    format_of(&args.output)?;
-    check_writable(&args.output)?;
+    check_result(&args.output)?;
     let params = bands_params(&args.levels)?;
     let recipe = match &args.recipe {
         Some(path) => Some(read_recipe(path).map_err(CliError::input)?),
@@ -35,14 +33,12 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     };
     let layers = layers(args, recipe.as_ref())?;
     let positions = positions(args, recipe.as_ref());
-    let field = match (&args.field, &recipe) {
-        (Some(field), _) => field.clone(),
-        (None, Some(recipe)) => recipe.field.clone(),
-        (None, None) => COORDS.to_owned(),
-    };
+    let in_recipe = recipe.as_ref().map_or(COORDS, |recipe| recipe.field.as_str());
+    let field = args.field.asked().unwrap_or(in_recipe).to_owned();
 
     let mut input = with_spinner(global, "reading", || load(&args.shape))?;
-    let signal = signal::load(&input, &field)?;
+    let alone = FieldFile::for_result(&args.output, &field, &input.file);
+    let signal = signal::load(&input, &field, args.field.texture.as_deref())?;
     let decomposer = prepare(global, &input.shape, &operator(args, recipe.as_ref())?)?;
     let decomposer = signal::mask(decomposer, &signal, &field, global)?;
     let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer, global)?;
@@ -80,14 +76,14 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         }
         input.file.set_points(points)?;
         refresh_normals(args.update_normals, global, &mut input)?;
+        with_spinner(global, "writing", || write_points(global, &args.output, alone, &input.file))?;
     } else {
         let change = change(&signal.values, &edited);
         let _ = writeln!(text, "{field} changed by {} (rms), {} at most", number(change.0), number(change.1));
         report["changed"] = json!({"rms": change.0, "max": change.1});
         let new = signal::written(&input.file, &field, signal.n_channels, edited);
-        input.file.add_vertex_field(new)?;
+        with_spinner(global, "writing", || write_field(global, &args.output, alone, &mut input.file, new))?;
     }
-    with_spinner(global, "writing", || write_shape(global, &input.file, &args.output))?;
     let _ = writeln!(text, "{}", args.output.display());
     if let Some(path) = &args.save_recipe {
         let operator = decomposer.operator_params();
@@ -118,12 +114,7 @@ fn layers(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<Vec<Layer>, CliE
             return Err(CliError::Input("say what to change: --preset, --gains or --recipe".to_owned()));
         }
     };
-    let region = match args.region.as_slice() {
-        [] => Region::Everywhere {},
-        [one] => one.clone(),
-        several => Region::Any(several.to_vec()),
-    };
-    Ok(vec![Layer { gains, region }])
+    Ok(vec![Layer { gains, region: joined(&args.region) }])
 }
 
 /// The schedule and the layers of a smoothing that keeps more of the volume: `1 − (1 − Φⁿ)^m` in the place of Φⁿ.

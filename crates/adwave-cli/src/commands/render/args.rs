@@ -1,24 +1,30 @@
 //! The arguments of `adwave render`.
 
-use crate::args::Kind;
+use super::framing::FramingArgs;
+use crate::args::{Kind, signal_names};
+use crate::region::region;
+use adwave::region::Region;
 use adwave_render::{RenderParams, Up, View};
 use clap::Args;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Without --color a shape has the colours of its file, else one colour. A field of both signs gets a diverging map with 0 in
 the middle, others viridis, from the 1st to the 99th percentile; what is NaN is grey. The front is seen from +z with y up,
-or with --up z from -y.
+or with --up z from -y. --region shows the weights that 'adwave filter' would take, whose help says how regions are written.
 
 Examples:
   adwave render bunny.obj -o bunny.png
   adwave render bunny.obj -o curvature.png --color mean-curvature --view 30,15
   adwave features bunny.obj -o features.csv && adwave render bunny.obj -o features.png --features features.csv
   adwave saliency bunny.obj -o map.ply && adwave render map.ply -o map.png --color saliency --colormap turbo
-  adwave render scan.las -o scan.png --up z --view top
+  adwave render scan.las -o plan.png --view top --orthographic
+  adwave render bunny.obj -o ear.png --focus vertex=120 --zoom 6
+  adwave render bunny.obj -o region.png --region 'ball:vertex=120,radius=10%'
   adwave render before.obj after.obj -o sheet.png --grid
   adwave render pial.gii.gz -o folds.png --color sulc.gii.gz --color mean-curvature --grid --view left")]
 pub(crate) struct RenderArgs {
@@ -28,9 +34,16 @@ pub(crate) struct RenderArgs {
     /// Where the picture goes (.png)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// What its colours show: a field, named as for --field of other commands; 'plain' for one colour. Several with --grid
-    #[arg(long, value_name = "FIELD", help_heading = "Colours")]
+    #[arg(
+        long,
+        value_name = "FIELD",
+        help = concat!("What its colours show: ", signal_names!(), "; 'plain' for one colour. Several with --grid"),
+        help_heading = "Colours"
+    )]
     pub(crate) color: Vec<String>,
+    /// Show the weights of a region in place of a field; several are joined by "or"
+    #[arg(long, value_name = "REGION", value_parser = region, conflicts_with = "color", help_heading = "Colours")]
+    pub(crate) region: Vec<Region>,
     /// viridis, magma, inferno, plasma, cividis, turbo, cool, warm, grey, coolwarm, red-blue or spectral
     #[arg(long, value_name = "NAME", help_heading = "Colours")]
     pub(crate) colormap: Option<String>,
@@ -58,9 +71,14 @@ pub(crate) struct RenderArgs {
         help_heading = "Picture"
     )]
     pub(crate) view: View,
-    /// Which axis of the shape points up: x, y or z
-    #[arg(long, value_name = "AXIS", default_value = "y", help_heading = "Picture")]
-    pub(crate) up: Up,
+    /// Which axis of the shape points up: x, y or z [default: z of LAS, LAZ, GIFTI and what is as low and open as land, else y]
+    #[arg(long, value_name = "AXIS", help_heading = "Picture")]
+    pub(crate) up: Option<Up>,
+    #[command(flatten)]
+    pub(crate) framing: FramingArgs,
+    /// Parallel rays in place of mild perspective: lengths can be measured in the picture
+    #[arg(long, help_heading = "Picture")]
+    pub(crate) orthographic: bool,
     /// Pixels; of one panel with --grid [default: 1200x900, with --grid 600x500]
     #[arg(long, value_name = "WxH", help_heading = "Picture")]
     pub(crate) size: Option<SizeArg>,

@@ -1,38 +1,43 @@
 //! `adwave render`: pictures of shapes, fields and features.
 
 mod args;
+mod balls;
+mod framing;
 
+use crate::commands::region::WEIGHT;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, print, write_error};
 use crate::progress::with_spinner;
+use crate::region::{joined, weights};
 use crate::shape_input::{Input, Source, load_source};
-use crate::signal::{COORDS, Signal, load_with_texture};
-use adwave::Progress;
+use crate::signal::{self, COORDS, Signal};
+use crate::up::Upward;
+use adwave::operator::OperatorParams;
 use adwave::shape::{Shape, triangulate};
 use adwave::signal::SurfaceSignal;
-use adwave_io::{FieldValues, ReadLimits, atomic_write};
+use adwave::{Decomposer, Progress};
+use adwave_io::{FieldValues, atomic_write};
 use adwave_render::{
-    Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, RenderParams, SharedCamera,
-    Surface, ValueRange, grid, render,
+    Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, Projection, RenderParams,
+    SharedCamera, Surface, ValueRange, grid, render,
 };
 pub(crate) use args::RenderArgs;
 use args::{RangeArg, SizeArg};
-use serde_json::{Value, json};
-use std::path::Path;
+use balls::features;
+use serde_json::json;
 use std::time::Instant;
 
 /// The name of no field at all.
 const PLAIN: &str = "plain";
 
-/// What marks a feature.
-const GREEN: [u8; 3] = [52, 168, 83];
-
 pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError> {
     let params = check(args)?;
     let balls = args.features.as_deref().map(features).transpose()?.unwrap_or_default();
     let start = Instant::now();
-    let shapes = with_spinner(global, "reading", || load_all(args))?;
+    let shapes = with_spinner(global, "reading", || load_all(args, global))?;
+    let upward = Upward::of(args.up, &shapes[0].input);
+    let params = params.with_up(upward.up).with_framing(args.framing.of(&shapes[0].input)?);
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let picture =
@@ -41,10 +46,11 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
     let png = picture.png()?;
     atomic_write(&args.output, |out| Ok(out.write_all(&png)?)).map_err(write_error)?;
     let text = format!(
-        "{} × {} pixels, {} vertices; read {read:.2} s, drawn {drawn:.2} s\n{}",
+        "{} × {} pixels, {} vertices; read {read:.2} s, drawn {drawn:.2} s\n{}{}",
         picture.width,
         picture.height,
         shapes.iter().map(|s| s.input.shape.n_vertices()).sum::<usize>(),
+        upward.line(),
         args.output.display()
     );
     let json = json!({
@@ -57,6 +63,10 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
             "colors": s.looks.iter().map(Look::label).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
         "features": balls.len(),
+        "up": upward.json(),
+        "zoom": params.framing.zoom,
+        "focus": params.framing.focus,
+        "projection": if args.orthographic { "orthographic" } else { "perspective" },
         "seconds": {"read": read, "draw": drawn},
     });
     print(global, &text, &json)
@@ -75,10 +85,13 @@ fn check(args: &RenderArgs) -> Result<RenderParams, CliError> {
     let usual = if args.grid.is_some() { SizeArg(600, 500) } else { SizeArg(1200, 900) };
     let SizeArg(width, height) = args.size.unwrap_or(usual);
     let background = if args.transparent { Background::Transparent } else { Background::Color([255; 3]) };
-    let params = RenderParams::default()
+    let usual = RenderParams::default();
+    let projection = if args.orthographic { Projection::Orthographic } else { usual.projection };
+    let params = usual
         .with_size(width, height)
         .with_view(args.view)
-        .with_up(args.up)
+        .with_projection(projection)
+        .with_framing(args.framing.without_vertex())
         .with_background(background)
         .with_color_bar(if args.no_bar { ColorBar::Hidden } else { ColorBar::Shown })
         .with_crease_angle(args.crease);
@@ -105,7 +118,7 @@ struct Loaded {
 enum Look {
     Plain,
     Colors { values: Vec<[u8; 3]>, label: String },
-    Field { values: Vec<f64>, label: String, unit: Option<&'static str> },
+    Field { values: Vec<f64>, label: String, unit: Option<&'static str>, range: ValueRange },
 }
 
 impl Look {
@@ -117,24 +130,36 @@ impl Look {
     }
 }
 
-fn load_all(args: &RenderArgs) -> Result<Vec<Loaded>, CliError> {
-    args.shapes.iter().map(|name| load(args, name)).collect()
+fn load_all(args: &RenderArgs, global: &Global<'_>) -> Result<Vec<Loaded>, CliError> {
+    args.shapes.iter().map(|name| load(args, name, global)).collect()
 }
 
-fn load(args: &RenderArgs, name: &str) -> Result<Loaded, CliError> {
+fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<Loaded, CliError> {
     let input = load_source(&Source { kind: args.kind, vertices: args.vertices, ..Source::new(name) })?;
     let Some(points) = input.shape.points() else {
         return Err(CliError::Input(format!("{name}: a graph has no positions to draw")));
     };
     let triangles =
         if let Shape::Mesh(mesh) = &input.shape { triangulate(points, mesh.faces()) } else { Vec::new() };
-    let looks = if args.color.is_empty() {
+    let looks = if !args.region.is_empty() {
+        vec![region_look(args, &input, global)?]
+    } else if args.color.is_empty() {
         let colors = input.file.field("color").and_then(|field| bytes(field.n_channels, &field.values));
         vec![colors.map_or(Look::Plain, |values| Look::Colors { values, label: "color".to_owned() })]
     } else {
         args.color.iter().map(|color| look(args, &input, color)).collect::<Result<_, _>>()?
     };
     Ok(Loaded { input, triangles, looks })
+}
+
+/// The weights of the regions.
+fn region_look(args: &RenderArgs, input: &Input, global: &Global<'_>) -> Result<Look, CliError> {
+    let progress = global.progress();
+    let decomposer = Decomposer::with_params(&input.shape, &OperatorParams::default(), progress)
+        .map_err(|_| CliError::Cancelled)?;
+    let values = weights(&joined(&args.region), input, &decomposer, progress)?;
+    let range = ValueRange::Fixed(0.0, 1.0);
+    Ok(Look::Field { values, label: WEIGHT.to_owned(), unit: None, range })
 }
 
 /// What is shown by a field's name: its number, its length where it has several, or the colours that it holds.
@@ -150,7 +175,7 @@ fn look(args: &RenderArgs, input: &Input, name: &str) -> Result<Look, CliError> 
         return Ok(Look::Colors { values, label });
     }
     let texture = args.texture.as_deref().filter(|_| name.starts_with("texture"));
-    let Signal { n_channels, values } = load_with_texture(input, name, texture)?;
+    let Signal { n_channels, values } = signal::load(input, name, texture)?;
     if name == "texture"
         && let Some(values) = bytes(n_channels, &FieldValues::F64(values.to_vec()))
     {
@@ -160,13 +185,14 @@ fn look(args: &RenderArgs, input: &Input, name: &str) -> Result<Look, CliError> 
     let own = SurfaceSignal::from_name(name).filter(|_| input.file.field(name).is_none());
     let unit = if name == COORDS { Some("model units") } else { own.and_then(SurfaceSignal::unit) };
     if n_channels == 1 {
-        return Ok(Look::Field { values: values.to_vec(), label, unit });
+        return Ok(Look::Field { values: values.to_vec(), label, unit, range: ValueRange::Auto });
     }
     let length = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>().sqrt();
     Ok(Look::Field {
         values: values.chunks_exact(n_channels).map(length).collect(),
         label: format!("|{label}|"),
         unit,
+        range: ValueRange::Auto,
     })
 }
 
@@ -195,10 +221,6 @@ fn draw(
     progress: Progress<'_>,
 ) -> Result<Picture, CliError> {
     let color_map = color_map(args)?;
-    let range = match args.range {
-        RangeArg::Auto => ValueRange::Auto,
-        RangeArg::Fixed(low, high) => ValueRange::Fixed(low, high),
-    };
     let panels: Vec<Panel<'_>> = shapes
         .iter()
         .flat_map(|shape| shape.looks.iter().map(move |look| (shape, look)))
@@ -206,7 +228,11 @@ fn draw(
             let paint = match look {
                 Look::Plain => Paint::CLAY,
                 Look::Colors { values, .. } => Paint::Colors(values),
-                Look::Field { values, label, unit } => {
+                Look::Field { values, label, unit, range } => {
+                    let range = match args.range {
+                        RangeArg::Auto => *range,
+                        RangeArg::Fixed(low, high) => ValueRange::Fixed(low, high),
+                    };
                     let label = unit.map_or_else(|| label.clone(), |unit| format!("{label} ({unit})"));
                     Paint::Field(FieldPaint { values, label, color_map, range })
                 }
@@ -229,53 +255,9 @@ fn draw(
 /// What tells a panel from the others.
 fn caption(args: &RenderArgs, shape: &str, label: Option<&str>) -> String {
     let file = shape.rsplit('/').next().unwrap_or(shape);
-    match (args.shapes.len() > 1, label.filter(|_| !args.color.is_empty())) {
+    match (args.shapes.len() > 1, label.filter(|_| !(args.color.is_empty() && args.region.is_empty()))) {
         (false, Some(label)) => label.to_owned(),
         (true, Some(label)) => format!("{file}: {label}"),
         (_, None) => file.to_owned(),
     }
-}
-
-/// Whether a table of features has its head only: none were found.
-fn has_no_row(path: &Path) -> bool {
-    /// A head is shorter than this.
-    const HEAD: u64 = 4096;
-    if !std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() < HEAD) {
-        return false;
-    }
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    let columns: Vec<&str> = text.trim().split(',').collect();
-    ["x", "y", "z", "sigma"].iter().all(|name| columns.contains(name)) && text.trim().lines().count() == 1
-}
-
-/// The balls of the features in a file that `adwave features` wrote.
-fn features(path: &Path) -> Result<Vec<Ball>, CliError> {
-    let shown = path.display();
-    let rows: Vec<[f64; 4]> = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
-        let text = std::fs::read_to_string(path).map_err(|e| CliError::Input(format!("{shown}: {e}")))?;
-        let json: Value =
-            serde_json::from_str(&text).map_err(|e| CliError::Input(format!("{shown}: {e}")))?;
-        let list = json.get("features").unwrap_or(&json).as_array();
-        let list = list.ok_or_else(|| CliError::Input(format!("{shown}: there is no list of features")))?;
-        let row = |f: &Value| {
-            let number = |name: &str| f.get(name).and_then(Value::as_f64);
-            let position = |k: usize| f.get("position").and_then(|p| p.get(k)).and_then(Value::as_f64);
-            let at = |k: usize, name: &str| number(name).or_else(|| position(k));
-            Some([at(0, "x")?, at(1, "y")?, at(2, "z")?, number("sigma")?])
-        };
-        let missing = |k: usize| CliError::Input(format!("{shown}: feature {k} has no x, y, z and sigma"));
-        list.iter().enumerate().map(|(k, f)| row(f).ok_or_else(|| missing(k))).collect::<Result<_, _>>()?
-    } else if has_no_row(path) {
-        Vec::new()
-    } else {
-        let fields = adwave_io::read_csv_fields(path, &ReadLimits::default()).map_err(CliError::input)?;
-        let columns = ["x", "y", "z", "sigma"].map(|name| fields.iter().find(|f| f.name == name));
-        let [Some(x), Some(y), Some(z), Some(sigma)] = columns else {
-            return Err(CliError::Input(format!(
-                "{shown}: features have the columns x, y, z and sigma; write them with 'adwave features -o FILE.csv'"
-            )));
-        };
-        (0..x.len()).map(|k| [x, y, z, sigma].map(|f| f.get(k, 0))).collect()
-    };
-    Ok(rows.into_iter().map(|[x, y, z, radius]| Ball { center: [x, y, z], radius, color: GREEN }).collect())
 }

@@ -1,6 +1,6 @@
 //! The arguments of `adwave report`.
 
-use crate::args::{LevelArgs, ShapeArgs};
+use crate::args::{FieldArgs, LevelArgs, ShapeArgs};
 use adwave_render::{Up, View};
 use clap::Args;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 The page holds its pictures and tables and opens from a disk without a network: what the shape is made of, its bands,
 smoothed shapes, the saliency map, the features, the four presets, and what each took. Every table can be saved as CSV.
-A graph gets tables and charts. Where the signal is NaN, vertices are masked.
+A graph gets tables and charts, and its degree is split where nothing else is said. Where the signal is NaN, vertices are masked.
 
 Examples:
   adwave report bunny.obj -o bunny.html
@@ -24,12 +24,8 @@ pub(crate) struct ReportArgs {
     /// Where the page goes (.html)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// The signal, named as for --field of saliency [default: coords, of a graph degree]
-    #[arg(long, value_name = "NAME", help_heading = "Signal")]
-    pub(crate) field: Option<String>,
-    /// The picture of the texture [default: the one that the OBJ's materials name]
-    #[arg(long, value_name = "FILE", help_heading = "Signal")]
-    pub(crate) texture: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) field: FieldArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     /// front, back, left, right, top, bottom, three-quarter, or AZIMUTH,ELEVATION in degrees
@@ -41,7 +37,7 @@ pub(crate) struct ReportArgs {
         help_heading = "Pictures"
     )]
     pub(crate) view: View,
-    /// Which axis of the shape points up: x, y or z [default: y, of a LAS or LAZ file z]
+    /// Which axis of the shape points up: x, y or z [default: z of LAS, LAZ, GIFTI and what is as low and open as land, else y]
     #[arg(long, value_name = "AXIS", help_heading = "Pictures")]
     pub(crate) up: Option<Up>,
 }

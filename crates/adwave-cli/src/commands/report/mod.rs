@@ -3,7 +3,6 @@
 mod args;
 
 use crate::analysis::Analysis;
-use crate::args::FieldArgs;
 use crate::commands::info::{health_json, kind};
 use crate::error::CliError;
 use crate::global::Global;
@@ -12,10 +11,10 @@ use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::load;
 use crate::signal::{default_name, field_names, file_normals};
 use crate::stopwatch::Stopwatch;
+use crate::up::Upward;
 use adwave::bands::Bands;
 use adwave::features::FEATURE_EXTENT;
-use adwave_io::{Format, atomic_write};
-use adwave_render::Up;
+use adwave_io::atomic_write;
 use adwave_report::shape_report::{ShapeReport, Subject, Viewpoint, shape_report};
 pub(crate) use args::ReportArgs;
 use serde_json::{Value, json};
@@ -28,17 +27,22 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     check(args)?;
     let mut watch = Stopwatch::start();
     let input = with_spinner(global, "reading", || load(&args.shape))?;
-    let field = args.field.clone().unwrap_or_else(|| default_name(&input).to_owned());
-    let signal = FieldArgs { field: field.clone(), texture: args.texture.clone() };
+    let signal = args.field.or(default_name(&input));
+    let field = signal.name().to_owned();
+    let upward = Upward::of(args.up, &input);
     let mut analysis =
         Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, FEATURE_EXTENT, global)?;
     let bands = analysis.bands(global)?;
-    let report = report(args, global, &analysis, &bands, &field)?;
+    let viewpoint = Viewpoint { view: Some(args.view), up: upward.up };
+    let report = report(viewpoint, global, &analysis, &bands, &field)?;
     let html = report.page.html();
     atomic_write(&args.output, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;
     let seconds = start.elapsed().as_secs_f64();
-    let text = analysis.headline(&field) + &summary(&report, html.len(), seconds, &args.output);
-    print(global, &text, &describe(args, &analysis, &field, &report, html.len(), seconds))
+    let text =
+        analysis.headline(&field) + &upward.line() + &summary(&report, html.len(), seconds, &args.output);
+    let mut json = describe(args, &analysis, &field, &report, html.len(), seconds);
+    json["up"] = upward.json();
+    print(global, &text, &json)
 }
 
 /// What can be refused before anything is read.
@@ -53,7 +57,7 @@ fn check(args: &ReportArgs) -> Result<(), CliError> {
 }
 
 fn report(
-    args: &ReportArgs,
+    viewpoint: Viewpoint,
     global: &Global<'_>,
     analysis: &Analysis,
     bands: &Bands,
@@ -61,8 +65,6 @@ fn report(
 ) -> Result<ShapeReport, CliError> {
     let input = &analysis.input;
     let format = input.file.format();
-    // Scans of land have their heights in z.
-    let up = if matches!(format, Some(Format::Las | Format::Laz)) { Up::Z } else { Up::default() };
     let seconds = &analysis.seconds;
     let normals = file_normals(input);
     let subject = Subject {
@@ -79,7 +81,6 @@ fn report(
         command: &command_line(global.arguments),
         seconds: &[("reading", seconds.read), ("diffusion", seconds.diffusion), ("bands", seconds.bands)],
     };
-    let viewpoint = Viewpoint { view: Some(args.view), up: args.up.unwrap_or(up) };
     with_progress(global, "measuring and drawing", |progress| shape_report(&subject, viewpoint, progress))
         .map_err(|_| CliError::Cancelled)
 }
