@@ -9,9 +9,18 @@ use std::fs;
 #[test]
 fn every_command_explains_itself_with_examples() {
     let folder = tempfile::tempdir().unwrap();
-    for command in
-        ["info", "transform", "filter", "denoise", "saliency", "features", "evaluate", "basis", "sample"]
-    {
+    for command in [
+        "info",
+        "transform",
+        "filter",
+        "denoise",
+        "simplify",
+        "saliency",
+        "features",
+        "evaluate",
+        "basis",
+        "sample",
+    ] {
         adwave(folder.path()).args([command, "--help"]).assert().success().stdout(contains("Examples:"));
     }
     adwave(folder.path()).args(["completions", "bash"]).assert().success().stdout(contains("adwave"));

@@ -2,9 +2,11 @@
 
 mod analysis;
 pub mod demo;
+mod detail;
 pub mod page;
 pub mod reproduce;
 pub mod shape_report;
 mod table;
 
+pub use detail::{DetailLoss, detail_loss, widest_within};
 pub use table::{NONE, Table, column, digits};
