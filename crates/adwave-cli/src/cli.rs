@@ -19,6 +19,7 @@ use crate::commands::{
     saliency::SaliencyArgs,
     sample::SampleArgs,
     shell::{CompletionsArgs, ManArgs},
+    simplify::SimplifyArgs,
     transform::TransformArgs,
 };
 use clap::{Parser, Subcommand};
@@ -61,6 +62,8 @@ pub(crate) enum Command {
     Region(RegionArgs),
     /// Take noise off a shape: how much is there, and whether creases stay, is found by itself
     Denoise(DenoiseArgs),
+    /// Drop vertices, and measure how far the result is from the shape
+    Simplify(SimplifyArgs),
     /// Map where a signal stands out, over all levels
     Saliency(SaliencyArgs),
     /// Find the places where a level stands out, each with its size

@@ -83,6 +83,7 @@ by_kind!(
     adwave_report::demo::DemoError,
     adwave_report::reproduce::ModelError,
     adwave_report::reproduce::ReproduceError,
+    adwave_simplify::SimplifyError,
 );
 
 impl From<adwave::bands::BandsError> for CliError {

@@ -79,6 +79,7 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Transform(args) => commands::transform::run(args, global),
         Command::Filter(args) => commands::filter::run(args, global),
         Command::Denoise(args) => commands::denoise::run(args, global),
+        Command::Simplify(args) => commands::simplify::run(args, global),
         Command::Saliency(args) => commands::saliency::run(args, global),
         Command::Features(args) => commands::features::run(args, global),
         Command::Match(args) => commands::matching::run(args, global),

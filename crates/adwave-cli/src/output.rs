@@ -10,6 +10,7 @@ use adwave_io::{Format, ShapeFile, WriteError, WriteReport};
 use adwave_report::digits;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -244,6 +245,20 @@ pub(crate) fn write_shape(
         note(global, &format!("{} cannot hold {}", path.display(), report.not_written.join(", ")));
     }
     Ok(report)
+}
+
+/// The command of these words, so that it can be typed.
+pub(crate) fn command_line<'a>(words: impl Iterator<Item = &'a OsString>) -> String {
+    let safe = |c: char| c.is_alphanumeric() || "-_./:,=+@%".contains(c);
+    let quoted = |word: String| {
+        if !word.is_empty() && word.chars().all(safe) {
+            word
+        } else {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        }
+    };
+    let words = words.map(|word| quoted(word.to_string_lossy().into_owned()));
+    std::iter::once("adwave".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 /// A failed write: the disk's fault or the user's.

@@ -42,8 +42,13 @@ fn what_is_wrong_with_a_file_is_said_in_one_line() {
         ("missing.obj", "missing.obj"),
         (".", "."),
     ] {
-        for command in ["info", "transform -o o.npz", "filter -o o.ply --preset suppress", "denoise -o o.ply"]
-        {
+        for command in [
+            "info",
+            "transform -o o.npz",
+            "filter -o o.ply --preset suppress",
+            "denoise -o o.ply",
+            "simplify -o o.ply --ratio 0.5",
+        ] {
             let (verb, rest) = command.split_once(' ').unwrap_or((command, ""));
             let error = refused(path, &format!("{verb} {file} {rest}"));
             assert!(error.contains(named) && error.contains(file), "{verb} {file}: {error}");

@@ -32,6 +32,7 @@
 //! | `original` | the bytes of a text that is written again with other coordinates |
 //! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
 //! | `npy`, `csv` | arrays and tables as fields, and written |
+//! | `subset` | a file with fewer vertices |
 //! | `texture` | colours of pictures at vertices |
 //! | `recipe` | edits as TOML |
 //! | `atomic` | files replaced as a whole |
@@ -68,6 +69,7 @@ mod shape;
 mod shape_file;
 mod sniff;
 mod stl;
+mod subset;
 mod text;
 mod texture;
 mod vtp;
@@ -89,5 +91,6 @@ pub use read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use shape::{ShapeFileError, ShapeKind};
 pub use shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
+pub use subset::Subset;
 pub use texture::{TextureError, texture_colors};
 pub use write::{WriteReport, write_bytes, write_bytes_with, write_path, write_path_with};

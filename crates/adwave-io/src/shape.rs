@@ -51,6 +51,12 @@ pub enum ShapeFileError {
         /// How many channels each row shall have.
         n_channels: usize,
     },
+    /// A part of the file was asked for that it does not have.
+    #[error("the part to keep has {what}")]
+    Subset {
+        /// What is wrong with it.
+        what: &'static str,
+    },
     /// A mesh was asked for.
     #[error("there are no faces to take it as a mesh")]
     NoFaces,

@@ -2,10 +2,12 @@
 
 mod analysis;
 pub mod demo;
+mod detail;
 pub mod difference_report;
 pub mod page;
 pub mod reproduce;
 pub mod shape_report;
 mod table;
 
+pub use detail::{DetailLoss, detail_loss, widest_within};
 pub use table::{NONE, Table, column, digits};

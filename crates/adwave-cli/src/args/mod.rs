@@ -6,7 +6,7 @@ mod shape;
 
 pub(crate) use analysis::{BorderArgs, DetectArgs, FieldArgs, MapArgs, ResponseArg, signal_names};
 pub(crate) use named::named;
-pub(crate) use shape::{Kind, LevelArgs, ShapeArgs};
+pub(crate) use shape::{Kind, LevelArgs, ShapeArgs, any_length};
 
 use clap::Args;
 use std::num::NonZeroUsize;

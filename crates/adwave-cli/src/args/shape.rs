@@ -172,7 +172,7 @@ pub(crate) struct LevelArgs {
         long,
         value_name = "L,L,…",
         value_delimiter = ',',
-        value_parser = width,
+        value_parser = any_length,
         allow_negative_numbers = true,
         help_heading = "Levels",
         conflicts_with_all = ["levels", "voices"]
@@ -183,7 +183,7 @@ pub(crate) struct LevelArgs {
         long,
         value_name = "L,L,…",
         value_delimiter = ',',
-        value_parser = width,
+        value_parser = any_length,
         allow_negative_numbers = true,
         help_heading = "Levels",
         conflicts_with_all = ["levels", "voices", "steps", "lengths"]
@@ -191,8 +191,8 @@ pub(crate) struct LevelArgs {
     pub(crate) fwhm: Option<Vec<Length>>,
 }
 
-/// Reads a width of any size: what no level can have is refused when all are known.
-fn width(text: &str) -> Result<Length, RegionSyntaxError> {
+/// Reads a length of any size: what no level or error can have is refused when all is known.
+pub(crate) fn any_length(text: &str) -> Result<Length, RegionSyntaxError> {
     match text.trim().parse() {
         Ok(units) => Ok(Length::Units(units)),
         Err(_) => text.parse(),

@@ -17,4 +17,5 @@ pub(crate) mod reproduce;
 pub(crate) mod saliency;
 pub(crate) mod sample;
 pub(crate) mod shell;
+pub(crate) mod simplify;
 pub(crate) mod transform;

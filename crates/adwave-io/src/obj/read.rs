@@ -101,7 +101,7 @@ fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
 
 /// The line feed that ends the line at `position`, lines continued by `\` taken together; or the end of the bytes.
 /// A comment is not continued: those that end in `\` end in the name of a folder.
-fn logical_end(bytes: &[u8], mut position: usize) -> usize {
+pub(crate) fn logical_end(bytes: &[u8], mut position: usize) -> usize {
     let first = bytes[position..].iter().find(|&&b| !is_blank(b));
     if first == Some(&b'#') {
         return crate::text::line_end(bytes, position);

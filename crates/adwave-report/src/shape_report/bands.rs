@@ -2,6 +2,7 @@
 
 use super::Subject;
 use super::drawing::{FieldLook, Frame, Scale, Studio};
+use crate::detail::detail_loss;
 use crate::page::{Block, Figure, Image, Section};
 use crate::table::{NONE, Table, column, digits};
 use adwave_render::plot::{Axis, Chart, Mark, Series};
@@ -28,6 +29,10 @@ pub struct BandSummary {
     pub energy_share: f64,
     /// The mean square of W_j by the sum of those of all bands; NaN for a constant signal.
     pub detail_share: f64,
+    /// What is lost where the bands 1 … j are dropped: the greatest ‖f − S_j‖ of a vertex, in units of the signal.
+    pub greatest_loss: f64,
+    /// Root of the mean square of ‖f − S_j‖ by area, in units of the signal.
+    pub rms_loss: f64,
 }
 
 pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<BandSummary>) {
@@ -36,6 +41,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let spread = Spread::new(subject);
     let bands = summaries(subject, &spread);
     section.push(Block::Table(table(subject, &bands, &spread)));
+    section.push(Block::Table(losses(subject, &bands)));
     if !spread.total.is_finite() || spread.total <= 0.0 {
         section.note(
             "The signal is the same everywhere: every band is 0, and there are no shares of its energy.",
@@ -112,6 +118,7 @@ fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
     let constant = spread.total <= (1e-13 * size).powi(2);
     let all: f64 = spread.bands.iter().sum();
     let share = |energy: f64, of: f64| if constant { f64::NAN } else { energy / of };
+    let losses = detail_loss(bands, &subject.walk.areas());
     (1..=bands.n_levels())
         .map(|level| {
             let max = bands
@@ -129,6 +136,8 @@ fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
                 max: max.sqrt(),
                 energy_share: share(energy, spread.total),
                 detail_share: share(energy, all),
+                greatest_loss: losses[level - 1].greatest,
+                rms_loss: losses[level - 1].rms,
             }
         })
         .collect()
@@ -169,6 +178,41 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], spread: &Spread) -> Table
     let none = || NONE.to_owned();
     let name = format!("rest S_{}", bands.len());
     table.push([name, none(), none(), none(), digits(spread.rest.sqrt()), none(), rest, none()]);
+    table.without_empty_columns()
+}
+
+/// What each level leaves out.
+fn losses(subject: &Subject<'_>, bands: &[BandSummary]) -> Table {
+    let (width, unit) = (subject.width_unit(), subject.unit());
+    let mut table = Table::new(
+        "detail.csv",
+        "What is lost when everything finer than level j is dropped, which is what `adwave filter --gains` does with j zeros and \
+         then ones: the distance of the signal f from S_j over the vertices, rms by area.",
+        &[
+            "bands dropped",
+            &format!("σ_j, {width}"),
+            &format!("greatest |f − S_j|, {unit}"),
+            "greatest, % of the diagonal",
+            &format!("rms |f − S_j|, {unit}"),
+            "rms, % of the diagonal",
+        ],
+    );
+    let numbers = |value: &dyn Fn(&BandSummary) -> f64| column(&bands.iter().map(value).collect::<Vec<_>>());
+    // Of another signal than the shape a percentage of the diagonal means nothing.
+    let percent = |loss: f64| if subject.is_geometry() { subject.percent(loss) } else { f64::NAN };
+    let columns = [
+        numbers(&|b| b.sigma),
+        numbers(&|b| b.greatest_loss),
+        numbers(&|b| percent(b.greatest_loss)),
+        numbers(&|b| b.rms_loss),
+        numbers(&|b| percent(b.rms_loss)),
+    ];
+    for (k, band) in bands.iter().enumerate() {
+        let [sigma, greatest, greatest_percent, rms, rms_percent] =
+            columns.each_ref().map(|cells| cells[k].clone());
+        let dropped = if band.level == 1 { "1".to_owned() } else { format!("1 to {}", band.level) };
+        table.push([dropped, sigma, greatest, greatest_percent, rms, rms_percent]);
+    }
     table.without_empty_columns()
 }
 

@@ -6,7 +6,9 @@ use crate::analysis::Analysis;
 use crate::commands::info::{health_json, kind};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{bands_params, check_levels, check_writable, print, steps_json, write_error};
+use crate::output::{
+    bands_params, check_levels, check_writable, command_line, print, steps_json, write_error,
+};
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::load;
 use crate::signal::{default_name, field_names, file_normals};
@@ -18,7 +20,6 @@ use adwave_io::atomic_write;
 use adwave_report::shape_report::{ShapeReport, Subject, Viewpoint, shape_report};
 pub(crate) use args::ReportArgs;
 use serde_json::{Value, json};
-use std::ffi::OsString;
 use std::path::Path;
 use std::time::Instant;
 
@@ -78,7 +79,7 @@ fn report(
         normals: normals.as_deref(),
         bands,
         levels_reason: &analysis.why,
-        command: &command_line(global.arguments),
+        command: &command_line(global.arguments.iter().skip(1)),
         seconds: &[("reading", seconds.read), ("diffusion", seconds.diffusion), ("bands", seconds.bands)],
     };
     with_progress(global, "measuring and drawing", |progress| shape_report(&subject, viewpoint, progress))
@@ -102,20 +103,6 @@ fn signal_name(field: &str) -> &str {
     let plain = name.strip_suffix(".gz").unwrap_or(name);
     let stem = [".gii", ".npy", ".csv", ".tsv"].into_iter().find_map(|ending| plain.strip_suffix(ending));
     stem.filter(|stem| !stem.is_empty()).unwrap_or(name)
-}
-
-/// What was typed, so that it can be typed again.
-pub(crate) fn command_line(arguments: &[OsString]) -> String {
-    let safe = |c: char| c.is_alphanumeric() || "-_./:,=+@%".contains(c);
-    let quoted = |word: String| {
-        if !word.is_empty() && word.chars().all(safe) {
-            word
-        } else {
-            format!("'{}'", word.replace('\'', "'\\''"))
-        }
-    };
-    let words = arguments.iter().skip(1).map(|word| quoted(word.to_string_lossy().into_owned()));
-    std::iter::once("adwave".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
 fn summary(report: &ShapeReport, bytes: usize, seconds: f64, output: &Path) -> String {
@@ -153,7 +140,7 @@ fn describe(
         "bands": report.bands.iter().map(|b| json!({
             "level": b.level, "steps": steps_json(&[b.steps])[0], "sigma": b.sigma, "percent": analysis.percent(b.sigma),
             "rms": b.rms, "max": b.max, "energy_share": b.energy_share,
-            "detail_share": b.detail_share,
+            "detail_share": b.detail_share, "greatest_loss": b.greatest_loss, "rms_loss": b.rms_loss,
         })).collect::<Vec<_>>(),
         "saliency": report.saliency.as_ref().map(|s| json!({
             "largest_vertex": s.vertex, "largest": s.largest, "patches": s.n_patches, "top_share": s.top_share,

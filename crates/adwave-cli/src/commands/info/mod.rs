@@ -1,6 +1,8 @@
 //! `adwave info`: what a shape consists of, what is unusual about it, and which levels it gets.
 
-use crate::args::{LevelArgs, ShapeArgs};
+mod detail;
+
+use crate::args::{LevelArgs, ShapeArgs, any_length};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{
@@ -10,6 +12,7 @@ use crate::output::{
 use crate::progress::{prepare, with_spinner};
 use crate::shape_input::load;
 use adwave::operator::SurfaceInfo;
+use adwave::region::Length;
 use adwave::shape::{Health, Shape, bounding_box};
 use clap::Args;
 use serde_json::{Value, json};
@@ -20,16 +23,31 @@ use std::fmt::Write;
 Examples:
   adwave info scan.las
   adwave info bunny.obj --json | jq .health
-  adwave info sample:creature --vertices 200000")]
+  adwave info sample:creature --vertices 200000
+  adwave info bunny.obj --detail                 what each level loses
+  adwave info bunny.obj --error 0.1%             how many of the fine bands can be dropped for that")]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
+    /// Measure what is lost of the shape when everything finer than each level is dropped
+    #[arg(long, help_heading = "Detail")]
+    pub(crate) detail: bool,
+    /// Say how many of the fine bands can be dropped for an error of at most this, in model units or in % of the diagonal
+    #[arg(long, value_name = "LENGTH", value_parser = any_length, allow_negative_numbers = true, help_heading = "Detail")]
+    pub(crate) error: Option<Length>,
+}
+
+impl InfoArgs {
+    fn wants_detail(&self) -> bool {
+        self.detail || self.error.is_some()
+    }
 }
 
 pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
     check_levels(&args.levels)?;
+    detail::check(args)?;
     let (input, decomposer, health) = with_spinner(global, "reading", || {
         let input = load(&args.shape)?;
         let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
@@ -38,6 +56,10 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     })?;
     let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
     let sigma = schedule.sigma(decomposer.diffusion().step_length());
+    let detail = args
+        .wants_detail()
+        .then(|| detail::measure(args, &input, &decomposer, &schedule, &health, global))
+        .transpose()?;
     let kind = kind(&input.shape);
     let diagonal = decomposer.diagonal();
     let format = input.file.format().map_or_else(|| "sample".to_owned(), |f| f.to_string());
@@ -91,6 +113,8 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         }),
     );
 
+    text += &detail.as_ref().map_or_else(String::new, detail::Detail::text);
+
     let json = json!({
         "shape": input.name,
         "kind": kind,
@@ -121,6 +145,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "steps": steps_json(&schedule.steps_from_zero()),
         "sigma": sigma,
         "fwhm": fwhm_json(&sigma, diagonal),
+        "detail": detail.as_ref().map(detail::Detail::json),
     });
     print(global, &text, &json)
 }

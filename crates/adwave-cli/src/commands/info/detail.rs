@@ -1,0 +1,229 @@
+//! `adwave info --detail`: what is lost when fine bands are dropped, and which can be dropped for an error.
+
+use super::InfoArgs;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::{bands_params, command_line, fwhm_text, number, percent_of, table};
+use crate::progress::with_progress;
+use crate::shape_input::Input;
+use adwave::Decomposer;
+use adwave::bands::{FWHM, Schedule};
+use adwave::region::Length;
+use adwave::shape::{Health, Shape};
+use adwave_report::{DetailLoss, detail_loss, widest_within};
+use serde_json::{Value, json};
+use std::ffi::OsString;
+use std::fmt::Write;
+
+/// What each level loses, and what was asked of it.
+pub(super) struct Detail {
+    losses: Vec<DetailLoss>,
+    diagonal: f64,
+    /// The error that is allowed, in model units and as it was typed.
+    error: Option<(f64, String)>,
+    /// The command that drops so many of the bands.
+    drop: Box<dyn Fn(usize) -> String>,
+}
+
+/// Refuses what no shape can be asked for.
+pub(super) fn check(args: &InfoArgs) -> Result<(), CliError> {
+    if args.wants_detail() {
+        bands_params(&args.levels)?;
+    }
+    match args.error {
+        Some(Length::Units(error) | Length::PercentOfDiagonal(error))
+            if !(error.is_finite() && error >= 0.0) =>
+        {
+            Err(CliError::Input(format!(
+                "--error {error:?} is no length; it must be finite and not negative"
+            )))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Splits the coordinates and measures.
+pub(super) fn measure(
+    args: &InfoArgs,
+    input: &Input,
+    decomposer: &Decomposer,
+    schedule: &Schedule,
+    health: &Health,
+    global: &Global<'_>,
+) -> Result<Detail, CliError> {
+    let Some(points) = input.shape.points() else {
+        return Err(CliError::Input(format!(
+            "{}: a graph has no positions, so there is no detail to measure; leave out --detail and --error",
+            input.name
+        )));
+    };
+    let params = bands_params(&args.levels)?;
+    let bands = with_progress(global, "splitting", |progress| {
+        decomposer.request(points.as_flattened(), 3, schedule).params(&params).progress(progress).bands()
+    })?;
+    let diagonal = decomposer.diagonal();
+    let (words, n_levels) = (global.arguments.to_vec(), schedule.n_levels());
+    let is_closed = matches!(input.shape, Shape::Mesh(_)) && health.is_closed();
+    let output = output_name(input);
+    Ok(Detail {
+        losses: detail_loss(&bands, &decomposer.areas()),
+        diagonal,
+        error: args.error.map(|error| (error.in_units(diagonal), typed(error))),
+        drop: Box::new(move |n| filter_command(&words, &output, n, n_levels, is_closed)),
+    })
+}
+
+/// A length as it is typed.
+fn typed(length: Length) -> String {
+    match length {
+        Length::Units(units) => units.to_string(),
+        Length::PercentOfDiagonal(percent) => format!("{percent} % of the diagonal"),
+    }
+}
+
+/// A name for the result in a format that is written.
+fn output_name(input: &Input) -> String {
+    let format = input.file.format().filter(|format| format.can_write());
+    format!("OUT.{}", format.and_then(|f| f.extensions().first().copied()).unwrap_or("ply"))
+}
+
+/// The command that drops the `n` finest of the levels, from the words of this one.
+fn filter_command(words: &[OsString], output: &str, n: usize, n_levels: usize, is_closed: bool) -> String {
+    let mut filter: Vec<OsString> = vec!["filter".into()];
+    let (mut skips_value, mut skips_command) = (false, true);
+    for word in words.iter().skip(1) {
+        let text = word.to_string_lossy();
+        if std::mem::take(&mut skips_value) {
+            continue;
+        }
+        match text.as_ref() {
+            "info" if skips_command => skips_command = false,
+            "--detail" | "--json" | "--quiet" | "-q" => {}
+            "--error" => skips_value = true,
+            text if text.starts_with("--error=") => {}
+            _ => filter.push(word.clone()),
+        }
+    }
+    let gains: Vec<&str> = (1..=n_levels).map(|j| if j <= n { "0" } else { "1" }).collect();
+    filter.extend(["-o", output, "--gains", &gains.join(",")].map(OsString::from));
+    if !is_closed {
+        // What is measured are the bands; by default filter keeps the outline of what is open from shrinking.
+        filter.extend(["--border", "free"].map(OsString::from));
+    }
+    command_line(filter.iter())
+}
+
+impl Detail {
+    /// The table, and the sentences that answer an error.
+    pub(super) fn text(&self) -> String {
+        let percent = |length: f64| percent_of(length, self.diagonal);
+        let mut text =
+            "\nWhat is lost when everything finer than S_j is dropped, |f − S_j| over the vertices:\n\n"
+                .to_owned();
+        text += &table(
+            ["bands dropped", "sigma", "greatest", "% of diagonal", "rms by area", "% of diagonal"],
+            self.losses.iter().map(|loss| {
+                [
+                    dropped(loss.level),
+                    number(loss.sigma),
+                    number(loss.greatest),
+                    percent(loss.greatest),
+                    number(loss.rms),
+                    percent(loss.rms),
+                ]
+            }),
+        );
+        if let Some((error, typed)) = &self.error {
+            text += "\n";
+            for (name, measure) in MEASURES {
+                self.answer(&mut text, name, typed, *error, measure);
+            }
+        }
+        text
+    }
+
+    fn answer(&self, text: &mut String, name: &str, typed: &str, error: f64, measure: Measure) {
+        let Some(loss) = widest_within(&self.losses, error, measure) else {
+            let first = self.losses.first().map_or(0.0, measure);
+            let _ = writeln!(
+                text,
+                "{name} within {typed}: no band can be dropped, S_1 is {} away; finer levels: --steps or --lengths",
+                number(first)
+            );
+            return;
+        };
+        let bands = if loss.level == 1 { "band 1".to_owned() } else { format!("bands 1–{}", loss.level) };
+        let widest =
+            if loss.level == self.losses.len() { ", the widest level; ask for more with -j" } else { "" };
+        let _ = writeln!(
+            text,
+            "{name} within {typed}: S_{} (σ = {}, FWHM = {}{widest}), so {bands} can be dropped:\n  {}",
+            loss.level,
+            number(loss.sigma),
+            fwhm_text(loss.sigma, self.diagonal),
+            (self.drop)(loss.level)
+        );
+    }
+
+    /// The same for machines.
+    pub(super) fn json(&self) -> Value {
+        let percent = |length: f64| {
+            if self.diagonal > 0.0 { json!(100.0 * length / self.diagonal) } else { Value::Null }
+        };
+        let levels: Vec<Value> = self
+            .losses
+            .iter()
+            .map(|loss| {
+                json!({
+                    "level": loss.level, "sigma": loss.sigma,
+                    "greatest": loss.greatest, "greatest_percent": percent(loss.greatest),
+                    "rms": loss.rms, "rms_percent": percent(loss.rms),
+                })
+            })
+            .collect();
+        let within = self.error.as_ref().map(|(error, _)| {
+            let answer = |measure: Measure| {
+                widest_within(&self.losses, *error, measure).map(|loss| {
+                    json!({
+                        "level": loss.level, "sigma": loss.sigma, "fwhm": FWHM * loss.sigma,
+                        "command": (self.drop)(loss.level),
+                    })
+                })
+            };
+            json!({"error": error, "greatest": answer(MEASURES[0].1), "rms": answer(MEASURES[1].1)})
+        });
+        json!({"levels": levels, "within": within})
+    }
+}
+
+type Measure = fn(&DetailLoss) -> f64;
+
+/// By what a loss is measured, and what it is called.
+const MEASURES: [(&str, Measure); 2] = [("greatest", |loss| loss.greatest), ("rms", |loss| loss.rms)];
+
+fn dropped(level: usize) -> String {
+    if level == 1 { "1".to_owned() } else { format!("1–{level}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_keeps_what_says_which_shape_and_levels() {
+        let words: Vec<OsString> =
+            ["adwave", "--json", "info", "my info.ply", "--lengths", "1,2,4", "--error", "1%", "--detail"]
+                .map(OsString::from)
+                .to_vec();
+        assert_eq!(
+            filter_command(&words, "OUT.ply", 2, 3, false),
+            "adwave filter 'my info.ply' --lengths 1,2,4 -o OUT.ply --gains 0,0,1 --border free"
+        );
+        let words: Vec<OsString> =
+            ["adwave", "info", "a.obj", "--error=1", "-j", "4"].map(OsString::from).to_vec();
+        assert_eq!(
+            filter_command(&words, "OUT.obj", 4, 4, true),
+            "adwave filter a.obj -j 4 -o OUT.obj --gains 0,0,0,0"
+        );
+    }
+}

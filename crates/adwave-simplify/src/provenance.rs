@@ -1,0 +1,64 @@
+//! Which corner and which face of the original each new one continues.
+
+use crate::deviation::{Surface, centre};
+use crate::wedges::{Wedges, doubled_normal, length};
+use adwave::{Cancelled, Progress};
+use rayon::prelude::*;
+
+/// For each corner of the triangles the corner of the original at the same wedge whose face is turned most alike: where a
+/// vertex has several normals, that is the one on the right side of the crease. O(corners).
+pub(crate) fn corners(wedges: &Wedges, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut starts = vec![0_u32; wedges.points.len() + 1];
+    for &wedge in wedges.triangles.as_flattened() {
+        starts[wedge as usize + 1] += 1;
+    }
+    for k in 1..starts.len() {
+        starts[k] += starts[k - 1];
+    }
+    let mut next = starts.clone();
+    let mut at_wedge = vec![(0_u32, 0_u32); wedges.triangles.len() * 3];
+    for (t, (triangle, corners)) in wedges.triangles.iter().zip(&wedges.corners).enumerate() {
+        for (&wedge, &corner) in triangle.iter().zip(corners) {
+            at_wedge[next[wedge as usize] as usize] = (t as u32, corner);
+            next[wedge as usize] += 1;
+        }
+    }
+    let normal = |triangle: [u32; 3]| {
+        let n = doubled_normal(triangle.map(|w| wedges.points[w as usize]));
+        let norm = length(n).max(f64::MIN_POSITIVE);
+        n.map(|x| x / norm)
+    };
+    let best = |own: &[f64; 3], wedge: u32| {
+        let range = starts[wedge as usize] as usize..starts[wedge as usize + 1] as usize;
+        let likeness = |t: u32| -> f64 {
+            normal(wedges.triangles[t as usize]).iter().zip(own).map(|(a, b)| a * b).sum()
+        };
+        let first = at_wedge[range.start];
+        at_wedge[range]
+            .iter()
+            .fold((first.1, f64::NEG_INFINITY), |best, &(t, corner)| {
+                let like = likeness(t);
+                if like > best.1 { (corner, like) } else { best }
+            })
+            .0
+    };
+    let of_triangle = |triangle: &[u32; 3]| {
+        let own = normal(*triangle);
+        triangle.map(|wedge| best(&own, wedge))
+    };
+    triangles.par_iter().map(of_triangle).collect()
+}
+
+/// For each triangle the triangle of the original that is nearest to its centre. O(triangles log triangles).
+pub(crate) fn nearest_triangles(
+    wedges: &Wedges,
+    triangles: &[[u32; 3]],
+    original: &Surface,
+    progress: Progress<'_>,
+) -> Result<Vec<u32>, Cancelled> {
+    let nearest = |triangle: &[u32; 3]| {
+        progress.check()?;
+        Ok(original.nearest(centre(&triangle.map(|w| wedges.points[w as usize]))).1)
+    };
+    triangles.par_iter().map(nearest).collect()
+}
