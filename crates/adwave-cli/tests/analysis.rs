@@ -245,7 +245,7 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("features a.ply --edge-ratio 0.5", "edge ratio"),
         ("features a.ply -o f.obj", ".csv, .json, .ply or .vtp"),
         ("features a.ply --match a.ply -o f.csv", ".json"),
-        ("saliency a.ply -o m.obj", ".ply, .vtp or .npy"),
+        ("saliency a.ply -o m.obj", ".ply, .vtp, .npy, .csv or .gii"),
         ("saliency a.ply -o m.ply --levels 2 --weighting paper", "skip fewer"),
         ("saliency a.ply -o m.ply --color-map sepia", "viridis"),
         ("saliency a.ply -o m.ply --border -1", "distance from the border is -1"),
