@@ -22,7 +22,7 @@ use crate::commands::{
     simplify::SimplifyArgs,
     transform::TransformArgs,
 };
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Wavelets for shapes: split a mesh, a point cloud or a graph, or any signal on it, into bands from fine to coarse,
 /// change the bands, and put the shape back together without loss.
@@ -35,8 +35,8 @@ Examples:
   adwave demo                                         all of it, on a built-in shape
   adwave info scan.ply                                what is in a file, and which levels it gets
   adwave transform bunny.obj -o bands.npz             all bands, for numpy
-  adwave filter bunny.obj -o smooth.obj --preset suppress
   adwave denoise scan.obj -o clean.obj                noise off, no knob needed
+  adwave filter bunny.obj -o smooth.obj --preset smooth
   adwave filter bunny.obj -o crisp.obj --preset enhance --region 'ball:vertex=120,radius=10%'
   adwave region bunny.obj --region 'ball:vertex=120,radius=10%' -o mask.ply
 
@@ -48,6 +48,14 @@ pub(crate) struct Cli {
     pub(crate) global: GlobalArgs,
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+/// What a command is for and its examples come first: most people need no option.
+const HELP: &str = "{about-with-newline}\n{usage-heading} {usage}{after-help}\n\n{all-args}";
+
+/// The command line with its help.
+pub(crate) fn command() -> clap::Command {
+    Cli::command().mut_subcommands(|command| command.help_template(HELP))
 }
 
 #[derive(Debug, Subcommand)]
@@ -101,7 +109,6 @@ mod tests {
     use adwave::features::{FEATURE_EXTENT, FeatureParams};
     use adwave::operator::OperatorParams;
     use adwave::saliency::{SALIENCY_EXTENT, SaliencyParams};
-    use clap::CommandFactory;
 
     #[test]
     fn the_flags_do_not_contradict_each_other() {

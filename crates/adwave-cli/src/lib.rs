@@ -20,7 +20,7 @@ mod signal;
 mod stopwatch;
 mod up;
 
-use clap::Parser;
+use clap::FromArgMatches;
 use cli::{Cli, Command};
 use error::CliError;
 use global::Global;
@@ -41,7 +41,9 @@ use std::sync::atomic::AtomicBool;
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &AtomicBool) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
-    let cli = match Cli::try_parse_from(&arguments) {
+    let parsed =
+        cli::command().try_get_matches_from(&arguments).and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
             // Help and the version come as errors that succeed; where they cannot be printed nothing else can be either.

@@ -93,7 +93,7 @@ impl Movement {
         let percent = |length: f64| number(if *diagonal > 0.0 { 100.0 * length / diagonal } else { 0.0 });
         let _ = writeln!(
             text,
-            "vertices moved by {} (rms, {} % of the diagonal), vertex {} furthest: {} ({} %)",
+            "vertices moved by {} (rms over the vertices, {} % of the diagonal), vertex {} furthest: {} ({} %)",
             number(moved.rms),
             percent(moved.rms),
             moved.furthest,

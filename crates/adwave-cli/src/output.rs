@@ -80,6 +80,11 @@ pub(crate) fn steps_text(steps: f64) -> String {
     if steps.fract() == 0.0 { steps.to_string() } else { number(steps) }
 }
 
+/// So many levels, in words.
+pub(crate) fn levels_text(n_levels: usize) -> String {
+    format!("{n_levels} level{}", if n_levels == 1 { "" } else { "s" })
+}
+
 /// Numbers of steps, the whole ones as whole numbers.
 pub(crate) fn steps_json(steps: &[f64]) -> Vec<Value> {
     steps.iter().map(|&n| if n.fract() == 0.0 { json!(n as u64) } else { json!(n) }).collect()
@@ -104,22 +109,23 @@ pub(crate) fn schedule_reaching(
     check_levels(args)?;
     if let Some(steps) = &args.steps {
         let schedule = Schedule::real(steps.clone())?;
-        let why = format!("{} levels, of the steps asked for", schedule.n_levels());
+        let why = format!("{}, of the steps asked for", levels_text(schedule.n_levels()));
         return Ok((schedule, why));
     }
     if let Some(widths) = args.widths() {
         let schedule = schedule_of(&widths, decomposer, global)?;
-        let why = format!("{} levels, of the widths asked for", schedule.n_levels());
+        let why = format!("{}, of the widths asked for", levels_text(schedule.n_levels()));
         return Ok((schedule, why));
     }
     let (levels, why) = match args.levels {
-        Some(levels) => (levels, format!("{levels} levels, the number asked for")),
+        Some(levels) => (levels, format!("{}, the number asked for", levels_text(levels))),
         None => decomposer.levels_reaching(reach),
     };
     match args.voices {
         Some(voices) => {
             let schedule = Schedule::voices(levels, voices)?;
-            let why = format!("{} levels, {voices} for each doubling of the steps", schedule.n_levels());
+            let why =
+                format!("{}, {voices} for each doubling of the steps", levels_text(schedule.n_levels()));
             Ok((schedule, why))
         }
         None => Ok((Schedule::dyadic(levels)?, why)),

@@ -75,6 +75,10 @@ pub(crate) fn load(input: &Input, name: &str, texture: Option<&Path>) -> Result<
     if let Some((n_channels, values)) = field(&input.file, name) {
         return Ok(Signal { n_channels, values: Values::Other(values) });
     }
+    if let Some(axis) = axis(input, name) {
+        let values = input.file.points().iter().map(|p| p[axis]).collect();
+        return Ok(Signal { n_channels: 1, values: Values::Other(values) });
+    }
     if name == DEGREE
         && let Shape::Graph(graph) = &input.shape
     {
@@ -114,13 +118,29 @@ pub(crate) fn load(input: &Input, name: &str, texture: Option<&Path>) -> Result<
     let is_mesh = !input.file.faces().is_empty();
     let own = SurfaceSignal::ALL.iter().filter(|&&kind| !(is_mesh && kind == SurfaceSignal::Density));
     let own = own.map(|kind| kind.name().to_owned());
-    let known: Vec<String> =
-        std::iter::once(default_name(input).to_owned()).chain(field_names(&input.file)).chain(own).collect();
+    let axes = ["x", "y", "z"].into_iter().filter(|name| axis(input, name).is_some()).map(str::to_owned);
+    let known: Vec<String> = std::iter::once(default_name(input).to_owned())
+        .chain(field_names(&input.file))
+        .chain(axes)
+        .chain(own)
+        .collect();
     Err(CliError::Input(format!(
         "{} has no field '{name}'; there is {}, or a file .npy, .csv or .gii",
         input.name,
         known.join(", ")
     )))
+}
+
+/// The coordinate that is named, where no field of the file has that name: `z` is the heights of a terrain.
+pub(crate) fn axis(input: &Input, name: &str) -> Option<usize> {
+    let axis = ["x", "y", "z"].iter().position(|axis| *axis == name)?;
+    (input.file.field(name).is_none() && !input.file.points().is_empty()).then_some(axis)
+}
+
+/// The points with one coordinate replaced.
+pub(crate) fn with_axis(points: &[[f64; 3]], axis: usize, values: &[f64]) -> Vec<[f64; 3]> {
+    let replaced = |(p, v): (&[f64; 3], &f64)| std::array::from_fn(|c| if c == axis { *v } else { p[c] });
+    points.iter().zip(values).map(replaced).collect()
 }
 
 /// New values of the signal of that name as a field to write: that of the file in its own type of numbers, else one by the name

@@ -124,10 +124,6 @@ fn features_are_written_in_every_way_alike() {
     }
     let fewer = json(folder.path(), &format!("features a.ply {flags} --best 3"));
     assert!(fewer["features"].as_array().unwrap().len() <= 3);
-    let paired = json(folder.path(), &format!("features a.ply {flags} --match a.ply --match-ratio 1"));
-    for pair in paired["pairs"].as_array().unwrap() {
-        assert_eq!((&pair["first"], &pair["distance"]), (&pair["second"], &0.0.into()));
-    }
 }
 
 #[test]
@@ -244,7 +240,6 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("features a.ply --levels 2", "at least 3 levels"),
         ("features a.ply --edge-ratio 0.5", "edge ratio"),
         ("features a.ply -o f.obj", ".csv, .json, .ply or .vtp"),
-        ("features a.ply --match a.ply -o f.csv", ".json"),
         ("saliency a.ply -o m.obj", ".ply, .vtp, .npy, .csv or .gii"),
         ("saliency a.ply -o m.ply --levels 2 --weighting paper", "skip fewer"),
         ("saliency a.ply -o m.ply --color-map sepia", "viridis"),

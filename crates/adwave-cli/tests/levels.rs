@@ -187,7 +187,6 @@ fn the_operator_follows_from_what_is_asked() {
         ("saliency sample:torus --vertices 500 --levels 4 --operator surface -o a.ply", "surface"),
         ("saliency sample:torus --vertices 500 --lengths 0.1,0.2,0.4 -o a.ply", "surface"),
         ("features sample:torus --vertices 500 --levels 4", "walk"),
-        ("features sample:torus --match sample:torus --vertices 500 --levels 4", "surface"),
         ("features sample:torus --as cloud --vertices 500 --levels 4 --operator surface", "surface"),
         ("basis sample:torus --vertices 500 --vertex 3 --level 4 --operator surface -o a.vtp", "surface"),
     ] {

@@ -71,7 +71,8 @@ fn diff_says_where_and_at_which_scale() {
     let share = |j: usize| levels[j]["share"].as_f64().unwrap();
     assert!(share(2) > 0.3 && share(2) > share(0), "{levels:?}");
     let fields = json(path, "info diff.ply");
-    let names: Vec<&str> = fields["fields"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
+    let names: Vec<&str> =
+        fields["fields"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
     assert!(["difference", "W1", "W4", "S4"].iter().all(|name| names.contains(name)), "{names:?}");
     // The same shape does not differ from itself, by vertices and by closest points.
     for by in ["vertex", "closest"] {
@@ -87,7 +88,11 @@ fn diff_says_where_and_at_which_scale() {
 fn two_shapes_that_cannot_be_compared_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    std::fs::write(path.join("g.mtx"), "%%MatrixMarket matrix coordinate real symmetric\n3 3 2\n2 1 1\n3 2 1\n").unwrap();
+    std::fs::write(
+        path.join("g.mtx"),
+        "%%MatrixMarket matrix coordinate real symmetric\n3 3 2\n2 1 1\n3 2 1\n",
+    )
+    .unwrap();
     std::fs::write(path.join("dot.xyz"), "1 2 3\n1 2 3\n").unwrap();
     std::fs::write(path.join("line.xyz"), "0 0 0\n1 0 0\n2 0 0\n").unwrap();
     for (line, said) in [

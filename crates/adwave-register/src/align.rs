@@ -69,14 +69,17 @@ pub fn align(
         progress.check()?;
         rounds += 1;
         let moved: Vec<[f64; 3]> = used.iter().map(|p| motion.apply(p)).collect();
-        let Some(Round { small, moves, residual }) = round(&moved, surface, size, params.scaled) else { break };
+        let Some(Round { small, moves, residual }) = round(&moved, surface, size, params.scaled) else {
+            break;
+        };
         motion = motion.then(&small);
         if moves < (ROUNDING * size).max(STILL * residual) {
             break;
         }
     }
     let moved: Vec<[f64; 3]> = used.iter().map(|p| motion.apply(p)).collect();
-    let mut distances: Vec<f64> = inner(&moved, surface).map(|(p, c)| norm(&subtract(&p, &c.point))).collect();
+    let mut distances: Vec<f64> =
+        inner(&moved, surface).map(|(p, c)| norm(&subtract(&p, &c.point))).collect();
     let overlap = distances.len() as f64 / used.len().max(1) as f64;
     Ok((motion, AlignInfo { rounds, median: median(&mut distances), overlap }))
 }

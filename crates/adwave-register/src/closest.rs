@@ -20,8 +20,16 @@ pub struct Surface {
 }
 
 enum Kind {
-    Mesh { mesh: Box<TriMesh>, border: Border },
-    Cloud { tree: Box<ImmutableKdTree<f64, 3>>, points: Vec<[f64; 3]>, normals: Vec<[f64; 3]>, spacing: Vec<f64> },
+    Mesh {
+        mesh: Box<TriMesh>,
+        border: Border,
+    },
+    Cloud {
+        tree: Box<ImmutableKdTree<f64, 3>>,
+        points: Vec<[f64; 3]>,
+        normals: Vec<[f64; 3]>,
+        spacing: Vec<f64>,
+    },
 }
 
 /// The closest point of a surface.
@@ -56,7 +64,8 @@ impl Surface {
             return None;
         }
         let triangles = geometry.triangles();
-        let mesh = || TriMesh::new(points.iter().map(|&p| Vector::from(p)).collect(), triangles.to_vec()).ok();
+        let mesh =
+            || TriMesh::new(points.iter().map(|&p| Vector::from(p)).collect(), triangles.to_vec()).ok();
         let kind = match if triangles.is_empty() { None } else { mesh() } {
             Some(mesh) => Kind::Mesh { mesh: Box::new(mesh), border: Border::new(triangles) },
             None => {
@@ -65,7 +74,11 @@ impl Surface {
                     tree: Box::new(ImmutableKdTree::new_from_slice(&points).ok()?),
                     normals: cloud_normals(&points, &near),
                     // Of the disc that so many points share.
-                    spacing: near.radius.iter().map(|r| r * (std::f64::consts::PI / near.k.max(1) as f64).sqrt()).collect(),
+                    spacing: near
+                        .radius
+                        .iter()
+                        .map(|r| r * (std::f64::consts::PI / near.k.max(1) as f64).sqrt())
+                        .collect(),
                     points,
                 }
             }
@@ -100,7 +113,8 @@ fn on_mesh(mesh: &TriMesh, border: &Border, p: &[f64; 3]) -> Closest {
         TrianglePointLocation::OnVertex(k) => border.has_vertex(corners[k as usize]),
         TrianglePointLocation::OnEdge(..) => {
             let ends: Vec<u32> = (0..3).filter(|&k| weights[k] > 0.0).map(|k| corners[k]).collect();
-            matches!(ends[..], [a, b] if border.has_edge(a, b)) || matches!(ends[..], [a] if border.has_vertex(a))
+            matches!(ends[..], [a, b] if border.has_edge(a, b))
+                || matches!(ends[..], [a] if border.has_vertex(a))
         }
         _ => false,
     };

@@ -179,9 +179,8 @@ fn candidates(
             let other = &second.0[*b];
             if params.scaled { key.sign == other.sign } else { key.is_alike(other, 1.0) }
         };
-        let distance = |b: usize| -> f64 {
-            descriptor.iter().zip(&second.1[b]).map(|(x, y)| (x - y) * (x - y)).sum()
-        };
+        let distance =
+            |b: usize| -> f64 { descriptor.iter().zip(&second.1[b]).map(|(x, y)| (x - y) * (x - y)).sum() };
         let mut near: Vec<(f64, usize)> =
             (0..second.0.len()).filter(alike).map(|b| (distance(b), b)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

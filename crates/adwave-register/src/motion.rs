@@ -85,11 +85,13 @@ impl Motion {
     pub fn fit_robust(from: &[[f64; 3]], to: &[[f64; 3]], areas: &[f64]) -> Option<Self> {
         let mut motion = Self::fit(from, to, areas, false)?;
         for _ in 0..ROBUST_ROUNDS {
-            let off = |(p, q): (&[f64; 3], &[f64; 3])| (Vector3::from(motion.apply(p)) - Vector3::from(*q)).norm();
+            let off =
+                |(p, q): (&[f64; 3], &[f64; 3])| (Vector3::from(motion.apply(p)) - Vector3::from(*q)).norm();
             let distances: Vec<f64> = from.iter().zip(to).map(off).collect();
             let middle = distances.len() / 2;
             let median = *distances.clone().select_nth_unstable_by(middle, f64::total_cmp).1;
-            let weight = |(d, area): (&f64, &f64)| area * (1.0 - (d / (TUKEY * median)).powi(2)).max(0.0).powi(2);
+            let weight =
+                |(d, area): (&f64, &f64)| area * (1.0 - (d / (TUKEY * median)).powi(2)).max(0.0).powi(2);
             if median <= 0.0 {
                 break;
             }

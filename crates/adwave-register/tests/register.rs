@@ -5,8 +5,8 @@ use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Graph, Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, surface_area};
 use adwave::{Decomposer, Progress};
 use adwave_register::{
-    AlignParams, ConsensusParams, DescribeError, Described, Motion, PairParams, Surface, align, common_lengths,
-    consensus, described, pairs_under, signed_distances,
+    AlignParams, ConsensusParams, DescribeError, Described, Motion, PairParams, Surface, align,
+    common_lengths, consensus, described, pairs_under, signed_distances,
 };
 
 fn prepared(shape: &Shape) -> Decomposer {
@@ -42,8 +42,7 @@ fn off(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 #[test]
 fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let truth = Motion::new([0.3, -2.0, 1.1], [4.0, -1.0, 0.5]);
-    let (first, second) =
-        (creature(9000, 0.1, 1, &Motion::default()), creature(14_000, 0.1, 2, &truth));
+    let (first, second) = (creature(9000, 0.1, 1, &Motion::default()), creature(14_000, 0.1, 2, &truth));
     let [(walk, a), (other, b)] = both(&first, &second);
     assert!(a.is_signed && b.is_signed);
     let params = ConsensusParams::default();
@@ -52,7 +51,8 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     assert!(found.is_clear(), "{} of {}", found.n_agreeing, found.n_by_chance);
     let surface = Surface::new(other.geometry()).unwrap();
     let (motion, info) =
-        align(walk.geometry().points(), &surface, found.motion, &AlignParams::default(), Progress::none()).unwrap();
+        align(walk.geometry().points(), &surface, found.motion, &AlignParams::default(), Progress::none())
+            .unwrap();
     let diagonal = walk.diagonal();
     let farthest =
         walk.geometry().points().iter().map(|p| off(&motion.apply(p), &truth.apply(p))).fold(0.0, f64::max);
@@ -60,7 +60,8 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let area = surface_area(other.geometry().points(), other.geometry().triangles());
     let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams::default());
     let right = |p: &&adwave_register::Pair| {
-        off(&truth.apply(&a.keys[p.first].position), &b.keys[p.second].position) <= 2.0 * b.keys[p.second].sigma
+        off(&truth.apply(&a.keys[p.first].position), &b.keys[p.second].position)
+            <= 2.0 * b.keys[p.second].sigma
     };
     let n_right = pairs.iter().filter(right).count();
     assert!(pairs.len() >= 30 && 10 * n_right >= 8 * pairs.len(), "{n_right} of {}", pairs.len());
@@ -115,24 +116,33 @@ fn distances_have_the_sign_of_the_side_and_none_beyond_a_border() {
             .flat_map(|i| (0..=20).map(move |j| [f64::from(i) / 20.0, f64::from(j) / 20.0, height]))
             .collect();
         let faces: Vec<[u32; 3]> = (0..n * 20)
-            .flat_map(|i| (0..20).flat_map(move |j| {
-                let v = 21 * i + j;
-                [[v, v + 21, v + 22], [v, v + 22, v + 1]]
-            }))
+            .flat_map(|i| {
+                (0..20).flat_map(move |j| {
+                    let v = 21 * i + j;
+                    [[v, v + 21, v + 22], [v, v + 22, v + 1]]
+                })
+            })
             .collect();
         Shape::Mesh(Mesh::new(points, adwave::shape::Polygons::from_triangles(&faces)).unwrap())
     };
     let (below, above) = (geometry(&grid(2, 0.0)), geometry(&grid(1, 0.25)));
     let surface = Surface::new(&above).unwrap();
     let normals = vec![[0.0, 0.0, 1.0]; below.points().len()];
-    let found = signed_distances(below.points(), &normals, &surface, f64::INFINITY, Progress::none()).unwrap();
+    let found =
+        signed_distances(below.points(), &normals, &surface, f64::INFINITY, Progress::none()).unwrap();
     for (p, d) in below.points().iter().zip(&found.values) {
         let inner = p[0] > 0.0 && p[0] < 1.0 && p[1] > 0.0 && p[1] < 1.0;
         assert!(if inner { (d - 0.25).abs() < 1e-12 } else { d.is_nan() }, "{p:?}: {d}");
     }
     let turned = vec![[0.0, 0.0, -1.0]; below.points().len()];
     let under = signed_distances(below.points(), &turned, &surface, f64::INFINITY, Progress::none()).unwrap();
-    assert!(found.values.iter().zip(&under.values).all(|(a, b)| a.is_nan() == b.is_nan() && (a.is_nan() || *a == -b)));
+    assert!(
+        found
+            .values
+            .iter()
+            .zip(&under.values)
+            .all(|(a, b)| a.is_nan() == b.is_nan() && (a.is_nan() || *a == -b))
+    );
     let near = signed_distances(below.points(), &normals, &surface, 0.2, Progress::none()).unwrap();
     assert!(near.values.iter().all(|d| d.is_nan()) && near.n_too_far > 0);
 }
@@ -154,10 +164,14 @@ fn the_closest_point_of_a_mesh_is_that_of_all_its_triangles() {
         // Sampling every triangle finds nothing nearer.
         let least = target.triangles().iter().flat_map(|t| {
             let corners = t.map(|v| target.points()[v as usize]);
-            (0..=4).flat_map(move |i| (0..=4 - i).map(move |j| {
-                let (u, v) = (f64::from(i) / 4.0, f64::from(j) / 4.0);
-                std::array::from_fn(|c| (1.0 - u - v) * corners[0][c] + u * corners[1][c] + v * corners[2][c])
-            }))
+            (0..=4).flat_map(move |i| {
+                (0..=4 - i).map(move |j| {
+                    let (u, v) = (f64::from(i) / 4.0, f64::from(j) / 4.0);
+                    std::array::from_fn(|c| {
+                        (1.0 - u - v) * corners[0][c] + u * corners[1][c] + v * corners[2][c]
+                    })
+                })
+            })
         });
         let least = least.map(|q: [f64; 3]| off(&p, &q)).fold(f64::INFINITY, f64::min);
         assert!(off(&p, &found.point) <= least * (1.0 + 1e-12), "{k}");

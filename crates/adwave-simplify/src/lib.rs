@@ -14,6 +14,7 @@
 //! | `deviation` | how far two surfaces are apart |
 //! | `provenance` | which corner and face of the original each new one continues |
 //! | `cloud` | thinning of points |
+//! | `resample` | another mesh of the same surface, to try what should not depend on the mesh |
 
 mod cloud;
 mod collapse;
@@ -21,9 +22,11 @@ mod deviation;
 mod error;
 mod mesh;
 mod provenance;
+mod resample;
 mod wedges;
 
 pub use cloud::{CloudTarget, ThinnedCloud, simplify_cloud};
 pub use deviation::{Deviation, OneSided};
 pub use error::SimplifyError;
 pub use mesh::{Border, MeshParams, MeshTarget, SimplifiedMesh, Why, simplify_mesh};
+pub use resample::resample_mesh;

@@ -138,7 +138,7 @@ pub fn settle(
 ) -> Result<Vec<[f64; 3]>, PositionsError> {
     let n = decomposer.n_vertices();
     assert!(before.len() == n && after.len() == n, "a position for each vertex");
-    let after = directed(decomposer, before, after, params, progress)?;
+    let after = directed(decomposer, before, after, *params, progress)?;
     match params.volume {
         Volume::Free => Ok(after),
         Volume::Keep => with_volume_of(decomposer, before, &after, progress),
@@ -150,7 +150,7 @@ fn directed(
     decomposer: &Decomposer,
     before: &[[f64; 3]],
     after: Vec<[f64; 3]>,
-    params: &PositionParams,
+    params: PositionParams,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     let along = params.along.unwrap_or(if decomposer.is_cloud() { Along::Normal } else { Along::Free });

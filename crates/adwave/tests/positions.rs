@@ -184,7 +184,12 @@ fn points_of_a_cloud_move_along_its_normals_and_stay_apart() {
     assert_eq!(normal, after(Some(Along::Normal)), "clouds move along their normals unless told otherwise");
     assert!(least(&normal) > 0.7 * least(&points), "{} of {}", least(&normal), least(&points));
     assert!(least(&free) < 0.6 * least(&points), "{} of {}", least(&free), least(&points));
-    assert!(roughness(&normal) < 0.5 * roughness(&points), "{} of {}", roughness(&normal), roughness(&points));
+    assert!(
+        roughness(&normal) < 0.5 * roughness(&points),
+        "{} of {}",
+        roughness(&normal),
+        roughness(&points)
+    );
     assert!(roughness(&surface) > 0.9 * roughness(&points) && farthest(&surface, &points) > 0.0);
     for (axis, along) in [Along::X, Along::Y, Along::Z].into_iter().enumerate() {
         let moved = after(Some(along));

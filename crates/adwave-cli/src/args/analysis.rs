@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// The names that a signal can have.
 macro_rules! signal_names {
     () => {
-        "coords, normals, mean-curvature, gaussian-curvature, shape-index, density, degree (of a graph), luminance, lightness, \
+        "coords, x, y, z (heights, say), normals, mean-curvature, gaussian-curvature, shape-index, density, degree (of a graph), luminance, lightness, \
          texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN, FILE.gii \
          or FILE.gii:NAME"
     };

@@ -15,12 +15,12 @@ use std::num::NonZeroUsize;
 #[derive(Debug, Args)]
 pub(crate) struct GlobalArgs {
     /// Print one JSON object for machines in place of text for people
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "General")]
     pub(crate) json: bool,
     /// Print nothing but errors and, with --json, the result
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, help_heading = "General")]
     pub(crate) quiet: bool,
     /// Number of threads [default: one for each core]; the result does not depend on it
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", help_heading = "General")]
     pub(crate) threads: Option<NonZeroUsize>,
 }

@@ -155,7 +155,7 @@ named! {
 /// Which levels.
 #[derive(Debug, Args)]
 pub(crate) struct LevelArgs {
-    /// Number of dyadic levels, 1, 2, 4 … 2^(J-1) steps [default: until a level is 2 % of the diagonal wide, for features 4 %, for signed saliency 16 %; 4 to 16]
+    /// Number of levels, each of twice as many steps of the diffusion as the one before (dyadic): 1, 2, 4 … 2^(J-1) [default: until a level is 2 % of the diagonal wide, for features 4 %, for signed saliency 16 %; 4 to 16]
     #[arg(long, short = 'j', value_name = "J", help_heading = "Levels")]
     pub(crate) levels: Option<usize>,
     /// So many levels for each doubling of the steps in place of one: 2^(k/V) steps, whole or not

@@ -1,9 +1,8 @@
 //! `adwave completions` and `adwave man`: made from the flags' definitions.
 
-use crate::cli::Cli;
+use crate::cli::command;
 use crate::error::CliError;
 use clap::Args;
-use clap::CommandFactory;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -22,17 +21,17 @@ pub(crate) struct ManArgs {
 
 pub(crate) fn completions(args: &CompletionsArgs) -> Result<(), CliError> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "adwave", &mut script);
+    clap_complete::generate(args.shell, &mut command(), "adwave", &mut script);
     print(&script)
 }
 
 pub(crate) fn man(args: &ManArgs) -> Result<(), CliError> {
     let Some(folder) = &args.output else {
         let mut page = Vec::new();
-        clap_mangen::Man::new(Cli::command()).render(&mut page).map_err(CliError::input)?;
+        clap_mangen::Man::new(command()).render(&mut page).map_err(CliError::input)?;
         return print(&page);
     };
-    clap_mangen::generate_to(Cli::command(), folder)
+    clap_mangen::generate_to(command(), folder)
         .map_err(|e| CliError::Environment(format!("cannot write the pages to {}: {e}", folder.display())))
 }
 

@@ -93,7 +93,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         field,
     );
     text += &table(
-        ["level", "steps", "sigma", "FWHM", "% of diagonal", "rms of W"],
+        ["level", "steps", "sigma", "FWHM", "% of diagonal", "rms of W by area"],
         (1..=bands.n_levels()).map(|j| {
             let rms = energy[j - 1].sqrt();
             [

@@ -12,8 +12,8 @@ pub(crate) mod saliency;
 mod scene;
 mod timings;
 
-pub use bands::{BandSummary, band_summaries};
 pub(crate) use bands::section as band_section;
+pub use bands::{BandSummary, band_summaries};
 pub use features::FeatureSummary;
 pub use presets::PresetSummary;
 pub use saliency::SaliencySummary;
@@ -72,7 +72,11 @@ impl Subject<'_> {
 
     /// The unit of the signal, in words.
     fn unit(&self) -> String {
-        if self.is_geometry() || self.signal == DIFFERENCE { "model units".to_owned() } else { format!("units of {}", self.signal) }
+        if self.is_geometry() || self.signal == DIFFERENCE {
+            "model units".to_owned()
+        } else {
+            format!("units of {}", self.signal)
+        }
     }
 
     /// The unit of the widths σ, in words.

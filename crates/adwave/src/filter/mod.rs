@@ -19,6 +19,7 @@ use thiserror::Error;
 pub enum Preset {
     /// Smooth and keep volume: gains 0, …, 0, 2, which is `2Φⁿ − Φ²ⁿ = 1 − (1 − Φⁿ)²` for dyadic levels, n = n_{J−1}. What is
     /// wide loses `(1 − λⁿ)²` of itself where dropping every band takes `1 − λⁿ`; of one level 0, which drops it.
+    #[serde(alias = "smooth")]
     Suppress,
     /// Drop every band: all gains 0 (the paper's). Smooths, and shrinks what is thin.
     SuppressPaper,

@@ -64,8 +64,15 @@ fn denoise_field(
         denoise_signal(&decomposer, &signal.values, signal.n_channels, &args.params(), progress)
     })
     .map_err(|e| CliError::of(&e))?;
-    let new = signal::written(&input.file, name, signal.n_channels, denoised.values);
-    with_spinner(global, "writing", || write_field(global, &args.output, alone, &mut input.file, new))?;
+    if let Some(axis) = alone.is_none().then(|| signal::axis(&input, name)).flatten() {
+        let points = signal::with_axis(input.file.points(), axis, &denoised.values);
+        input.file.set_points(points)?;
+        refresh_normals(args.update_normals, global, &mut input)?;
+        with_spinner(global, "writing", || write_points(global, &args.output, alone, &input.file))?;
+    } else {
+        let new = signal::written(&input.file, name, signal.n_channels, denoised.values);
+        with_spinner(global, "writing", || write_field(global, &args.output, alone, &mut input.file, new))?;
+    }
     let mut text = format!("{}: {} vertices, {name}\n", input.name, input.shape.n_vertices());
     for info in &denoised.info {
         let share = |weights: &[f64]| 100.0 * weights.iter().sum::<f64>();

@@ -1,7 +1,7 @@
 //! The arguments of `adwave diff`.
 
-use crate::args::{LevelArgs, ShapeArgs};
-use adwave::region::{Length, RegionSyntaxError};
+use crate::args::{LevelArgs, ShapeArgs, any_length};
+use adwave::region::Length;
 use adwave_render::{Up, View};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ Output by extension:
 Examples:
   adwave diff before.ply after.ply                      a table by level, in model units
   adwave diff scan1.ply scan2.ply --align -o diff.html  two scans, brought together first
-  adwave diff part.stl printed.ply --align --limit 5%   what lies farther is not compared
+  adwave diff part.stl printed.ply --align --limit 5%    what lies farther is not compared
   adwave diff a.ply b.ply --lengths 1,2,5,10 -o diff.ply --json")]
 pub(crate) struct DiffArgs {
     #[command(flatten)]
@@ -37,16 +37,22 @@ pub(crate) struct DiffArgs {
     #[arg(long, value_name = "KIND", value_enum, default_value_t = ByArg::Auto, help_heading = "Comparison")]
     pub(crate) by: ByArg,
     /// Leave out closest points farther than this, in model units or in % of the diagonal
-    #[arg(long, value_name = "L", value_parser = length, help_heading = "Comparison")]
+    #[arg(long, value_name = "L", value_parser = any_length, help_heading = "Comparison")]
     pub(crate) limit: Option<Length>,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     /// The side that is seen: front, back, left, right, top, bottom, three-quarter, or AZIMUTH,ELEVATION in degrees
-    #[arg(long, value_name = "VIEW", default_value = "three-quarter", allow_hyphen_values = true, help_heading = "Pictures")]
+    #[arg(
+        long,
+        value_name = "VIEW",
+        default_value = "three-quarter",
+        allow_hyphen_values = true,
+        help_heading = "Pictures"
+    )]
     pub(crate) view: View,
-    /// Which axis points up
-    #[arg(long, value_name = "AXIS", default_value = "y", help_heading = "Pictures")]
-    pub(crate) up: Up,
+    /// Which axis points up: x, y or z [default: guessed, as by render]
+    #[arg(long, value_name = "AXIS", help_heading = "Pictures")]
+    pub(crate) up: Option<Up>,
 }
 
 /// What is compared with what.
@@ -58,8 +64,4 @@ pub(crate) enum ByArg {
     Vertex,
     /// Each vertex with the closest point of the other shape
     Closest,
-}
-
-fn length(text: &str) -> Result<Length, RegionSyntaxError> {
-    text.parse()
 }

@@ -40,7 +40,12 @@ pub(super) struct Difference {
 impl Difference {
     /// Root mean square of a signal like the difference, by area; NaN counts for nothing.
     pub(super) fn rms_by_area(&self, signal: &[f64], areas: &[f64]) -> f64 {
-        let rows = || signal.chunks_exact(self.n_channels).zip(areas).filter(|(row, _)| row.iter().all(|v| v.is_finite()));
+        let rows = || {
+            signal
+                .chunks_exact(self.n_channels)
+                .zip(areas)
+                .filter(|(row, _)| row.iter().all(|v| v.is_finite()))
+        };
         let total: f64 = rows().map(|(_, area)| area).sum();
         let squares: f64 = rows().map(|(row, area)| area * row.iter().map(|v| v * v).sum::<f64>()).sum();
         if total > 0.0 { (squares / total).sqrt() } else { f64::NAN }
@@ -57,10 +62,14 @@ pub(super) fn difference(
 ) -> Result<Difference, CliError> {
     for input in [first, &*second] {
         if input.shape.points().is_none_or(<[_]>::is_empty) {
-            return Err(CliError::Input(format!("{}: it has no positions that could be compared", input.name)));
+            return Err(CliError::Input(format!(
+                "{}: it has no positions that could be compared",
+                input.name
+            )));
         }
     }
-    let same = first.shape.n_vertices() == second.shape.n_vertices() && first.file.faces() == second.file.faces();
+    let same =
+        first.shape.n_vertices() == second.shape.n_vertices() && first.file.faces() == second.file.faces();
     let by_vertex = match args.by {
         ByArg::Auto => same && (!first.file.faces().is_empty()),
         ByArg::Vertex if first.shape.n_vertices() == second.shape.n_vertices() => true,
@@ -79,22 +88,32 @@ pub(super) fn difference(
 }
 
 /// From vertex to vertex.
-fn vectors(args: &DiffArgs, first: &Input, second: &mut Input, walk: &Decomposer) -> Result<Difference, CliError> {
+fn vectors(
+    args: &DiffArgs,
+    first: &Input,
+    second: &mut Input,
+    walk: &Decomposer,
+) -> Result<Difference, CliError> {
     let points = first.shape.points().unwrap_or_default();
     let areas = walk.areas();
-    let mut how = vec!["Both have the same vertices: the difference is the vector from vertex to vertex.".to_owned()];
+    let mut how =
+        vec!["Both have the same vertices: the difference is the vector from vertex to vertex.".to_owned()];
     let mut motion = None;
     if args.align {
         let fitted = Motion::fit_robust(second.shape.points().unwrap_or_default(), points, &areas);
-        let found = fitted.ok_or_else(|| CliError::Input("the points leave a rotation open: there is nothing to --align by".to_owned()))?;
+        let found = fitted.ok_or_else(|| {
+            CliError::Input("the points leave a rotation open: there is nothing to --align by".to_owned())
+        })?;
         how.push(moved_sentence(&second.name, &found));
         move_shape(second, &found)?;
         motion = Some(found);
     }
     let others = second.shape.points().unwrap_or_default();
-    let values: Vec<f64> = points.iter().zip(others).flat_map(|(p, q)| [0, 1, 2].map(|c| q[c] - p[c])).collect();
+    let values: Vec<f64> =
+        points.iter().zip(others).flat_map(|(p, q)| [0, 1, 2].map(|c| q[c] - p[c])).collect();
     let mut found = Difference { n_channels: 3, values, how, facts: Vec::new(), json: Value::Null, motion };
-    let lengths: Vec<f64> = found.values.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum::<f64>().sqrt()).collect();
+    let lengths: Vec<f64> =
+        found.values.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum::<f64>().sqrt()).collect();
     let rms = found.rms_by_area(&found.values, &areas);
     let (vertex, greatest) = greatest(&lengths);
     found.facts = vec![
@@ -119,7 +138,10 @@ fn distances(
         let (found, info) = fit(first, second, walk, global)?;
         how.push(moved_sentence(&second.name, &found));
         if info.overlap < LEAST_OVERLAP || info.median.is_nan() {
-            note(global, &format!("only {:.0} % of {} lie over {}", 100.0 * info.overlap, second.name, first.name));
+            note(
+                global,
+                &format!("only {:.0} % of {} lie over {}", 100.0 * info.overlap, second.name, first.name),
+            );
         }
         move_shape(second, &found)?;
         motion = Some(found);
@@ -127,11 +149,14 @@ fn distances(
     let geometry = prepared(&second.shape, global)?;
     let surface = surface(&geometry, &second.name)?;
     let normals = file_normals(first);
-    let outward = outward_normals(walk.geometry(), normals.as_deref(), global.progress()).map_err(|e| CliError::classified(&e))?;
+    let outward = outward_normals(walk.geometry(), normals.as_deref(), global.progress())
+        .map_err(|e| CliError::classified(&e))?;
     let limit = args.limit.map_or(f64::INFINITY, |limit| limit.in_units(walk.diagonal()));
     let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &Surface| {
-        with_progress(global, "measuring", |progress| signed_distances(points, normals, surface, limit, progress))
-            .map_err(|_| CliError::Cancelled)
+        with_progress(global, "measuring", |progress| {
+            signed_distances(points, normals, surface, limit, progress)
+        })
+        .map_err(|_| CliError::Cancelled)
     };
     let there = measured(walk.geometry().points(), &outward.normals, &surface)?;
     let own = self::surface(walk.geometry(), &first.name)?;
@@ -140,9 +165,17 @@ fn distances(
         "The difference at a vertex of {} is its distance to the closest point of {}, {}.",
         first.name,
         second.name,
-        if outward.info.has_outside() { "above 0 where that lies outside" } else { "without a sign, as neither side is outside" }
+        if outward.info.has_outside() {
+            "above 0 where that lies outside"
+        } else {
+            "without a sign, as neither side is outside"
+        }
     ));
-    let values = if outward.info.has_outside() { there.values } else { there.values.iter().map(|v| v.abs()).collect() };
+    let values = if outward.info.has_outside() {
+        there.values
+    } else {
+        there.values.iter().map(|v| v.abs()).collect()
+    };
     let n = values.len();
     let values = walk.geometry().vertex_map().scatter(&values, 1);
     if values.iter().all(|v| v.is_nan()) {
@@ -163,11 +196,18 @@ fn distances(
         fact("rms", number(rms), "root mean square by area"),
         fact("mean", number(mean), "by area"),
         fact("greatest", number(greatest_there), &format!("at vertex {vertex}")),
-        fact("way back", number(greatest_back), &format!("the greatest distance from {} to {}", second.name, first.name)),
+        fact(
+            "way back",
+            number(greatest_back),
+            &format!("the greatest distance from {} to {}", second.name, first.name),
+        ),
     ];
     let without = there.n_beyond_border + there.n_too_far;
     if without > 0 {
-        let meaning = format!("{} lie beyond a border of {}, {} beyond the limit", there.n_beyond_border, second.name, there.n_too_far);
+        let meaning = format!(
+            "{} lie beyond a border of {}, {} beyond the limit",
+            there.n_beyond_border, second.name, there.n_too_far
+        );
         found.facts.push(fact("no value", format!("{without} of {n} vertices"), &meaning));
     }
     found.json = json!({
@@ -182,7 +222,11 @@ fn fact(name: &str, value: String, meaning: &str) -> Fact {
 }
 
 fn moved_sentence(name: &str, motion: &Motion) -> String {
-    format!("{name} was turned by {:.3}° and moved by ({}) to fit.", motion.degrees(), motion.translation().map(number).join(", "))
+    format!(
+        "{name} was turned by {:.3}° and moved by ({}) to fit.",
+        motion.degrees(),
+        motion.translation().map(number).join(", ")
+    )
 }
 
 /// The index of the largest value that is not NaN, and the value; 0 and NaN where there is none.
@@ -205,7 +249,12 @@ fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError>
 }
 
 /// The motion that brings the second shape to the first: from where it is, or from features where that leads nowhere.
-fn fit(first: &Input, second: &Input, walk: &Decomposer, global: &Global<'_>) -> Result<(Motion, AlignInfo), CliError> {
+fn fit(
+    first: &Input,
+    second: &Input,
+    walk: &Decomposer,
+    global: &Global<'_>,
+) -> Result<(Motion, AlignInfo), CliError> {
     let (geometry, target) = (prepared(&second.shape, global)?, surface(walk.geometry(), &first.name)?);
     let from = |start: Motion| {
         with_progress(global, "fitting", |progress| {
@@ -214,7 +263,9 @@ fn fit(first: &Input, second: &Input, walk: &Decomposer, global: &Global<'_>) ->
         .map_err(|_| CliError::Cancelled)
     };
     let straight = from(Motion::default())?;
-    let is_poor = |info: &AlignInfo| info.median.is_nan() || info.median > POOR * walk.diagonal() || info.overlap < LEAST_OVERLAP;
+    let is_poor = |info: &AlignInfo| {
+        info.median.is_nan() || info.median > POOR * walk.diagonal() || info.overlap < LEAST_OVERLAP
+    };
     if !is_poor(&straight.1) {
         return Ok(straight);
     }
@@ -225,7 +276,12 @@ fn fit(first: &Input, second: &Input, walk: &Decomposer, global: &Global<'_>) ->
 }
 
 /// The motion that features of the second and the first shape agree on.
-fn by_features(first: &Input, second: &Input, walk: &Decomposer, global: &Global<'_>) -> Result<Option<Motion>, CliError> {
+fn by_features(
+    first: &Input,
+    second: &Input,
+    walk: &Decomposer,
+    global: &Global<'_>,
+) -> Result<Option<Motion>, CliError> {
     let params: &OperatorParams = walk.operator_params();
     let other = crate::progress::prepare(global, &second.shape, params)?;
     let Ok(lengths) = common_lengths(&other, walk) else { return Ok(None) };
@@ -245,7 +301,8 @@ fn by_features(first: &Input, second: &Input, walk: &Decomposer, global: &Global
 
 /// Moves a shape, in its file too.
 fn move_shape(input: &mut Input, motion: &Motion) -> Result<(), CliError> {
-    let points: Vec<[f64; 3]> = input.shape.points().unwrap_or_default().iter().map(|p| motion.apply(p)).collect();
+    let points: Vec<[f64; 3]> =
+        input.shape.points().unwrap_or_default().iter().map(|p| motion.apply(p)).collect();
     let moved = match &input.shape {
         Shape::Mesh(mesh) => Mesh::new(points, mesh.faces().clone()).map(Shape::Mesh),
         _ => PointCloud::new(points).map(Shape::Cloud),

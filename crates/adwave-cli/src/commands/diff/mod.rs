@@ -7,12 +7,13 @@ use crate::args::ShapeArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{
-    bands_params, check_levels, check_writable, fwhm_json, fwhm_text, number, percent_of, print,
-    schedule_reaching, steps_json, table, write_error, write_shape,
+    bands_params, check_levels, check_writable, command_line, fwhm_json, fwhm_text, number, percent_of,
+    print, schedule_reaching, steps_json, table, write_error, write_shape,
 };
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{Signal, Values, file_normals, mask};
+use crate::up::Upward;
 use adwave::bands::Bands;
 use adwave::saliency::SALIENCY_EXTENT;
 use adwave::{BandsRequest, Decomposer};
@@ -46,7 +47,15 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
         let request: BandsRequest<'_> = walk.request(&signal.values, signal.n_channels, &schedule);
         request.params(&params).progress(progress).bands()
     })?;
-    let compared = Compared { args, first: &first, second: &second, walk: &walk, found: &found, bands: &bands, why: &why };
+    let compared = Compared {
+        args,
+        first: &first,
+        second: &second,
+        walk: &walk,
+        found: &found,
+        bands: &bands,
+        why: &why,
+    };
     let summaries = band_summaries(&compared.subject(""));
     match (output, &args.output) {
         (Some(OutputKind::Page), Some(path)) => compared.write_page(path, global)?,
@@ -63,11 +72,15 @@ enum OutputKind {
 }
 
 fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
-    let is_page = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
+    let is_page =
+        path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
     match Format::from_path(path) {
         _ if is_page => Ok(OutputKind::Page),
         Some(Format::Ply | Format::Vtp) => Ok(OutputKind::Fields),
-        _ => Err(CliError::Input(format!("{}: a difference is written as .html, .ply or .vtp", path.display()))),
+        _ => Err(CliError::Input(format!(
+            "{}: a difference is written as .html, .ply or .vtp",
+            path.display()
+        ))),
     }
 }
 
@@ -120,7 +133,11 @@ impl Compared<'_> {
                     percent_of(b.sigma, diagonal),
                     number(b.rms),
                     number(b.max),
-                    if b.detail_share.is_finite() { format!("{:.1}", 100.0 * b.detail_share) } else { "–".to_owned() },
+                    if b.detail_share.is_finite() {
+                        format!("{:.1}", 100.0 * b.detail_share)
+                    } else {
+                        "–".to_owned()
+                    },
                 ]
             }),
         );
@@ -163,8 +180,14 @@ impl Compared<'_> {
         let n_levels = self.bands.n_levels();
         let levels = self.bands.wavelets().enumerate().map(|(j, level)| (format!("W{}", j + 1), level));
         let rest = (format!("S{n_levels}"), self.bands.coarsest());
-        for (name, values) in std::iter::once((DIFFERENCE.to_owned(), &self.found.values[..])).chain(levels).chain([rest]) {
-            file.add_vertex_field(Field::new(name, self.found.n_channels, FieldValues::F64(values.to_vec())))?;
+        for (name, values) in
+            std::iter::once((DIFFERENCE.to_owned(), &self.found.values[..])).chain(levels).chain([rest])
+        {
+            file.add_vertex_field(Field::new(
+                name,
+                self.found.n_channels,
+                FieldValues::F64(values.to_vec()),
+            ))?;
         }
         with_spinner(global, "writing", || write_shape(global, &file, path))?;
         Ok(())
@@ -172,7 +195,7 @@ impl Compared<'_> {
 
     fn write_page(&self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
         let normals = file_normals(self.first);
-        let command = crate::commands::report::command_line(global.arguments);
+        let command = command_line(global.arguments.iter().skip(1));
         let subject = Subject { normals: normals.as_deref(), ..self.subject(&command) };
         let versions = Versions {
             other: &self.second.name,
@@ -180,7 +203,7 @@ impl Compared<'_> {
             facts: self.found.facts.clone(),
             how: self.found.how.clone(),
         };
-        let viewpoint = Viewpoint { view: Some(self.args.view), up: self.args.up };
+        let viewpoint = Viewpoint { view: Some(self.args.view), up: Upward::of(self.args.up, self.first).up };
         let report = with_progress(global, "drawing", |progress| {
             difference_report(&subject, &versions, viewpoint, progress)
         })

@@ -15,8 +15,9 @@ use adwave::measure::{
     Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
     n_right, repeatability, share_by_chance,
 };
-use adwave::shape::surface_area;
+use adwave::shape::{Shape, surface_area};
 use adwave_io::ShapeFile;
+use adwave_simplify::resample_mesh;
 pub(crate) use args::EvaluateArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -99,25 +100,29 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
     let mut rows: Vec<Again> = Vec::new();
     let percents = args.percents.iter().map(|p| (format!("noise {p} %"), Some(p / 100.0)));
     let kinds = percents.chain([("rotation".to_owned(), None)]);
-    let mut changes: Vec<(String, Vec<Change>)> = kinds
+    let mut changes: Vec<(String, Vec<Trial>)> = kinds
         .map(|(name, noise)| {
             let one = |seed: u64| match noise {
-                Some(edges) => Change::Noise { edges, seed },
-                None => Change::Rotation { seed },
+                Some(edges) => Trial::Change(Change::Noise { edges, seed }),
+                None => Trial::Change(Change::Rotation { seed }),
             };
             (name, (1..=args.runs.max(1)).map(one).collect())
         })
         .collect();
-    changes.push(("scaling by 7.3".to_owned(), vec![Change::Scaling { factor: 7.3 }]));
-    let resampling =
-        if analysis.walk.geometry().triangles().is_empty() { "half the points" } else { "4 × the faces" };
-    changes.push((resampling.to_owned(), vec![Change::Resampling { seed: 1 }]));
+    changes.push(("scaling by 7.3".to_owned(), vec![Trial::Change(Change::Scaling { factor: 7.3 })]));
+    let is_mesh = !analysis.walk.geometry().triangles().is_empty();
+    let resampling = if is_mesh { "4 × the faces" } else { "half the points" };
+    changes.push((resampling.to_owned(), vec![Trial::Change(Change::Resampling { seed: 1 })]));
+    if is_mesh {
+        changes
+            .push(("other vertices".to_owned(), (1..=args.runs.max(1)).map(Trial::OtherVertices).collect()));
+    }
     for (name, changes) in changes {
         let mut row = Again { name, levels: Vec::new(), n_right: 0, n_found: 0, by_chance: 0.0 };
         let n_runs = changes.len() as f64;
         for step in changes {
             global.progress().check().map_err(|_| CliError::Cancelled)?;
-            let changed = change(&analysis.input.shape, &analysis.walk, &step).map_err(CliError::input)?;
+            let changed = step.of(analysis, global)?;
             let found = find_again(args, global, analysis, &changed)?;
             let params = RepeatabilityParams { sigmas: args.within, ..RepeatabilityParams::default() };
             let levels = repeatability(&reference, &found, &changed, &params);
@@ -152,6 +157,28 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
         })).collect::<Vec<_>>(),
     });
     print(global, &text, &json)
+}
+
+/// One change of the shape.
+enum Trial {
+    Change(Change),
+    /// As many other vertices on the same surface, and other triangles, by that seed.
+    OtherVertices(u64),
+}
+
+impl Trial {
+    fn of(&self, analysis: &Analysis, global: &Global<'_>) -> Result<Changed, CliError> {
+        let shape = &analysis.input.shape;
+        match (self, shape) {
+            (Self::Change(step), _) => change(shape, &analysis.walk, step).map_err(CliError::input),
+            (Self::OtherVertices(seed), Shape::Mesh(mesh)) => {
+                let mesh =
+                    resample_mesh(mesh, *seed, global.progress()).map_err(|e| CliError::classified(&e))?;
+                Ok(Changed::resampled(Shape::Mesh(mesh)))
+            }
+            _ => Err(CliError::Input("only a mesh gets other vertices".to_owned())),
+        }
+    }
 }
 
 fn level_json(l: &LevelRepeatability) -> Value {

@@ -15,7 +15,8 @@ Examples:
   adwave features bunny.obj -o features.csv --theta 1.8     weaker ones too, knees and elbows
   adwave features scan.pcd -o features.ply --best 50 --refine
   adwave features sample:plane --field mean-curvature --response literal --edge-ratio 10 --border 1
-  adwave features a.obj --match b.obj -o pairs.json")]
+
+'adwave match' pairs the features of two shapes.")]
 pub(crate) struct FeaturesArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
@@ -33,10 +34,4 @@ pub(crate) struct FeaturesArgs {
     /// Write a descriptor of each feature's surroundings too (.csv and .json)
     #[arg(long, help_heading = "Features")]
     pub(crate) descriptors: bool,
-    /// Find the features of this shape too, by the same flags, and pair those that look alike
-    #[arg(long = "match", value_name = "SHAPE", help_heading = "Features")]
-    pub(crate) other: Option<String>,
-    /// A pair must be this much nearer than the second nearest
-    #[arg(long, value_name = "R", default_value_t = 0.9, help_heading = "Features", requires = "other")]
-    pub(crate) match_ratio: f64,
 }

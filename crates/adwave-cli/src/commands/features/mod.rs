@@ -3,13 +3,11 @@
 mod args;
 
 use crate::analysis::Analysis;
-use crate::args::{ResponseArg, ShapeArgs};
+use crate::args::ResponseArg;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, number, percent_of, print, steps_json, table, write_error, write_shape};
-use adwave::features::{
-    Descriptor, FEATURE_EXTENT, Feature, Match, describe, features, match_features, spheres,
-};
+use adwave::features::{Descriptor, FEATURE_EXTENT, Feature, describe, features, spheres};
 use adwave_io::{Field, FieldValues, Format, ShapeFile, atomic_write};
 use adwave_render::ColorMap;
 use adwave_report::Table;
@@ -36,32 +34,19 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
     if let Some(path) = &args.output {
         check_writable(path)?;
     }
-    if args.other.is_some() && matches!(kind, Some(OutputKind::Spheres | OutputKind::Csv)) {
-        return Err(CliError::Input("pairs of features are written as .json, or printed".to_owned()));
-    }
-    let found = find(args, &args.shape, global)?;
-    let other = match &args.other {
-        Some(shape) => {
-            let shape = ShapeArgs { shape: shape.clone(), ..args.shape.clone() };
-            Some(find(args, &shape, global)?)
-        }
-        None => None,
-    };
-    let pairs =
-        other.as_ref().map(|other| match_features(&found.descriptors, &other.descriptors, args.match_ratio));
-    let json = report(args, &found, other.as_ref().zip(pairs.as_deref()));
+    let found = find(args, global)?;
+    let json = report(args, &found);
     match (kind, &args.output) {
         (Some(OutputKind::Json), Some(path)) => write_text(path, &format!("{json:#}\n"))?,
         (Some(OutputKind::Csv), Some(path)) => write_text(path, &csv(&found))?,
         (Some(OutputKind::Spheres), Some(path)) => write_spheres(path, &found, global)?,
         _ => {}
     }
-    print(global, &text(args, &found, other.as_ref().zip(pairs.as_deref())), &json)
+    print(global, &text(args, &found), &json)
 }
 
-fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &Global<'_>) -> Result<Found, CliError> {
-    let shape = if args.other.is_some() { &shape.over_meshes() } else { shape };
-    let mut analysis = Analysis::new(shape, &args.field, &args.levels, FEATURE_EXTENT, global)?;
+fn find(args: &FeaturesArgs, global: &Global<'_>) -> Result<Found, CliError> {
+    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, FEATURE_EXTENT, global)?;
     let params = args.detect.params(&args.border);
     // Spheres go into a new file, and the bytes of the old one would lie beside the bands.
     analysis.input.file.forget_original();
@@ -70,11 +55,8 @@ fn find(args: &FeaturesArgs, shape: &ShapeArgs, global: &Global<'_>) -> Result<F
     let features = features(&analysis.walk, &wavelets, &params, global.progress())
         .map_err(|e| CliError::classified(&e))?;
     let seconds = start.elapsed().as_secs_f64();
-    let descriptors = if args.descriptors || args.other.is_some() {
-        describe(&analysis.walk, &wavelets, &features)
-    } else {
-        Vec::new()
-    };
+    let descriptors =
+        if args.descriptors { describe(&analysis.walk, &wavelets, &features) } else { Vec::new() };
     Ok(Found { analysis, features, descriptors, seconds })
 }
 
@@ -98,7 +80,7 @@ fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
     }
 }
 
-fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) -> String {
+fn text(args: &FeaturesArgs, found: &Found) -> String {
     let analysis = &found.analysis;
     let mut text = analysis.headline(args.field.name());
     if found.features.is_empty() {
@@ -120,23 +102,7 @@ fn text(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) 
         );
     }
     let _ = writeln!(text);
-    if let Some((other, pairs)) = paired {
-        let _ = writeln!(
-            text,
-            "{}: {} features, {} pairs\n",
-            other.analysis.input.name,
-            other.features.len(),
-            pairs.len()
-        );
-        text += &table(
-            ["vertex", "other vertex", "level", "other level", "distance"],
-            pairs.iter().take(MAX_PRINTED).map(|m| {
-                let (a, b) = (&found.features[m.first], &other.features[m.second]);
-                let [av, bv, al, bl] = [a.vertex, b.vertex, a.level, b.level].map(|v| v.to_string());
-                [av, bv, al, bl, number(m.distance)]
-            }),
-        );
-    } else if args.output.is_none() {
+    if args.output.is_none() {
         text += &table(
             ["vertex", "x", "y", "z", "level", "sigma", "response", "sign"],
             found.features.iter().take(MAX_PRINTED).map(|f| {
@@ -176,39 +142,30 @@ fn by_level(features: &[Feature]) -> Vec<(usize, usize)> {
     features.chunk_by(|a, b| a.level == b.level).map(|same| (same[0].level, same.len())).collect()
 }
 
-fn report(args: &FeaturesArgs, found: &Found, paired: Option<(&Found, &[Match])>) -> Value {
-    let one = |found: &Found| {
-        json!({
-            "shape": found.analysis.input.name,
-            "vertices": found.analysis.walk.n_vertices(),
-            "operator": found.analysis.walk.operator_kind().name(),
-            "levels_reason": found.analysis.why,
-            "steps": steps_json(&found.analysis.schedule.steps_from_zero()),
-            "sigma": found.analysis.sigma(),
-            "features": found.features.iter().enumerate().map(|(k, f)| {
-                let mut json = feature_json(f);
-                if let Some(descriptor) = found.descriptors.get(k) {
-                    json["descriptor"] = json!(descriptor.as_slice());
-                }
-                json
-            }).collect::<Vec<_>>(),
-            "seconds": {
-                "read": found.analysis.seconds.read, "diffusion": found.analysis.seconds.diffusion,
-                "bands": found.analysis.seconds.bands, "features": found.seconds,
-            },
-        })
+fn report(args: &FeaturesArgs, found: &Found) -> Value {
+    let Found { analysis, features, descriptors, seconds } = found;
+    let feature = |(k, f): (usize, &Feature)| {
+        let mut json = feature_json(f);
+        if let Some(descriptor) = descriptors.get(k) {
+            json["descriptor"] = json!(descriptor.as_slice());
+        }
+        json
     };
-    let mut json = one(found);
-    json["field"] = json!(args.field.name());
-    json["theta"] = json!(args.detect.theta);
-    if let Some((other, pairs)) = paired {
-        json["other"] = one(other);
-        json["pairs"] = pairs
-            .iter()
-            .map(|m| json!({"first": m.first, "second": m.second, "distance": m.distance}))
-            .collect();
-    }
-    json
+    json!({
+        "shape": analysis.input.name,
+        "field": args.field.name(),
+        "theta": args.detect.theta,
+        "vertices": analysis.walk.n_vertices(),
+        "operator": analysis.walk.operator_kind().name(),
+        "levels_reason": analysis.why,
+        "steps": steps_json(&analysis.schedule.steps_from_zero()),
+        "sigma": analysis.sigma(),
+        "features": features.iter().enumerate().map(feature).collect::<Vec<_>>(),
+        "seconds": {
+            "read": analysis.seconds.read, "diffusion": analysis.seconds.diffusion,
+            "bands": analysis.seconds.bands, "features": seconds,
+        },
+    })
 }
 
 fn feature_json(f: &Feature) -> Value {

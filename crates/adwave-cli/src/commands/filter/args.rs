@@ -19,7 +19,7 @@ Examples:
   adwave filter bust.obj -o smooth.obj --preset suppress
   adwave filter bust.obj -o edit.obj --gains 3,2,1,1,1,1 --region 'ball:vertex=120,radius=10%'
   adwave filter bust.obj -o half.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
-  adwave filter lidar.laz -o smooth.laz --preset suppress --along z
+  adwave filter lidar.laz -o smooth.laz --preset smooth --along z
   adwave filter brain.ply -o even.ply --field thickness --preset suppress
   adwave filter pial.gii.gz -o smooth.shape.gii --field thick.gii.gz --preset suppress
   adwave filter bust.obj -o edit.obj --recipe edit.toml"))]
@@ -129,7 +129,8 @@ named! {
 /// `adwave::filter::Preset` by its names here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PresetArg {
-    /// Smooth, and keep limbs and volume: 1 − (1 − Φⁿ)²
+    /// Smooth, and keep limbs and volume: 1 − (1 − Φⁿ)²; 'smooth' is the same
+    #[value(alias = "smooth")]
     Suppress,
     /// Drop every band, as the paper has it: thin parts shrink
     SuppressPaper,

@@ -6,7 +6,9 @@ use crate::error::CliError;
 use crate::field_file::{FieldFile, check_result, write_field, write_points};
 use crate::global::Global;
 use crate::movement::Movement;
-use crate::output::{bands_params, number, print, schedule, schedule_of, steps_json, write_error};
+use crate::output::{
+    bands_params, levels_text, number, print, schedule, schedule_of, steps_json, write_error,
+};
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::region::joined;
 use crate::shape_input::{load, refresh_normals};
@@ -54,8 +56,8 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         Ok::<Vec<f64>, FilterError>(editor.into_edited())
     })?;
 
-    let mut text =
-        format!("{}: {} vertices, {} levels\n", input.name, input.shape.n_vertices(), schedule.n_levels());
+    let (n, levels) = (input.shape.n_vertices(), levels_text(schedule.n_levels()));
+    let mut text = format!("{}: {n} vertices, {levels}\n", input.name);
     let mut report = json!({
         "shape": input.name,
         "output": args.output.display().to_string(),
@@ -77,9 +79,22 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         input.file.set_points(points)?;
         refresh_normals(args.update_normals, global, &mut input)?;
         with_spinner(global, "writing", || write_points(global, &args.output, alone, &input.file))?;
+    } else if let Some(axis) = alone.is_none().then(|| signal::axis(&input, &field)).flatten() {
+        let points = signal::with_axis(input.file.points(), axis, &edited);
+        let movement = Movement::new(decomposer.geometry(), &points);
+        movement.describe(&mut text);
+        movement.add_to(&mut report);
+        input.file.set_points(points)?;
+        refresh_normals(args.update_normals, global, &mut input)?;
+        with_spinner(global, "writing", || write_points(global, &args.output, alone, &input.file))?;
     } else {
         let change = change(&signal.values, &edited);
-        let _ = writeln!(text, "{field} changed by {} (rms), {} at most", number(change.0), number(change.1));
+        let _ = writeln!(
+            text,
+            "{field} changed by {} (rms over the vertices), {} at most",
+            number(change.0),
+            number(change.1)
+        );
         report["changed"] = json!({"rms": change.0, "max": change.1});
         let new = signal::written(&input.file, &field, signal.n_channels, edited);
         with_spinner(global, "writing", || write_field(global, &args.output, alone, &mut input.file, new))?;

@@ -1,8 +1,8 @@
 //! The arguments of `adwave match`.
 
 use crate::args::ShapeArgs;
-use adwave_render::{Up, View};
 use adwave_register::PairParams;
+use adwave_render::{Up, View};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -46,11 +46,17 @@ pub(crate) struct MatchArgs {
     #[arg(long, value_name = "R", default_value_t = 0.9, help_heading = "Matching")]
     pub(crate) ratio: f64,
     /// The side that is seen in the picture
-    #[arg(long, value_name = "VIEW", default_value = "three-quarter", allow_hyphen_values = true, help_heading = "Picture")]
+    #[arg(
+        long,
+        value_name = "VIEW",
+        default_value = "three-quarter",
+        allow_hyphen_values = true,
+        help_heading = "Picture"
+    )]
     pub(crate) view: View,
-    /// Which axis of OTHER points up in the picture
-    #[arg(long, value_name = "AXIS", default_value = "y", help_heading = "Picture")]
-    pub(crate) up: Up,
+    /// Which axis of OTHER points up in the picture: x, y or z [default: guessed, as by render]
+    #[arg(long, value_name = "AXIS", help_heading = "Picture")]
+    pub(crate) up: Option<Up>,
 }
 
 /// What may bring one shape to the other.

@@ -63,7 +63,9 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
     }
     if let Some(path) = &args.picture {
         let motion = found.motion.as_ref().map_or_else(Motion::default, |(motion, ..)| *motion);
-        with_spinner(global, "drawing", || picture::write(path, args, [&first, &second], &motion, &found.pairs, global))?;
+        with_spinner(global, "drawing", || {
+            picture::write(path, args, [&first, &second], &motion, &found.pairs, global)
+        })?;
         let _ = writeln!(text, "{}", path.display());
     }
     print(global, &text, &report(&first, &second, &found))
@@ -132,7 +134,8 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
             // Twice the distance between two descriptors that have nothing in common is 2·√2.
             confidence: (1.0 - m.distance / std::f64::consts::SQRT_2).clamp(0.0, 1.0),
         };
-        let pairs = match_features(&a.descriptors, &b.descriptors, args.ratio).into_iter().map(pair).collect();
+        let pairs =
+            match_features(&a.descriptors, &b.descriptors, args.ratio).into_iter().map(pair).collect();
         return Ok(Found { motion: None, pairs, sigma });
     }
     let params =
@@ -147,7 +150,13 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
     };
     let points = first.walk.geometry().points();
     let (motion, info) = with_progress(global, "fitting", |progress| {
-        align(points, &surface, found.motion, &AlignParams { scaled: params.scaled, ..AlignParams::default() }, progress)
+        align(
+            points,
+            &surface,
+            found.motion,
+            &AlignParams { scaled: params.scaled, ..AlignParams::default() },
+            progress,
+        )
     })
     .map_err(|_| CliError::Cancelled)?;
     let area = match second.walk.geometry().triangles() {
@@ -166,7 +175,11 @@ fn describe(first: &Side, second: &Side, found: &Found) -> String {
     }
     match &found.motion {
         Some((motion, consensus, info)) => {
-            let scale = if motion.scale() == 1.0 { String::new() } else { format!(", scale {}", number(motion.scale())) };
+            let scale = if motion.scale() == 1.0 {
+                String::new()
+            } else {
+                format!(", scale {}", number(motion.scale()))
+            };
             let _ = writeln!(
                 text,
                 "motion: turn by {:.2}°, move by ({}){scale}; {} features agree with it, {} at most by chance",
@@ -198,7 +211,13 @@ fn describe(first: &Side, second: &Side, found: &Found) -> String {
             sure.iter().take(MAX_PRINTED).map(|p| {
                 let (a, b) = (&first.described.features[p.first], &second.described.features[p.second]);
                 let apart = if p.sigmas.is_nan() { "–".to_owned() } else { format!("{:.2}", p.sigmas) };
-                [a.vertex.to_string(), b.vertex.to_string(), number(found.sigma[p.first]), apart, format!("{:.2}", p.confidence)]
+                [
+                    a.vertex.to_string(),
+                    b.vertex.to_string(),
+                    number(found.sigma[p.first]),
+                    apart,
+                    format!("{:.2}", p.confidence),
+                ]
             }),
         );
     }
@@ -245,7 +264,18 @@ fn write_pairs(path: &Path, first: &Side, second: &Side, found: &Found) -> Resul
         format!("{:#}\n", report(first, second, found))
     } else {
         let head = [
-            "vertex", "x", "y", "z", "sigma", "other_vertex", "other_x", "other_y", "other_z", "other_sigma", "apart_sigmas", "confidence",
+            "vertex",
+            "x",
+            "y",
+            "z",
+            "sigma",
+            "other_vertex",
+            "other_x",
+            "other_y",
+            "other_z",
+            "other_sigma",
+            "apart_sigmas",
+            "confidence",
         ];
         let mut table = Table::new("pairs.csv", "", &head);
         for pair in &found.pairs {

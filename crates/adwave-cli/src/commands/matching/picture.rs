@@ -4,6 +4,7 @@ use super::{MatchArgs, Side};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::write_error;
+use crate::up::Upward;
 use adwave::shape::{Shape, triangulate};
 use adwave_io::atomic_write;
 use adwave_register::{Motion, Pair};
@@ -30,8 +31,9 @@ pub(super) fn write(
     let moved: Vec<[f64; 3]> =
         first.input.shape.points().unwrap_or_default().iter().map(|p| motion.apply(p)).collect();
     let others = second.input.shape.points().unwrap_or_default();
-    let params = RenderParams::default().with_size(1600, 900).with_view(args.view).with_up(args.up);
-    let aside = to_the_left(&moved, others, args.view.right(args.up));
+    let up = Upward::of(args.up, &second.input).up;
+    let params = RenderParams::default().with_size(1600, 900).with_view(args.view).with_up(up);
+    let aside = to_the_left(&moved, others, args.view.right(up));
     let left: Vec<[f64; 3]> = moved.iter().map(|p| std::array::from_fn(|k| p[k] + aside[k])).collect();
     let points = [&left[..], others].concat();
     let mut triangles = triangles(&first.input.shape);
@@ -69,7 +71,10 @@ fn triangles(shape: &Shape) -> Vec<[u32; 3]> {
 fn to_the_left(points: &[[f64; 3]], others: &[[f64; 3]], right: [f64; 3]) -> [f64; 3] {
     let along = |p: &[f64; 3]| p.iter().zip(right).map(|(c, r)| c * r).sum::<f64>();
     let last = points.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
-    let (first, end) = others.iter().map(along).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    let (first, end) = others
+        .iter()
+        .map(along)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     let by = first - last - GAP * (end - first);
     right.map(|r| by * r)
 }
