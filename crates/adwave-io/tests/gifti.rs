@@ -103,11 +103,10 @@ fn values_alone_are_columns_with_names() {
         Field::new("saliency", 1, FieldValues::F64(vec![0.5, -2.0])),
         Field::new("flow", 3, FieldValues::F64(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
     ];
-    for name in ["map.func.gii", "map.gii.gz"] {
+    for (name, packed) in [("map.func.gii", false), ("map.gii.gz", true)] {
         let path = folder.path().join(name);
         write_gifti_fields(&path, &fields, Some("CortexLeft")).unwrap();
-        let is_packed = std::fs::read(&path).unwrap().starts_with(&[0x1f, 0x8b]);
-        assert_eq!(is_packed, name.ends_with(".gz"));
+        assert_eq!(std::fs::read(&path).unwrap().starts_with(&[0x1f, 0x8b]), packed);
         let read = read_gifti_fields(&path, &limits()).unwrap();
         let names: Vec<&str> = read.iter().map(|f| f.name.as_str()).collect();
         assert_eq!(names, ["saliency", "flow_x", "flow_y", "flow_z"]);

@@ -34,6 +34,9 @@ enum Change<'a> {
     Arrays(Vec<&'a Field>),
 }
 
+/// Parts of the text, and what takes their place.
+type Changes<'a> = Vec<(Range<usize>, Change<'a>)>;
+
 /// Writes the original with other coordinates and fields. `None` where points or a field
 /// are no numbers of the array's kind any more.
 pub(crate) fn update_gifti(
@@ -69,7 +72,7 @@ fn changes<'a>(
     original: &'a GiftiOriginal,
     report: &mut WriteReport,
     progress: Progress<'_>,
-) -> Result<Option<Vec<(Range<usize>, Change<'a>)>>, WriteError> {
+) -> Result<Option<Changes<'a>>, WriteError> {
     let mut changes = Vec::new();
     if shape.moved {
         let (range, numbers) = &original.points;
