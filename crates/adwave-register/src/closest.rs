@@ -66,21 +66,18 @@ impl Surface {
         let triangles = geometry.triangles();
         let mesh =
             || TriMesh::new(points.iter().map(|&p| Vector::from(p)).collect(), triangles.to_vec()).ok();
-        let kind = match if triangles.is_empty() { None } else { mesh() } {
-            Some(mesh) => Kind::Mesh { mesh: Box::new(mesh), border: Border::new(triangles) },
-            None => {
-                let near = nearest_neighbours(&points, FIT_NEIGHBOURS);
-                Kind::Cloud {
-                    tree: Box::new(ImmutableKdTree::new_from_slice(&points).ok()?),
-                    normals: cloud_normals(&points, &near),
-                    // Of the disc that so many points share.
-                    spacing: near
-                        .radius
-                        .iter()
-                        .map(|r| r * (std::f64::consts::PI / near.k.max(1) as f64).sqrt())
-                        .collect(),
-                    points,
-                }
+        let found = if triangles.is_empty() { None } else { mesh() };
+        let kind = if let Some(mesh) = found {
+            Kind::Mesh { mesh: Box::new(mesh), border: Border::new(triangles) }
+        } else {
+            let near = nearest_neighbours(&points, FIT_NEIGHBOURS);
+            // Of the disc that so many points share.
+            let share = (std::f64::consts::PI / near.k.max(1) as f64).sqrt();
+            Kind::Cloud {
+                tree: Box::new(ImmutableKdTree::new_from_slice(&points).ok()?),
+                normals: cloud_normals(&points, &near),
+                spacing: near.radius.iter().map(|r| r * share).collect(),
+                points,
             }
         };
         Some(Self { unit, kind })

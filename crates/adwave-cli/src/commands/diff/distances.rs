@@ -13,8 +13,8 @@ use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave::signal::outward_normals;
 use adwave_register::{
-    AlignInfo, AlignParams, ConsensusParams, Motion, Surface, align, common_lengths, consensus, described,
-    signed_distances,
+    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, Surface, align, common_lengths, consensus,
+    described, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
@@ -296,7 +296,7 @@ fn by_features(
         consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &ConsensusParams::default(), progress)
     })
     .map_err(|_| CliError::Cancelled)?;
-    Ok(found.filter(|found| found.is_clear()).map(|found| found.motion))
+    Ok(found.filter(Consensus::is_clear).map(|found| found.motion))
 }
 
 /// Moves a shape, in its file too.
