@@ -27,7 +27,8 @@ usage: cargo xtask COMMAND
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps of several meshings of the same surfaces and write docs/MESHINGS.md
 
-Python packages go into an environment of their own below target/; nothing is installed elsewhere.";
+Python packages go into an environment of their own below target/. A C++ compiler is installed from the packages of Debian where there
+is none; nothing else is installed.";
 
 /// Seconds that every test run feeds all readers and parsers with broken input.
 const FUZZED_SECONDS: &str = "60";
@@ -80,6 +81,7 @@ fn models_and_part<'a>(
 }
 
 fn test() -> Outcome {
+    compiler()?;
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
@@ -90,6 +92,21 @@ fn test() -> Outcome {
     let fuzz = target().join("debug/adwave-fuzz");
     run(Command::new(&fuzz).current_dir(root()).args(["--seconds", FUZZED_SECONDS]))?;
     dependencies()
+}
+
+/// Sees to a C++ compiler, which a dependency is built by: where there is none it is installed from the packages of Debian, if
+/// that is possible.
+fn compiler() -> Outcome {
+    let asked = std::env::var("CXX").ok();
+    let names = asked.as_deref().into_iter().chain(["c++", "g++", "clang++"]);
+    let works = |name: &str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
+    if names.into_iter().any(works) {
+        return Ok(());
+    }
+    let missing = "a C++ compiler is needed: install g++ or clang, or name one in the variable CXX";
+    println!("> apt-get install g++");
+    run(Command::new("apt-get").args(["update", "-qq"])).map_err(|e| format!("{missing} ({e})"))?;
+    run(Command::new("apt-get").args(["install", "-y", "-qq", "g++"])).map_err(|e| format!("{missing} ({e})"))
 }
 
 /// Licences and sources of dependencies, by `deny.toml`, where the tool is at hand; known faults need its database too.
