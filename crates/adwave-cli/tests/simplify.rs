@@ -148,7 +148,7 @@ fn detail_says_which_bands_can_go_and_the_command_does_it() {
     let path = folder.path();
     let plain = json(path, "info sample:creature --vertices 2000");
     assert!(plain["detail"].is_null());
-    for error in ["0.6%", "0.05"] {
+    for error in ["3%", "0.2"] {
         let line = format!("info sample:creature --vertices 2000 --error {error}");
         let found = json(path, &line);
         let levels = found["detail"]["levels"].as_array().unwrap();
@@ -167,8 +167,7 @@ fn detail_says_which_bands_can_go_and_the_command_does_it() {
         let (said, done) = (number(&levels[level - 1]["greatest"]), number(&moved["moved"]["max"]));
         assert!((said - done).abs() < 1e-9, "{said} is not {done}");
     }
-    let text =
-        adwave(path).args(words("info sample:creature --vertices 2000 --error 0.6%")).assert().success();
+    let text = adwave(path).args(words("info sample:creature --vertices 2000 --error 3%")).assert().success();
     let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
     assert!(text.contains("rms by area") && text.contains("can be dropped:\n  adwave filter"), "{text}");
     let none = adwave(path).args(words("info sample:creature --vertices 2000 --error 0")).assert().success();
@@ -212,6 +211,6 @@ fn bands_agree_where_they_are_wider_than_the_edges() {
             }
         }
         let relative = f64::sqrt(difference / size);
-        assert!(relative < 0.15, "band {j}: {relative}");
+        assert!(relative < 0.08, "band {j}: {relative}");
     }
 }

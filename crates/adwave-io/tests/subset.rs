@@ -18,7 +18,7 @@ fn written(file: &ShapeFile, format: Format) -> String {
 const TEXTURED: &str = "# head\nmtllib a.mtl\nv 0 0 0 1 0 0\nv 1.0 0 0 0 1 0\nv 2 0 0 0 0 1\nv 0 1 0 1 1 0\n\
     v 1 1 0 0 1 1\nv 2 1 0 1 0 1\nvt 0 0\nvt 0.5 0\nvt 0.0 1\nvt 0.5 1\nvt 0.6 0\nvt 1 0\nvt 0.6 1\nvt 1 1\n\
     vn 0 0 1\no sheet\ng left\nusemtl red\nf 1/1/1 2/2/1 4/3/1\nf 2/2/1 5/4/1 4/3/1\ng right\nusemtl blue\n\
-    f 2/5/1 3/6/1 5/7/1\nf -4/-4/1 6/8/1 5/7/1\nl 1 2 3 6\n";
+    f 2/5/1 3/6/1 5/7/1\nf -4/-3/1 6/8/1 5/7/1\nl 1 2 3 6\n";
 
 #[test]
 fn an_obj_keeps_its_lines_materials_groups_and_both_sides_of_a_seam() {

@@ -62,8 +62,8 @@ pub fn simplify_cloud(
     let thin = |spacing: f64| Thinning::new(&points, spacing, &order, progress.quiet());
     let wanted = match target {
         CloudTarget::Spacing(r) if !(r.is_finite() && r >= 0.0) => return Err(SimplifyError::Length(r)),
-        CloudTarget::Spacing(r) if r == 0.0 || r / unit <= LEAST_SPACING => return Ok(all(n)),
-        CloudTarget::Spacing(r) => return finish(&thin(r / unit)?, r, unit, progress),
+        CloudTarget::Spacing(0.0) => return Ok(all(n)),
+        CloudTarget::Spacing(r) => return finish(&thin((r / unit).max(LEAST_SPACING))?, r, unit, progress),
         CloudTarget::Points(0) => return Err(SimplifyError::NoVertices),
         CloudTarget::Points(wanted) => wanted,
         CloudTarget::Ratio(ratio) if !(ratio > 0.0 && ratio <= 1.0) => {
@@ -89,7 +89,7 @@ const TRIES: u64 = 12;
 /// A number that differs by less than this share is near enough.
 const NEAR_ENOUGH: f64 = 0.01;
 
-/// Below this share of the longest side all points are kept: cells are counted in whole numbers.
+/// The least spacing, as a share of the longest side, which is rounding: cells are counted in whole numbers.
 const LEAST_SPACING: f64 = 1e-12;
 
 /// The spacing that leaves about so many points: by the power law between the two nearest tries, kept between them.

@@ -7,20 +7,22 @@
 
 use crate::mesh::Border;
 use crate::wedges::Wedges;
-use meshopt::{SimplifyOptions, simplify_decoder};
+use meshopt::{SimplifyOptions, simplify_with_locks_decoder};
 
 /// The triangles that are left when edges are collapsed until there are `n_triangles`, or the estimated error would be larger
-/// than `error` in the unit box.
+/// than `error` in the unit box. Wedges that are locked stay.
 ///
 /// The estimate is a mean over planes and says little of the greatest distance; that one is measured by the caller.
 pub(crate) fn collapse(
     wedges: &Wedges,
     points: &[[f32; 3]],
+    locked: &[bool],
     n_triangles: usize,
     error: f64,
     border: Border,
 ) -> Vec<[u32; 3]> {
-    // The bindings pass indices on unseen, and those of `Wedges` are in range by construction.
+    // The bindings pass indices and locks on unseen; those of `Wedges` are in range by construction.
+    assert_eq!((points.len(), locked.len()), (wedges.points.len(), wedges.points.len()), "one per wedge");
     debug_assert!(wedges.triangles.as_flattened().iter().all(|&w| (w as usize) < points.len()));
     let options = match border {
         Border::Weighted => SimplifyOptions::ErrorAbsolute,
@@ -28,7 +30,7 @@ pub(crate) fn collapse(
     };
     let indices = wedges.triangles.as_flattened();
     let target = (3 * n_triangles).min(indices.len());
-    let left = simplify_decoder(indices, points, target, error as f32, options, None);
+    let left = simplify_with_locks_decoder(indices, points, locked, target, error as f32, options, None);
     left.as_chunks().0.to_vec()
 }
 

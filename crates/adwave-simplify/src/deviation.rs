@@ -76,50 +76,78 @@ impl Surface {
 /// Places that a thread looks at in one go; the sums do not depend on the number of threads.
 const AT_A_TIME: usize = 1 << 10;
 
-/// Greatest, and the sums Σ a d² and Σ a, over what `places(k)` gives for k < n: pairs of a distance and its area.
+/// Distances put together, and where they are beyond a limit, increasing.
+pub(crate) struct Measured {
+    pub(crate) side: OneSided,
+    pub(crate) far: Vec<u32>,
+}
+
+/// Puts together what `places(k)` gives for k < n: pairs of a distance and its area.
 fn gather<const N: usize>(
     n: usize,
+    limit: f64,
     progress: Progress<'_>,
     places: impl Fn(usize) -> [(f64, f64); N] + Sync,
-) -> Result<OneSided, Cancelled> {
+) -> Result<Measured, Cancelled> {
     let chunk = |c: usize| {
         progress.check()?;
-        let range = c * AT_A_TIME..((c + 1) * AT_A_TIME).min(n);
-        let (mut greatest, mut squares, mut area) = (0.0_f64, 0.0, 0.0);
-        for (distance, a) in range.flat_map(&places) {
-            greatest = greatest.max(distance);
-            squares += a * distance * distance;
-            area += a;
+        let (mut greatest, mut squares, mut area, mut far) = (0.0_f64, 0.0, 0.0, Vec::new());
+        for k in c * AT_A_TIME..((c + 1) * AT_A_TIME).min(n) {
+            let mut own = 0.0_f64;
+            for (distance, a) in places(k) {
+                own = own.max(distance);
+                squares += a * distance * distance;
+                area += a;
+            }
+            greatest = greatest.max(own);
+            if own > limit {
+                far.push(k as u32);
+            }
         }
-        Ok((greatest, squares, area))
+        Ok((greatest, squares, area, far))
     };
     let chunks: Vec<_> =
         (0..n.div_ceil(AT_A_TIME)).into_par_iter().map(chunk).collect::<Result<_, Cancelled>>()?;
-    let (greatest, squares, area) =
-        chunks.into_iter().fold((0.0_f64, 0.0, 0.0), |sum, c| (sum.0.max(c.0), sum.1 + c.1, sum.2 + c.2));
-    Ok(OneSided { greatest, rms: if area > 0.0 { f64::sqrt(squares / area) } else { 0.0 } })
+    let (mut greatest, mut squares, mut area, mut far) = (0.0_f64, 0.0, 0.0, Vec::new());
+    for chunk in chunks {
+        greatest = greatest.max(chunk.0);
+        squares += chunk.1;
+        area += chunk.2;
+        far.extend(chunk.3);
+    }
+    let rms = if area > 0.0 { f64::sqrt(squares / area) } else { 0.0 };
+    Ok(Measured { side: OneSided { greatest, rms }, far })
 }
 
-/// From the vertices of a mesh, with a third of the area of each triangle round a vertex, to another surface.
+/// From the vertices of a mesh, with a third of the area of each triangle round a vertex, to another surface, on which some of
+/// them are.
 pub(crate) fn from_vertices(
     points: &[[f64; 3]],
     areas: &[f64],
+    is_on: &[bool],
     to: &Surface,
+    limit: f64,
     progress: Progress<'_>,
-) -> Result<OneSided, Cancelled> {
-    gather(points.len(), progress, |x| [(to.nearest(points[x]).0, areas[x])])
+) -> Result<Measured, Cancelled> {
+    let distance = |x: usize| if is_on[x] { 0.0 } else { to.nearest(points[x]).0 };
+    gather(points.len(), limit, progress, |x| [(distance(x), areas[x])])
 }
 
-/// From the centres and the middles of the edges of triangles to another surface.
+/// From the centres and the middles of the edges of triangles to another surface, of which some of them are.
 pub(crate) fn from_triangles(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    is_of: impl Fn([u32; 3]) -> bool + Sync,
     to: &Surface,
+    limit: f64,
     progress: Progress<'_>,
-) -> Result<OneSided, Cancelled> {
-    gather(triangles.len(), progress, |t| {
+) -> Result<Measured, Cancelled> {
+    gather(triangles.len(), limit, progress, |t| {
         let corners = triangles[t].map(|x| points[x as usize]);
         let area = doubled_area(corners) / 8.0;
+        if is_of(triangles[t]) {
+            return [(0.0, area); 4];
+        }
         let [a, b, c] = corners;
         let places = [centre(&[a, b, c]), centre(&[a, b]), centre(&[b, c]), centre(&[c, a])];
         places.map(|p| (to.nearest(p).0, area))

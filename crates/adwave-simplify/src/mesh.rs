@@ -3,10 +3,11 @@
 use crate::collapse::{collapse, in_single_precision};
 use crate::deviation::{Surface, from_triangles, from_vertices, vertex_areas};
 use crate::provenance;
-use crate::wedges::Wedges;
+use crate::wedges::{Wedges, smallest_first};
 use crate::{Deviation, SimplifyError};
 use adwave::shape::Mesh;
 use adwave::{Cancelled, Progress};
+use rayon::prelude::*;
 
 /// What to aim at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,8 +95,9 @@ pub struct SimplifiedMesh {
 /// left out, and so are vertices of no triangle. `labels` has a value for each corner of the faces, or is `None`: corners at one
 /// position that differ in it lie on both sides of a seam (of a texture, of two materials), which stays closed and where it is.
 ///
-/// For [`MeshTarget::Error`] the estimate that steers the collapses is searched until the measured greatest distance is at most
-/// the one asked for and hardly below it: at most 8 runs. For a number of vertices at most 6 runs come within 1 % where seams
+/// For [`MeshTarget::Error`] the estimate that steers the collapses is raised until the measured greatest distance is the one
+/// asked for, and where the result is farther away at few places, the vertices there are kept and the rest is simplified again: at
+/// most 12 runs. For a number of vertices at most 6 runs come within 1 % where seams
 /// and borders let them.
 ///
 /// O(n log n) for each run; a run of a million vertices takes about a second, and is not interrupted, and measuring as much
@@ -161,19 +163,24 @@ struct Job<'a> {
     wedges: Wedges,
     single: Vec<[f32; 3]>,
     areas: Vec<f64>,
+    /// The triangles, each from its smallest wedge, in order.
+    sorted: Vec<[u32; 3]>,
     original: Surface,
     border: Border,
     progress: Progress<'a>,
 }
 
 /// Runs for one distance.
-const RUNS_FOR_ERROR: u64 = 8;
+const RUNS_FOR_ERROR: u64 = 12;
+
+/// Where more than this share of the vertices is too far away, the estimate is too large; fewer are kept where they are.
+const MANY: f64 = 0.02;
 
 /// Runs for one number of vertices.
 const RUNS_FOR_VERTICES: u64 = 6;
 
 /// A measured distance above this share of the one asked for is near enough.
-const NEAR_ENOUGH: f64 = 0.9;
+const NEAR_ENOUGH: f64 = 0.8;
 
 /// A number of vertices that differs by less than this share is near enough.
 const COUNT_NEAR_ENOUGH: f64 = 0.01;
@@ -181,8 +188,8 @@ const COUNT_NEAR_ENOUGH: f64 = 0.01;
 /// Distances in the unit box that rounding alone makes.
 const ROUNDING: f64 = 1e-12;
 
-/// The least estimate that a search begins at in the unit box: single precision knows no smaller one.
-const LEAST_ESTIMATE: f64 = 1e-7;
+/// The least estimate that a search begins at in the unit box: in single precision what is flat seems uneven by about a tenth.
+const LEAST_ESTIMATE: f64 = 1e-5;
 
 /// An estimate in the unit box that no collapse reaches.
 const NO_LIMIT: f64 = 1e6;
@@ -199,53 +206,89 @@ impl<'a> Job<'a> {
         progress.check()?;
         let single = in_single_precision(&wedges.points);
         let areas = vertex_areas(&wedges.points, &wedges.triangles);
-        Ok(Self { wedges, single, areas, original, border, progress })
+        let mut sorted: Vec<[u32; 3]> = wedges.triangles.iter().map(|&t| smallest_first(t)).collect();
+        sorted.par_sort_unstable();
+        Ok(Self { wedges, single, areas, sorted, original, border, progress })
     }
 
-    fn collapse(&self, n_triangles: usize, error: f64) -> Result<Vec<[u32; 3]>, Cancelled> {
+    fn collapse(&self, locked: &[bool], n_triangles: usize, error: f64) -> Result<Vec<[u32; 3]>, Cancelled> {
         self.progress.check()?;
-        let left = collapse(&self.wedges, &self.single, n_triangles, error, self.border);
+        let left = collapse(&self.wedges, &self.single, locked, n_triangles, error, self.border);
         self.progress.check()?;
         Ok(left)
     }
 
-    /// How far these triangles are from the original; of one side only where that alone is beyond the limit.
-    fn measure(&self, triangles: &[[u32; 3]], limit: f64) -> Result<Deviation, Cancelled> {
+    fn none_locked(&self) -> Vec<bool> {
+        vec![false; self.wedges.points.len()]
+    }
+
+    /// How far these triangles are from the original, and the wedges where that is beyond the limit: those of the original, or
+    /// where they are all near the corners of triangles whose inside is far away.
+    fn measure(&self, triangles: &[[u32; 3]], limit: f64) -> Result<(Deviation, Vec<u32>), Cancelled> {
         let progress = self.progress.quiet();
         let points = &self.wedges.points;
         let Some(simplified) = Surface::new(points, triangles) else {
             // Nothing is left, which is as far as can be.
             let far = crate::OneSided { greatest: f64::INFINITY, rms: f64::INFINITY };
-            return Ok(Deviation { of_original: far, of_simplified: far });
+            let all = (0..points.len() as u32).collect();
+            return Ok((Deviation { of_original: far, of_simplified: far }, all));
         };
-        let of_original = from_vertices(points, &self.areas, &simplified, progress)?;
-        if of_original.greatest > limit {
-            return Ok(Deviation { of_original, ..Deviation::default() });
+        let mut is_on = self.none_locked();
+        for &wedge in triangles.as_flattened() {
+            is_on[wedge as usize] = true;
         }
-        let of_simplified = from_triangles(points, triangles, &self.original, progress)?;
-        Ok(Deviation { of_original, of_simplified })
+        let vertices = from_vertices(points, &self.areas, &is_on, &simplified, limit, progress)?;
+        let of_original = vertices.side;
+        if !vertices.far.is_empty() {
+            return Ok((Deviation { of_original, ..Deviation::default() }, vertices.far));
+        }
+        let is_of = |triangle| self.sorted.binary_search(&smallest_first(triangle)).is_ok();
+        let inside = from_triangles(points, triangles, is_of, &self.original, limit, progress)?;
+        let far = inside.far.iter().flat_map(|&t| triangles[t as usize]).collect();
+        Ok((Deviation { of_original, of_simplified: inside.side }, far))
+    }
+
+    /// Keeps these wedges and all that share a triangle with them.
+    fn lock_round(&self, far: &[u32], locked: &mut [bool]) {
+        let mut is_far = self.none_locked();
+        far.iter().for_each(|&wedge| is_far[wedge as usize] = true);
+        for triangle in self.wedges.triangles.iter().filter(|t| t.iter().any(|&w| is_far[w as usize])) {
+            triangle.iter().for_each(|&wedge| locked[wedge as usize] = true);
+        }
     }
 
     /// As few vertices as are found within a distance in the unit box.
     fn within(&self, error: f64) -> Result<(Found, Why), SimplifyError> {
         let limit = error + ROUNDING;
-        let mut search = Search::new(error);
+        // The greatest distance is two or three times the mean that is estimated.
+        let mut estimate = (0.5 * error).clamp(LEAST_ESTIMATE, NO_LIMIT);
+        let (mut locked, mut is_open) = (self.none_locked(), true);
         let mut best: Option<Found> = None;
         for run in 0..RUNS_FOR_ERROR {
             self.progress.step(run, RUNS_FOR_ERROR)?;
-            let triangles = self.collapse(0, search.estimate)?;
-            let n_triangles = triangles.len();
-            let deviation = self.measure(&triangles, limit)?;
+            let triangles = self.collapse(&locked, 0, estimate)?;
+            let (deviation, far) = self.measure(&triangles, limit)?;
             let measured = deviation.greatest();
-            let is_within = measured <= limit;
-            // Fewer than at the last estimate within are not to be had where a larger one changes nothing.
-            let is_last = is_within
-                && best.as_ref().is_some_and(|b| b.triangles.len() == n_triangles && search.is_open());
-            if is_within && best.as_ref().is_none_or(|b| n_triangles <= b.triangles.len()) {
-                best = Some(Found { triangles, deviation: Some(deviation) });
+            if measured <= limit {
+                let is_fewer = best.as_ref().is_none_or(|b| triangles.len() < b.triangles.len());
+                if is_fewer {
+                    best = Some(Found { triangles, deviation: Some(deviation) });
+                }
+                // Once places are locked or the estimate was too large, this is about as far as it goes.
+                if !is_open || !is_fewer || measured >= NEAR_ENOUGH * error || estimate >= NO_LIMIT {
+                    break;
+                }
+                estimate =
+                    (estimate * (error / measured.max(f64::MIN_POSITIVE)).clamp(1.3, 4.0)).min(NO_LIMIT);
+                continue;
             }
-            if is_last || !search.go_on(measured, is_within) {
-                break;
+            is_open = false;
+            let are_many = far.len() as f64 > MANY * self.wedges.points.len() as f64;
+            if are_many || run + 4 > RUNS_FOR_ERROR {
+                estimate *= 0.5;
+            }
+            if !are_many {
+                self.lock_round(&far, &mut locked);
             }
         }
         Ok(match best.filter(|found| found.triangles.len() < self.wedges.triangles.len()) {
@@ -260,12 +303,13 @@ impl<'a> Job<'a> {
         if n >= n_before {
             return Ok((self.unchanged(), Why::Unchanged));
         }
+        let unlocked = self.none_locked();
         let n_all = self.wedges.triangles.len() as f64;
         let mut wanted = n_all * n as f64 / n_before as f64;
         let mut best: Option<(f64, Vec<[u32; 3]>, usize)> = None;
         for run in 0..RUNS_FOR_VERTICES {
             self.progress.step(run, RUNS_FOR_VERTICES)?;
-            let triangles = self.collapse(wanted.max(1.0) as usize, NO_LIMIT)?;
+            let triangles = self.collapse(&unlocked, wanted.max(1.0) as usize, NO_LIMIT)?;
             let count = self.wedges.n_vertices(&triangles);
             // Nothing at all is no answer, however near to the number.
             let off =
@@ -304,7 +348,7 @@ impl<'a> Job<'a> {
         let Found { triangles, deviation } = found;
         let deviation = match deviation {
             Some(deviation) => deviation,
-            None => self.measure(&triangles, f64::INFINITY)?,
+            None => self.measure(&triangles, f64::INFINITY)?.0,
         };
         let nearest =
             provenance::nearest_triangles(&self.wedges, &triangles, &self.original, self.progress.quiet())?;
@@ -352,54 +396,4 @@ fn faces_of_corners(mesh: &Mesh) -> impl Fn(u32) -> u32 {
             .collect()
     };
     move |corner| if ends.is_empty() { corner / 3 } else { ends.partition_point(|&end| end <= corner) as u32 }
-}
-
-/// The estimate whose measured distance is just below the one asked for. What is measured grows with the estimate, about in
-/// proportion but not evenly: the search goes by proportion, and halves (in logarithms) once it is enclosed.
-struct Search {
-    estimate: f64,
-    wanted: f64,
-    /// Estimates and what was measured, within and beyond.
-    within: Option<(f64, f64)>,
-    beyond: Option<(f64, f64)>,
-}
-
-impl Search {
-    fn new(wanted: f64) -> Self {
-        // The greatest distance is two or three times the mean that is estimated.
-        let estimate = (0.5 * wanted).clamp(LEAST_ESTIMATE, NO_LIMIT);
-        Self { estimate, wanted, within: None, beyond: None }
-    }
-
-    /// Whether no estimate was too large so far.
-    fn is_open(&self) -> bool {
-        self.beyond.is_none()
-    }
-
-    /// Takes in what was measured, and says whether another estimate is worth a run.
-    fn go_on(&mut self, measured: f64, is_within: bool) -> bool {
-        let here = (self.estimate, measured);
-        let ratio = NEAR_ENOUGH.sqrt() * self.wanted / measured.max(f64::MIN_POSITIVE);
-        if is_within {
-            self.within = Some(here);
-            if measured >= NEAR_ENOUGH * self.wanted || self.estimate >= NO_LIMIT {
-                return false;
-            }
-        } else {
-            self.beyond = Some(here);
-        }
-        self.estimate = match (self.within, self.beyond) {
-            (Some((low, _)), Some((high, _))) => {
-                if high / low < 1.03 {
-                    return false;
-                }
-                (low * high).sqrt()
-            }
-            (Some((low, _)), None) => low * ratio.clamp(1.3, 4.0),
-            (None, Some((high, _))) => high * ratio.clamp(0.1, 0.7),
-            (None, None) => return false,
-        }
-        .min(NO_LIMIT);
-        self.estimate >= LEAST_ESTIMATE * 1e-2
-    }
 }

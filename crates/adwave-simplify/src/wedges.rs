@@ -161,7 +161,7 @@ fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
 }
 
 /// The same triangle, run through the same way round, from its smallest wedge.
-fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+pub(crate) fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c])
 }
 
