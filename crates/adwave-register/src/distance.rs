@@ -59,3 +59,47 @@ pub fn signed_distances(
     }
     Ok(found)
 }
+
+/// A difference in numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Root of the mean square length by area; NaN where nothing has a value.
+    pub rms: f64,
+    /// Mean of the first channel by area.
+    pub mean: f64,
+    /// Greatest length; NaN where nothing has a value.
+    pub greatest: f64,
+    /// Where that is.
+    pub vertex: usize,
+}
+
+impl Summary {
+    /// Of vectors or numbers at vertices, `n_channels` each; those with a NaN count for nothing. O(n).
+    ///
+    /// ```
+    /// use adwave_register::Summary;
+    /// let found = Summary::new(&[1.0, f64::NAN, -3.0], 1, &[3.0, 9.0, 1.0]);
+    /// assert_eq!((found.rms, found.mean, found.greatest, found.vertex), (3.0_f64.sqrt(), 0.0, 3.0, 2));
+    /// ```
+    ///
+    /// # Panics
+    /// Unless there is an area for each vertex.
+    pub fn new(values: &[f64], n_channels: usize, areas: &[f64]) -> Self {
+        assert_eq!(values.len(), n_channels * areas.len(), "an area for each vertex");
+        let (mut total, mut squares, mut sum) = (0.0, 0.0, 0.0);
+        let (mut greatest, mut vertex) = (f64::NAN, 0);
+        for (x, (row, area)) in values.chunks_exact(n_channels).zip(areas).enumerate() {
+            let square = row.iter().map(|v| v * v).sum::<f64>();
+            if square.is_nan() {
+                continue;
+            }
+            total += area;
+            squares += area * square;
+            sum += area * row[0];
+            if greatest.is_nan() || square.sqrt() > greatest {
+                (greatest, vertex) = (square.sqrt(), x);
+            }
+        }
+        Self { rms: (squares / total).sqrt(), mean: sum / total, greatest, vertex }
+    }
+}

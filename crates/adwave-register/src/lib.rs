@@ -15,6 +15,6 @@ pub use align::{AlignInfo, AlignParams, align};
 pub use closest::{Closest, Surface};
 pub use consensus::{Consensus, ConsensusParams, Key, consensus};
 pub use described::{DescribeError, Described, common_lengths, described};
-pub use distance::{SignedDistances, signed_distances};
+pub use distance::{SignedDistances, Summary, signed_distances};
 pub use motion::Motion;
 pub use pairs::{Pair, PairParams, pairs_under};

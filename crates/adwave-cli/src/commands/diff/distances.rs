@@ -13,8 +13,8 @@ use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave::signal::outward_normals;
 use adwave_register::{
-    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, Surface, align, common_lengths, consensus,
-    described, signed_distances,
+    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, SignedDistances, Summary, Surface, align,
+    common_lengths, consensus, described, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
@@ -35,21 +35,6 @@ pub(super) struct Difference {
     pub(super) json: Value,
     /// What the second shape was moved by.
     pub(super) motion: Option<Motion>,
-}
-
-impl Difference {
-    /// Root mean square of a signal like the difference, by area; NaN counts for nothing.
-    pub(super) fn rms_by_area(&self, signal: &[f64], areas: &[f64]) -> f64 {
-        let rows = || {
-            signal
-                .chunks_exact(self.n_channels)
-                .zip(areas)
-                .filter(|(row, _)| row.iter().all(|v| v.is_finite()))
-        };
-        let total: f64 = rows().map(|(_, area)| area).sum();
-        let squares: f64 = rows().map(|(row, area)| area * row.iter().map(|v| v * v).sum::<f64>()).sum();
-        if total > 0.0 { (squares / total).sqrt() } else { f64::NAN }
-    }
 }
 
 /// The difference; `second` is moved to where it is compared.
@@ -111,17 +96,13 @@ fn vectors(
     let others = second.shape.points().unwrap_or_default();
     let values: Vec<f64> =
         points.iter().zip(others).flat_map(|(p, q)| [0, 1, 2].map(|c| q[c] - p[c])).collect();
-    let mut found = Difference { n_channels: 3, values, how, facts: Vec::new(), json: Value::Null, motion };
-    let lengths: Vec<f64> =
-        found.values.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum::<f64>().sqrt()).collect();
-    let rms = found.rms_by_area(&found.values, &areas);
-    let (vertex, greatest) = greatest(&lengths);
-    found.facts = vec![
+    let Summary { rms, greatest, vertex, .. } = Summary::new(&values, 3, &areas);
+    let facts = vec![
         fact("rms", number(rms), "root mean square of the distances, by area"),
         fact("greatest", number(greatest), &format!("at vertex {vertex}")),
     ];
-    found.json = json!({"rms": rms, "greatest": greatest, "vertex": vertex});
-    Ok(found)
+    let json = json!({"rms": rms, "greatest": greatest, "vertex": vertex});
+    Ok(Difference { n_channels: 3, values, how, facts, json, motion })
 }
 
 /// To the closest points.
@@ -171,12 +152,8 @@ fn distances(
             "without a sign, as neither side is outside"
         }
     ));
-    let values = if outward.info.has_outside() {
-        there.values
-    } else {
-        there.values.iter().map(|v| v.abs()).collect()
-    };
-    let n = values.len();
+    let magnitude = |values: &[f64]| values.iter().map(|v| v.abs()).collect();
+    let values = if outward.info.has_outside() { there.values.clone() } else { magnitude(&there.values) };
     let values = walk.geometry().vertex_map().scatter(&values, 1);
     if values.iter().all(|v| v.is_nan()) {
         return Err(CliError::Input(format!(
@@ -184,37 +161,39 @@ fn distances(
             first.name, second.name
         )));
     }
-    let areas = walk.areas();
-    let mut found = Difference { n_channels: 1, values, how, facts: Vec::new(), json: Value::Null, motion };
-    let rms = found.rms_by_area(&found.values, &areas);
-    let mean = mean_by_area(&found.values, &areas);
-    let lengths: Vec<f64> = found.values.iter().map(|v| v.abs()).collect();
-    let (vertex, greatest_there) = greatest(&lengths);
-    let back_lengths: Vec<f64> = back.values.iter().map(|v| v.abs()).collect();
-    let (_, greatest_back) = greatest(&back_lengths);
-    found.facts = vec![
-        fact("rms", number(rms), "root mean square by area"),
-        fact("mean", number(mean), "by area"),
-        fact("greatest", number(greatest_there), &format!("at vertex {vertex}")),
-        fact(
-            "way back",
-            number(greatest_back),
-            &format!("the greatest distance from {} to {}", second.name, first.name),
-        ),
+    let summary = Summary::new(&values, 1, &walk.areas());
+    let greatest_back = Summary::new(&back.values, 1, &vec![1.0; back.values.len()]).greatest;
+    let json = json!({
+        "rms": summary.rms, "mean": summary.mean, "greatest": summary.greatest, "vertex": summary.vertex,
+        "greatest_back": greatest_back, "beyond_border": there.n_beyond_border, "too_far": there.n_too_far,
+        "signed": outward.info.has_outside(),
+    });
+    let facts = closest_facts([&first.name, &second.name], &summary, greatest_back, &there);
+    Ok(Difference { n_channels: 1, values, how, facts, json, motion })
+}
+
+/// What is said of signed distances.
+fn closest_facts(
+    [first, second]: [&str; 2],
+    summary: &Summary,
+    greatest_back: f64,
+    there: &SignedDistances,
+) -> Vec<Fact> {
+    let mut facts = vec![
+        fact("rms", number(summary.rms), "root mean square by area"),
+        fact("mean", number(summary.mean), "by area"),
+        fact("greatest", number(summary.greatest), &format!("at vertex {}", summary.vertex)),
+        fact("way back", number(greatest_back), &format!("the greatest distance from {second} to {first}")),
     ];
     let without = there.n_beyond_border + there.n_too_far;
     if without > 0 {
         let meaning = format!(
-            "{} lie beyond a border of {}, {} beyond the limit",
-            there.n_beyond_border, second.name, there.n_too_far
+            "{} lie beyond a border of {second}, {} beyond the limit",
+            there.n_beyond_border, there.n_too_far
         );
-        found.facts.push(fact("no value", format!("{without} of {n} vertices"), &meaning));
+        facts.push(fact("no value", format!("{without} of {} vertices", there.values.len()), &meaning));
     }
-    found.json = json!({
-        "rms": rms, "mean": mean, "greatest": greatest_there, "vertex": vertex, "greatest_back": greatest_back,
-        "beyond_border": there.n_beyond_border, "too_far": there.n_too_far, "signed": outward.info.has_outside(),
-    });
-    Ok(found)
+    facts
 }
 
 fn fact(name: &str, value: String, meaning: &str) -> Fact {
@@ -227,17 +206,6 @@ fn moved_sentence(name: &str, motion: &Motion) -> String {
         motion.degrees(),
         motion.translation().map(number).join(", ")
     )
-}
-
-/// The index of the largest value that is not NaN, and the value; 0 and NaN where there is none.
-fn greatest(values: &[f64]) -> (usize, f64) {
-    let known = values.iter().copied().enumerate().filter(|(_, v)| !v.is_nan());
-    known.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).unwrap_or((0, f64::NAN))
-}
-
-fn mean_by_area(values: &[f64], areas: &[f64]) -> f64 {
-    let known = || values.iter().zip(areas).filter(|(v, _)| !v.is_nan());
-    known().map(|(v, a)| v * a).sum::<f64>() / known().map(|(_, a)| a).sum::<f64>()
 }
 
 fn prepared(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeometry, CliError> {

@@ -18,6 +18,7 @@ use adwave::bands::Bands;
 use adwave::saliency::SALIENCY_EXTENT;
 use adwave::{BandsRequest, Decomposer};
 use adwave_io::{Field, FieldValues, Format, atomic_write};
+use adwave_register::Summary;
 use adwave_report::difference_report::{Versions, difference_report};
 use adwave_report::page::Fact;
 use adwave_report::shape_report::{BandSummary, DIFFERENCE, Subject, Viewpoint, band_summaries};
@@ -150,7 +151,7 @@ impl Compared<'_> {
 
     /// Root mean square of S_J by area.
     fn rest(&self) -> f64 {
-        self.found.rms_by_area(self.bands.coarsest(), &self.walk.areas())
+        Summary::new(self.bands.coarsest(), self.found.n_channels, &self.walk.areas()).rms
     }
 
     fn json(&self, summaries: &[BandSummary]) -> Value {
