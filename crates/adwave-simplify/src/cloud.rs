@@ -108,9 +108,9 @@ fn of_number<'a>(
         let count = thinning.n_kept();
         let off = count.abs_diff(wanted);
         if count > wanted {
-            low = spacing
+            low = spacing;
         } else {
-            high = spacing
+            high = spacing;
         }
         if best.as_ref().is_none_or(|b| off < b.0) {
             best = Some((off, spacing, thinning));
