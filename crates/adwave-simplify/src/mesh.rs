@@ -188,7 +188,7 @@ const COUNT_NEAR_ENOUGH: f64 = 0.01;
 /// Distances in the unit box that rounding alone makes.
 const ROUNDING: f64 = 1e-12;
 
-/// The least estimate that a search begins at in the unit box: in single precision what is flat seems uneven by about a tenth.
+/// The least estimate that a search begins at in the unit box: to single precision nothing is flatter than this.
 const LEAST_ESTIMATE: f64 = 1e-5;
 
 /// An estimate in the unit box that no collapse reaches.
@@ -251,9 +251,13 @@ impl<'a> Job<'a> {
     /// Keeps these wedges and all that share a triangle with them.
     fn lock_round(&self, far: &[u32], locked: &mut [bool]) {
         let mut is_far = self.none_locked();
-        far.iter().for_each(|&wedge| is_far[wedge as usize] = true);
+        for &wedge in far {
+            is_far[wedge as usize] = true;
+        }
         for triangle in self.wedges.triangles.iter().filter(|t| t.iter().any(|&w| is_far[w as usize])) {
-            triangle.iter().for_each(|&wedge| locked[wedge as usize] = true);
+            for &wedge in triangle {
+                locked[wedge as usize] = true;
+            }
         }
     }
 

@@ -122,7 +122,7 @@ fn what_is_flat_goes_and_a_border_that_is_kept_stays() {
     assert_eq!(simplify(&flat, MeshTarget::Error(1e-6)).kept.len(), 4);
     let params = MeshParams::new(MeshTarget::Error(1e-6)).with_border(Border::Kept);
     let kept = simplify_mesh(&flat, None, &params, Progress::none()).unwrap().kept;
-    let is_border = |x: u32| x % 13 == 0 || x % 13 == 12 || x / 13 == 0 || x / 13 == 12;
+    let is_border = |x: u32| x.is_multiple_of(13) || x % 13 == 12 || x / 13 == 0 || x / 13 == 12;
     assert_eq!(kept.iter().filter(|&&x| is_border(x)).count(), 48);
     assert!(kept.len() < 60, "{} are kept", kept.len());
 }
