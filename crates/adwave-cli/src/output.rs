@@ -203,8 +203,7 @@ pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
 /// The format that a path asks for by its extension.
 pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
     match Format::from_path(path) {
-        Some(format) if format.can_write() => Ok(format),
-        Some(format) => Err(write_error(WriteError::NotWritable { format }.in_file(path))),
+        Some(format) => Ok(format),
         None => Err(write_error(WriteError::UnknownFormat.in_file(path))),
     }
 }

@@ -89,7 +89,6 @@ fn what_is_wrong_with_a_request_is_said_in_one_line() {
         ("filter a.obj -o o.obj --recipe bad.toml", "line 3"),
         ("filter a.obj -o o.obj --recipe none.toml", "none.toml"),
         ("filter a.obj -o o.docx --preset suppress", "o.docx"),
-        ("filter a.obj -o o.las --preset suppress", "las"),
         ("filter a.obj -o nowhere/o.obj --preset suppress", "nowhere"),
         ("basis a.obj --vertex 3 --level 2 -o o.ply", "vertex 3"),
         ("basis a.obj --vertex 1 --level 0 -o o.ply", "level"),

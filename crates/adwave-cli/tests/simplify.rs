@@ -126,7 +126,7 @@ fn what_cannot_be_asked_for_is_said_in_one_line() {
         ("simplify one.obj -o o.ply --error -1", "no length"),
         ("simplify one.obj -o o.ply --error nan", "no length"),
         ("simplify one.obj -o o.ply --ratio 0", "no share"),
-        ("simplify one.obj -o o.las --vertices 1", "o.las"),
+        ("simplify one.obj -o o.docx --vertices 1", "o.docx"),
         ("simplify one.obj -o o.ply --vertices 1 --keep-border", "--keep-border"),
         ("simplify flat.obj -o o.ply --vertices 1", "flat.obj: no face has an area"),
         ("simplify nan.obj -o o.ply --vertices 1", "not finite"),

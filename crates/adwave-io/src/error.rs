@@ -162,12 +162,6 @@ pub enum WriteError {
         crate::Format::writable_names()
     )]
     UnknownFormat,
-    /// The format can be read but not written.
-    #[error("{format} files cannot be written; formats that can be: {}", crate::Format::writable_names())]
-    NotWritable {
-        /// The format.
-        format: crate::Format,
-    },
     /// The shape has nothing that the format can hold.
     #[error("{format} cannot hold {what}; choose another format")]
     CannotHold {
@@ -204,10 +198,7 @@ impl ClassifiedError for WriteError {
             Self::Io(error) => kind_of_io(error),
             Self::Cancelled(error) => error.kind(),
             Self::NoFolder { .. } => ErrorKind::Machine,
-            Self::UnknownFormat
-            | Self::NotWritable { .. }
-            | Self::CannotHold { .. }
-            | Self::ArrayShape { .. } => ErrorKind::Input,
+            Self::UnknownFormat | Self::CannotHold { .. } | Self::ArrayShape { .. } => ErrorKind::Input,
         }
     }
 }

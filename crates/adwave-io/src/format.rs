@@ -94,11 +94,6 @@ impl Format {
         self != Self::Vtp
     }
 
-    /// Whether it can be written.
-    pub fn can_write(self) -> bool {
-        !matches!(self, Self::Las | Self::Laz)
-    }
-
     /// The binary or text form that stands for both: `ply` for `ply-ascii`.
     pub(crate) fn family(self) -> Self {
         match self {
@@ -116,7 +111,8 @@ impl Format {
 
     /// Endings of all that can be written, for messages.
     pub(crate) fn writable_names() -> String {
-        ".obj, .ply, .off, .stl, .xyz, .pts, .csv, .pcd, .mtx, .gii, .vtp (each also with .gz)".into()
+        ".obj, .ply, .off, .stl, .xyz, .pts, .csv, .pcd, .las, .laz, .mtx, .gii, .vtp (each also with .gz)"
+            .into()
     }
 }
 

@@ -142,7 +142,7 @@ pub fn read_bytes_with(
             crate::columns::read::read_columns(bytes, limits, name_hint, progress)
         }
         Format::Pcd => crate::pcd::read::read_pcd(bytes, limits, progress),
-        Format::Las | Format::Laz => crate::las::read::read_las(&bytes, limits, progress),
+        Format::Las | Format::Laz => crate::las::read::read_las(bytes, limits, progress),
         Format::Gifti => crate::gifti::read::read_gifti(bytes, limits, progress),
         Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits, progress),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),

@@ -83,7 +83,7 @@ pub fn write_path_with(
 /// Writes the shape in a format.
 ///
 /// # Errors
-/// Writing fails, or the format can be read but not written, or can hold nothing of the shape.
+/// Writing fails, or the format can hold nothing of the shape.
 pub fn write_bytes(
     shape: &ShapeFile,
     format: Format,
@@ -114,7 +114,10 @@ pub fn write_bytes_with(
         return Ok(report);
     }
     let mut report = WriteReport::default();
-    for extra in &shape.extras {
+    // The records of a LAS stay in a LAZ, and the other way round.
+    let keeps_extras = matches!(format, Format::Las | Format::Laz)
+        && matches!(shape.original.as_deref(), Some(Original::Las(_)));
+    for extra in shape.extras.iter().filter(|_| !keeps_extras) {
         report.leave_out(extra.clone());
     }
     match format {
@@ -135,7 +138,9 @@ pub fn write_bytes_with(
         Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
         Format::Vtp => crate::vtp::write::write_vtp(shape, &mut report, out, progress)?,
         Format::Gifti => crate::gifti::write::write_gifti(shape, &mut report, out, progress)?,
-        Format::Las | Format::Laz => return Err(WriteError::NotWritable { format }),
+        Format::Las | Format::Laz => {
+            crate::las::write::write_las(shape, format, &mut report, out, progress)?;
+        }
     }
     Ok(report)
 }

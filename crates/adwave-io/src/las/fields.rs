@@ -12,6 +12,30 @@ pub(crate) fn record_bytes(format: u8) -> Option<usize> {
     BYTES.get(usize::from(format)).copied()
 }
 
+/// Where a record has the field of that name, its type and its channels; `None` of a field that is a few bits of a byte, or is not
+/// there.
+pub(crate) fn whole_column(format: u8, name: &str) -> Option<(usize, ValueType, usize)> {
+    let old = format < 6;
+    let has_time = matches!(format, 1 | 3 | 4 | 5) || !old;
+    let color = match format {
+        2 => Some(20),
+        3 | 5 => Some(28),
+        7 | 8 | 10 => Some(30),
+        _ => None,
+    };
+    match name {
+        "intensity" => Some((12, ValueType::U16, 1)),
+        "classification" => Some(if old { (15, ValueType::U8, 1) } else { (16, ValueType::U8, 1) }),
+        "scan_angle" => Some(if old { (16, ValueType::I8, 1) } else { (18, ValueType::I16, 1) }),
+        "user_data" => Some((17, ValueType::U8, 1)),
+        "point_source" => Some((if old { 18 } else { 20 }, ValueType::U16, 1)),
+        "gps_time" if has_time => Some((if old { 20 } else { 22 }, ValueType::F64, 1)),
+        "color" => color.map(|at| (at, ValueType::U16, 3)),
+        "near_infrared" if matches!(format, 8 | 10) => Some((36, ValueType::U16, 1)),
+        _ => None,
+    }
+}
+
 /// An attribute that a program has added after the standard ones.
 pub(crate) struct ExtraBytes {
     name: String,

@@ -1,5 +1,6 @@
-//! LAS 1.0 – 1.4 and its compressed form LAZ, read only.
+//! LAS 1.0 – 1.4 and its compressed form LAZ.
 
 pub(crate) mod fields;
 pub(crate) mod laz;
 pub(crate) mod read;
+pub(crate) mod write;

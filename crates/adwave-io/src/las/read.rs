@@ -4,9 +4,14 @@
 //! and extra bytes included, and no number of the header may be believed. The library `laz` unpacks compressed
 //! records; what it would trust blindly is checked first in [`crate::laz_check`].
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use adwave::Progress;
 
 use crate::las::fields::{ExtraBytes, Records, fields};
+use crate::las::write::LasOriginal;
+use crate::original::Original;
 use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
@@ -16,16 +21,18 @@ pub(crate) struct Header {
     pub(crate) record_bytes: usize,
     pub(crate) n_points: u64,
     pub(crate) points_start: usize,
-    scale: [f64; 3],
-    offset: [f64; 3],
-    is_compressed: bool,
+    pub(crate) scale: [f64; 3],
+    pub(crate) offset: [f64; 3],
+    pub(crate) is_compressed: bool,
 }
 
 /// A variable-length record of the header.
-struct Record<'a> {
-    user: &'a [u8],
-    id: u16,
-    content: &'a [u8],
+pub(crate) struct Record<'a> {
+    /// Where it begins.
+    pub(crate) start: usize,
+    pub(crate) user: &'a [u8],
+    pub(crate) id: u16,
+    pub(crate) content: &'a [u8],
 }
 
 fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
@@ -46,10 +53,11 @@ fn f64_at(bytes: &[u8], at: usize) -> Option<f64> {
 
 /// Reads a LAS or LAZ.
 pub(crate) fn read_las(
-    bytes: &[u8],
+    file: Vec<u8>,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
+    let bytes = &file[..];
     let header = parse_header(bytes).ok_or_else(|| ReadError::Truncated {
         end: bytes.len() as u64,
         needed: 227,
@@ -58,21 +66,11 @@ pub(crate) fn read_las(
     })?;
     check_header(bytes, &header)?;
     limits.check_points(header.n_points)?;
-    let records = variable_records(bytes);
-    let unpacked;
-    let points = if header.is_compressed {
+    if header.is_compressed {
         limits.check_bytes(header.n_points.saturating_mul(header.record_bytes as u64))?;
-        let own = |r: &&Record<'_>| r.user.starts_with(b"laszip encoded") && r.id == 22204;
-        let Some(record) = records.iter().find(own) else {
-            return Err(ReadError::Whole(
-                "the LAZ has no record of its compression; get an unbroken file".into(),
-            ));
-        };
-        unpacked = crate::las::laz::unpack(bytes, &header, record.content, progress)?;
-        unpacked.as_slice()
-    } else {
-        &bytes[header.points_start..]
-    };
+    }
+    let points = unpacked(bytes, &header, progress)?;
+    let records = records(bytes);
     let extra = |r: &&Record<'_>| r.user.starts_with(b"LASF_Spec") && r.id == 4;
     let extra = ExtraBytes::parse(records.iter().find(extra).map_or(&[], |r| r.content));
     let n = header.n_points as usize;
@@ -88,14 +86,37 @@ pub(crate) fn read_las(
     shape.precision = Precision::F64;
     shape.vertex_fields = fields(
         header.format,
-        &Records { bytes: points, record_bytes: header.record_bytes, n, progress },
+        &Records { bytes: &points, record_bytes: header.record_bytes, n, progress },
         &extra,
     )?;
     shape.extras.push("the LAS header and its records".into());
+    // A list of points that the file has not could not be written again.
+    if n as u64 == header.n_points {
+        shape.original = Some(Arc::new(Original::Las(LasOriginal { bytes: Arc::new(file), kept: None })));
+    }
     Ok(shape)
 }
 
-fn parse_header(bytes: &[u8]) -> Option<Header> {
+/// The point records one after the other, unpacked where they are compressed.
+pub(crate) fn unpacked<'a>(
+    bytes: &'a [u8],
+    header: &Header,
+    progress: Progress<'_>,
+) -> Result<Cow<'a, [u8]>, ReadError> {
+    if !header.is_compressed {
+        return Ok(Cow::Borrowed(&bytes[header.points_start..]));
+    }
+    let records = records(bytes);
+    let own = |r: &&Record<'_>| r.user.starts_with(b"laszip encoded") && r.id == 22204;
+    let Some(record) = records.iter().find(own) else {
+        return Err(ReadError::Whole(
+            "the LAZ has no record of its compression; get an unbroken file".into(),
+        ));
+    };
+    crate::las::laz::unpack(bytes, header, record.content, progress).map(Cow::Owned)
+}
+
+pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
     let minor = *bytes.get(25)?;
     let format_byte = *bytes.get(104)?;
     let legacy = u64::from(u32_at(bytes, 107)?);
@@ -140,7 +161,7 @@ fn check_header(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
 }
 
 /// The records between header and points, as many as are whole.
-fn variable_records(bytes: &[u8]) -> Vec<Record<'_>> {
+pub(crate) fn records(bytes: &[u8]) -> Vec<Record<'_>> {
     let mut records = Vec::new();
     let mut at = usize::from(u16_at(bytes, 94).unwrap_or(0));
     for _ in 0..u32_at(bytes, 100).unwrap_or(0) {
@@ -151,7 +172,7 @@ fn variable_records(bytes: &[u8]) -> Vec<Record<'_>> {
         };
         let start = at + 54;
         let Some(content) = bytes.get(start..start + usize::from(n)) else { break };
-        records.push(Record { user, id, content });
+        records.push(Record { start: at, user, id, content });
         at = start + usize::from(n);
     }
     records

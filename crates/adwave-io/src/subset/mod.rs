@@ -5,6 +5,7 @@ mod obj;
 use adwave::shape::Polygons;
 use std::sync::Arc;
 
+use crate::las::write::LasOriginal;
 use crate::original::Original;
 use crate::pcd::read::PcdOriginal;
 use crate::{Field, Format, ReadLimits, ShapeFile, ShapeFileError};
@@ -59,7 +60,7 @@ impl ShapeFile {
             face_fields: self.face_fields.iter().map(|field| rows(field, subset.faces)).collect(),
             format: self.format,
             precision: self.precision,
-            original: self.original_header(subset.vertices.len()),
+            original: self.original_header(subset.vertices),
             // The normals of an STL are those of its triangles.
             moved: true,
             ..Self::empty()
@@ -78,16 +79,23 @@ impl ShapeFile {
         Ok(file)
     }
 
-    /// What of the original holds for any vertices: the header of an STL, the view point of a PCD.
-    fn original_header(&self, n_vertices: usize) -> Option<Arc<Original>> {
+    /// What of the original holds for any vertices: the header of an STL, the view point of a PCD, the records of a LAS.
+    fn original_header(&self, vertices: &[u32]) -> Option<Arc<Original>> {
         match self.original.as_deref()? {
             Original::StlHeader(header) => Some(Arc::new(Original::StlHeader(header.clone()))),
             Original::Pcd(pcd) => Some(Arc::new(Original::Pcd(PcdOriginal {
                 viewpoint: pcd.viewpoint.clone(),
                 // Not an image any more: one row of points.
-                width: n_vertices as u64,
+                width: vertices.len() as u64,
                 height: 1,
                 rows: None,
+            }))),
+            Original::Las(las) => Some(Arc::new(Original::Las(LasOriginal {
+                bytes: Arc::clone(&las.bytes),
+                kept: Some(match &las.kept {
+                    Some(kept) => vertices.iter().map(|&v| kept[v as usize]).collect(),
+                    None => vertices.to_vec(),
+                }),
             }))),
             _ => None,
         }

@@ -83,7 +83,7 @@ fn typed(length: Length) -> String {
 
 /// A name for the result in a format that is written.
 fn output_name(input: &Input) -> String {
-    let format = input.file.format().filter(|format| format.can_write());
+    let format = input.file.format();
     format!("OUT.{}", format.and_then(|f| f.extensions().first().copied()).unwrap_or("ply"))
 }
 

@@ -1,0 +1,393 @@
+//! Writing a LAS or LAZ: over the records that were read, so that whatever else they hold stays, or anew as version 1.2.
+
+use std::io::{Cursor, Write};
+use std::sync::Arc;
+
+use adwave::Progress;
+
+use crate::las::fields::{record_bytes, whole_column};
+use crate::las::read::{Header, parse_header, records, unpacked};
+use crate::original::Original;
+use crate::progress::at_row;
+use crate::{FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
+
+/// The bytes of a LAS or LAZ, and which of its points the shape has; all where there is no list.
+#[derive(Debug)]
+pub(crate) struct LasOriginal {
+    pub(crate) bytes: Arc<Vec<u8>>,
+    pub(crate) kept: Option<Vec<u32>>,
+}
+
+/// Largest coordinate in steps of the scale that a new file gets.
+const MOST_STEPS: f64 = 1e9;
+/// The bit of the point format that says that points are compressed.
+const COMPRESSED: u8 = 0x80;
+/// Bytes of the head of a variable-length record.
+const RECORD_HEAD: usize = 54;
+/// The number of the record of the compression.
+const LASZIP: u16 = 22204;
+/// Bytes of the header of version 1.2.
+const HEADER_1_2: usize = 227;
+
+/// A file in parts, uncompressed.
+struct Parts {
+    header: Vec<u8>,
+    /// The variable-length records, whole, without that of the compression.
+    records: Vec<Vec<u8>>,
+    points: Vec<u8>,
+    /// What comes after the points, and where it began.
+    tail: Vec<u8>,
+    tail_start: usize,
+    parsed: Header,
+}
+
+/// Writes the shape's points.
+pub(crate) fn write_las(
+    shape: &ShapeFile,
+    format: Format,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
+    if !shape.faces.is_empty() {
+        report.leave_out("faces");
+    }
+    let original = match shape.original.as_deref() {
+        Some(Original::Las(original)) => Some(original),
+        _ => None,
+    };
+    let mut parts = match original {
+        Some(original) => {
+            Parts::read(original, progress).ok_or_else(|| cannot(format, "points whose file is broken"))?
+        }
+        None => Parts::new(shape, report, format)?,
+    };
+    if shape.moved || original.is_none() {
+        parts.set_points(shape, format, progress)?;
+    }
+    parts.set_fields(shape, original.is_some(), report, progress)?;
+    if original.is_none_or(|original| original.kept.is_some()) {
+        parts.count();
+    }
+    let bytes = parts.assembled(format == Format::Laz, format, progress)?;
+    out.write_all(&bytes)?;
+    Ok(())
+}
+
+fn cannot(format: Format, what: impl Into<String>) -> WriteError {
+    WriteError::CannotHold { format, what: what.into() }
+}
+
+fn put<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
+    bytes[at..at + N].copy_from_slice(&value);
+}
+
+impl Parts {
+    /// Of a file that was read before; `None` where that is not possible, which only a changed library could bring about.
+    fn read(original: &LasOriginal, progress: Progress<'_>) -> Option<Self> {
+        let bytes = &original.bytes[..];
+        let parsed = parse_header(bytes)?;
+        let header_bytes = usize::from(u16::from_le_bytes(bytes[94..96].try_into().ok()?));
+        let all = unpacked(bytes, &parsed, progress).ok()?;
+        let size = parsed.record_bytes;
+        let points = match &original.kept {
+            Some(kept) => kept.iter().flat_map(|&i| &all[i as usize * size..][..size]).copied().collect(),
+            None => all[..parsed.n_points as usize * size].to_vec(),
+        };
+        let mut this = Self {
+            header: bytes[..header_bytes.min(parsed.points_start)].to_vec(),
+            records: Vec::new(),
+            points,
+            tail: Vec::new(),
+            tail_start: bytes.len(),
+            parsed,
+        };
+        for record in records(bytes) {
+            let is_compression = record.user.starts_with(b"laszip encoded") && record.id == LASZIP;
+            if !is_compression {
+                this.records
+                    .push(bytes[record.start..record.start + RECORD_HEAD + record.content.len()].to_vec());
+            }
+        }
+        this.tail_start = this.where_tail_starts(bytes.len());
+        this.tail = bytes[this.tail_start..].to_vec();
+        Some(this)
+    }
+
+    /// Extended records and wave packets say where they begin; without compression, all after the points is kept.
+    fn where_tail_starts(&self, end: usize) -> usize {
+        let stated = self.positions().into_iter().filter_map(|at| usize::try_from(self.u64_at(at)).ok());
+        let points_end = self.parsed.points_start + self.parsed.n_points as usize * self.parsed.record_bytes;
+        let least = if self.parsed.is_compressed { end } else { points_end };
+        let beyond = stated.filter(|&start| start > self.parsed.points_start && start < end);
+        beyond.min().unwrap_or(least).min(end)
+    }
+
+    /// Where the header has positions of what comes after the points.
+    fn positions(&self) -> Vec<usize> {
+        let (minor, length) = (self.header[25], self.header.len());
+        let mut found = Vec::new();
+        if minor >= 3 && length >= 235 {
+            found.push(227);
+        }
+        if minor >= 4 && length >= 375 {
+            found.push(235);
+        }
+        found
+    }
+
+    fn u64_at(&self, at: usize) -> u64 {
+        let mut own = [0; 8];
+        own.copy_from_slice(&self.header[at..at + 8]);
+        u64::from_le_bytes(own)
+    }
+
+    /// A file of version 1.2 with the intensity, classes and colours that the shape has.
+    fn new(shape: &ShapeFile, report: &mut WriteReport, format: Format) -> Result<Self, WriteError> {
+        if shape.points.is_empty() {
+            return Err(cannot(format, "a shape without points"));
+        }
+        let has_color = shape.field("color").is_some_and(|f| f.n_channels >= 3);
+        let id = if has_color { 2 } else { 0 };
+        let size = record_bytes(id).unwrap_or(20);
+        let mut header = vec![0; HEADER_1_2];
+        header[..4].copy_from_slice(b"LASF");
+        header[24..26].copy_from_slice(&[1, 2]);
+        header[26..31].copy_from_slice(b"OTHER");
+        let program = concat!("adwave ", env!("CARGO_PKG_VERSION")).as_bytes();
+        header[58..58 + program.len()].copy_from_slice(program);
+        put(&mut header, 94, (HEADER_1_2 as u16).to_le_bytes());
+        header[104] = id;
+        put(&mut header, 105, (size as u16).to_le_bytes());
+        put(&mut header, 107, 1_u32.to_le_bytes());
+        for axis in 0..3 {
+            let all = || shape.points.iter().map(|p| p[axis]);
+            let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+            let extent = (high - low).max(f64::EPSILON * high.abs().max(low.abs())).max(f64::MIN_POSITIVE);
+            let scale = 10_f64.powf((extent / MOST_STEPS).log10().ceil());
+            put(&mut header, 131 + 8 * axis, scale.to_le_bytes());
+            put(&mut header, 155 + 8 * axis, low.to_le_bytes());
+        }
+        // Return 1 of 1.
+        let mut record = vec![0; size];
+        record[14] = 0b1001;
+        let Some(parsed) = parse_header(&header) else { return Err(cannot(format, "these points")) };
+        let held: &[&str] = if has_color {
+            &["intensity", "classification", "color"]
+        } else {
+            &["intensity", "classification"]
+        };
+        report.leave_vertex_fields(shape, held);
+        Ok(Self {
+            header,
+            records: Vec::new(),
+            points: record.repeat(shape.points.len()),
+            tail: Vec::new(),
+            tail_start: 0,
+            parsed,
+        })
+    }
+
+    /// Coordinates as whole numbers of the header's steps, and the bounds. What did not move keeps its number.
+    fn set_points(
+        &mut self,
+        shape: &ShapeFile,
+        format: Format,
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
+        let (size, n) = (self.parsed.record_bytes, shape.points.len() as u64);
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for (i, point) in shape.points.iter().enumerate() {
+            at_row(progress, i as u64, n)?;
+            let row = &mut self.points[i * size..][..size];
+            for axis in 0..3 {
+                let (scale, offset) = (self.parsed.scale[axis], self.parsed.offset[axis]);
+                let steps = ((point[axis] - offset) / scale).round();
+                if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&steps) {
+                    let what =
+                        format!("the coordinate {} in steps of {scale:?} from {offset:?}", point[axis]);
+                    return Err(cannot(format, what));
+                }
+                put(row, 4 * axis, (steps as i32).to_le_bytes());
+                let value = steps * scale + offset;
+                low[axis] = low[axis].min(value);
+                high[axis] = high[axis].max(value);
+            }
+        }
+        for axis in 0..3 {
+            put(&mut self.header, 179 + 16 * axis, high[axis].to_le_bytes());
+            put(&mut self.header, 187 + 16 * axis, low[axis].to_le_bytes());
+        }
+        Ok(())
+    }
+
+    /// Values of the fields that changed, where a record has a place for them.
+    fn set_fields(
+        &mut self,
+        shape: &ShapeFile,
+        has_original: bool,
+        report: &mut WriteReport,
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
+        let size = self.parsed.record_bytes;
+        for field in &shape.vertex_fields {
+            if has_original && !shape.edited.contains(&field.name) {
+                continue;
+            }
+            let place = whole_column(self.parsed.format, &field.name);
+            let Some((at, kind, n_channels)) = place.filter(|place| place.2 <= field.n_channels) else {
+                report.leave_out(format!("vertex field `{}`", field.name));
+                continue;
+            };
+            // Colours of one byte become those of two.
+            let factor = match (&field.values, kind) {
+                (FieldValues::U8(_), ValueType::U16) if field.name == "color" => 257.0,
+                _ => 1.0,
+            };
+            for i in 0..shape.n_vertices {
+                at_row(progress, i as u64, shape.n_vertices as u64)?;
+                for c in 0..n_channels {
+                    let value = factor * field.get(i, c);
+                    let place = &mut self.points[i * size + at + c * kind.n_bytes()..];
+                    match kind {
+                        // The other three bits of this byte are flags.
+                        ValueType::U8 if at == 15 => place[0] = place[0] & 0xe0 | value.round() as u8 & 0x1f,
+                        ValueType::U8 => put(place, 0, (value.round() as u8).to_le_bytes()),
+                        ValueType::I8 => put(place, 0, (value.round() as i8).to_le_bytes()),
+                        ValueType::I16 => put(place, 0, (value.round() as i16).to_le_bytes()),
+                        ValueType::F64 => put(place, 0, value.to_le_bytes()),
+                        _ => put(place, 0, (value.round() as u16).to_le_bytes()),
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts the points, of each return too, into the header.
+    fn count(&mut self) {
+        let (size, format) = (self.parsed.record_bytes, self.parsed.format);
+        let mask = if format < 6 { 7 } else { 15 };
+        let mut by_return = [0_u64; 16];
+        for row in self.points.chunks_exact(size) {
+            by_return[usize::from(row[14] & mask)] += 1;
+        }
+        let n = (self.points.len() / size) as u64;
+        let legacy =
+            u32::from_le_bytes([self.header[107], self.header[108], self.header[109], self.header[110]]);
+        if legacy > 0 {
+            put(&mut self.header, 107, (n as u32).to_le_bytes());
+            for k in 0..5 {
+                put(&mut self.header, 111 + 4 * k, (by_return[k + 1] as u32).to_le_bytes());
+            }
+        }
+        if self.header[25] >= 4 && self.header.len() >= 375 {
+            put(&mut self.header, 247, n.to_le_bytes());
+            for k in 0..15 {
+                put(&mut self.header, 255 + 8 * k, by_return[k + 1].to_le_bytes());
+            }
+        }
+    }
+
+    /// The whole file.
+    fn assembled(
+        mut self,
+        compressed: bool,
+        format: Format,
+        progress: Progress<'_>,
+    ) -> Result<Vec<u8>, WriteError> {
+        let compression =
+            if compressed { Some(self.compression().map_err(|what| cannot(format, what))?) } else { None };
+        if let Some(description) = &compression {
+            self.records.push(compression_record(description));
+        }
+        let start = self.header.len() + self.records.iter().map(Vec::len).sum::<usize>();
+        let too_large = || cannot(format, "records before the points of more than 4 GiB");
+        put(&mut self.header, 96, u32::try_from(start).map_err(|_| too_large())?.to_le_bytes());
+        put(&mut self.header, 100, (self.records.len() as u32).to_le_bytes());
+        self.header[104] = self.parsed.format | if compressed { COMPRESSED } else { 0 };
+        let mut bytes = self.header.clone();
+        bytes.extend(self.records.iter().flatten());
+        match &compression {
+            Some(description) if !self.points.is_empty() => {
+                let points = std::mem::take(&mut self.points);
+                bytes = compress(bytes, description, &points, self.parsed.record_bytes, progress)
+                    .map_err(|stop| stop.into_error(format))?;
+            }
+            _ => bytes.append(&mut self.points),
+        }
+        // What was after the points has moved.
+        for at in self.positions() {
+            let old = self.u64_at(at);
+            if old >= self.tail_start as u64 && old > 0 && !self.tail.is_empty() {
+                let new = old - self.tail_start as u64 + bytes.len() as u64;
+                put(&mut bytes, at, new.to_le_bytes());
+            }
+        }
+        bytes.append(&mut self.tail);
+        Ok(bytes)
+    }
+
+    fn compression(&self) -> Result<laz::LazVlr, String> {
+        let extra =
+            self.parsed.record_bytes - record_bytes(self.parsed.format).unwrap_or(self.parsed.record_bytes);
+        let builder = laz::LazVlrBuilder::default().with_point_format(self.parsed.format, extra as u16);
+        Ok(builder
+            .map_err(|e| format!("point format {}: {}", self.parsed.format, crate::text::one_line(&e)))?
+            .build())
+    }
+}
+
+/// The variable-length record of the compression.
+fn compression_record(description: &laz::LazVlr) -> Vec<u8> {
+    let mut content = Vec::new();
+    // A vector takes whatever is written.
+    let _ = description.write_to(&mut content);
+    let mut record = vec![0; RECORD_HEAD];
+    record[2..16].copy_from_slice(b"laszip encoded");
+    put(&mut record, 18, LASZIP.to_le_bytes());
+    put(&mut record, 20, (content.len() as u16).to_le_bytes());
+    record.extend(content);
+    record
+}
+
+/// Points that are compressed between two looks at whether to stop.
+const STEP: usize = 1 << 15;
+
+enum Stop {
+    Cancelled(adwave::Cancelled),
+    Refused(String),
+}
+
+impl Stop {
+    fn into_error(self, format: Format) -> WriteError {
+        match self {
+            Self::Cancelled(cancelled) => cancelled.into(),
+            Self::Refused(what) => cannot(format, what),
+        }
+    }
+}
+
+/// Appends the compressed points to what is before them; positions in them count from the start of the file.
+fn compress(
+    before: Vec<u8>,
+    description: &laz::LazVlr,
+    points: &[u8],
+    record_bytes: usize,
+    progress: Progress<'_>,
+) -> Result<Vec<u8>, Stop> {
+    let refused =
+        |e: &dyn std::fmt::Display| Stop::Refused(format!("these points: {}", crate::text::one_line(e)));
+    let mut target = Cursor::new(before);
+    target.set_position(target.get_ref().len() as u64);
+    let mut compressor =
+        laz::LasZipCompressor::new(&mut target, description.clone()).map_err(|e| refused(&e))?;
+    let n = points.len() / record_bytes;
+    for (k, chunk) in points.chunks(STEP * record_bytes).enumerate() {
+        progress.step((k * STEP) as u64, n as u64).map_err(Stop::Cancelled)?;
+        compressor.compress_many(chunk).map_err(|e| refused(&e))?;
+    }
+    compressor.done().map_err(|e| refused(&e))?;
+    drop(compressor);
+    Ok(target.into_inner())
+}

@@ -1,0 +1,111 @@
+//! LAS and LAZ are written: over what was read, so that all else stays, and anew.
+
+use adwave_io::{Field, FieldValues, Format, ReadLimits, ShapeFile, Subset, read_bytes, write_bytes};
+use adwave_test_data::data_test;
+
+fn read(bytes: &[u8], name: &str) -> ShapeFile {
+    read_bytes(bytes.to_vec(), Some(name), &ReadLimits::default()).unwrap()
+}
+
+fn written(shape: &ShapeFile, format: Format) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let report = write_bytes(shape, format, &mut bytes).unwrap();
+    assert!(report.not_written.is_empty(), "{:?}", report.not_written);
+    bytes
+}
+
+fn scan(n: usize) -> ShapeFile {
+    let at =
+        |i: usize| [0.25 * (i % 20) as f64 + 1000.0, 0.25 * (i / 20) as f64 - 3.0, (0.3 * i as f64).sin()];
+    let mut shape = ShapeFile::from_cloud((0..n).map(at).collect());
+    let intensity = FieldValues::U16((0..n).map(|i| (37 * i % 65_000) as u16).collect());
+    let color = FieldValues::U16((0..3 * n).map(|i| (101 * i % 65_000) as u16).collect());
+    let class = FieldValues::U8((0..n).map(|i| (i % 7) as u8).collect());
+    shape.add_vertex_field(Field::new("intensity", 1, intensity)).unwrap();
+    shape.add_vertex_field(Field::new("classification", 1, class)).unwrap();
+    shape.add_vertex_field(Field::new("color", 3, color)).unwrap();
+    shape
+}
+
+fn farthest(a: &ShapeFile, b: &ShapeFile) -> f64 {
+    let off =
+        |(p, q): (&[f64; 3], &[f64; 3])| p.iter().zip(q).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    assert_eq!(a.n_vertices(), b.n_vertices());
+    a.points().iter().zip(b.points()).map(off).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_new_file_holds_points_intensity_classes_and_colours() {
+    let shape = scan(500);
+    for (format, name) in [(Format::Las, "a.las"), (Format::Laz, "a.laz")] {
+        let again = read(&written(&shape, format), name);
+        assert_eq!(again.format(), Some(format));
+        assert!(farthest(&shape, &again) < 1e-7);
+        for field in shape.vertex_fields() {
+            assert_eq!(Some(&field.values), again.field(&field.name).map(|f| &f.values), "{}", field.name);
+        }
+        assert!(again.field("return_number").unwrap().to_f64().iter().all(|r| *r == 1.0));
+    }
+}
+
+#[test]
+fn what_was_read_is_written_with_all_that_it_had() {
+    let las = written(&scan(300), Format::Las);
+    let shape = read(&las, "a.las");
+    assert_eq!(written(&shape, Format::Las), las, "nothing changed");
+    // There and back.
+    let laz = written(&shape, Format::Laz);
+    assert_eq!(written(&read(&laz, "a.laz"), Format::Las), las);
+    for (bytes, name, format) in [(&las, "a.las", Format::Las), (&laz, "a.laz", Format::Laz)] {
+        let mut moved = read(bytes, name);
+        let mut points = moved.points().to_vec();
+        points[7][2] += 0.5;
+        moved.set_points(points).unwrap();
+        let intensity = FieldValues::U16(vec![9; 300]);
+        moved.add_vertex_field(Field::new("intensity", 1, intensity)).unwrap();
+        let again = read(&written(&moved, format), name);
+        assert!(farthest(&moved, &again) < 1e-7 && again.points()[8] == shape.points()[8]);
+        assert_eq!(again.field("color"), shape.field("color"));
+        assert!(again.field("intensity").unwrap().to_f64().iter().all(|v| *v == 9.0));
+        // A new field has no place in a record, and that is said.
+        moved.add_vertex_field(Field::new("gaze", 1, FieldValues::F32(vec![1.0; 300]))).unwrap();
+        let report = write_bytes(&moved, format, &mut Vec::new()).unwrap();
+        assert_eq!(report.not_written, ["vertex field `gaze`"]);
+    }
+    let far = {
+        let mut shape = shape.clone();
+        let points = shape.points().iter().map(|p| p.map(|c| 1e9 * c)).collect();
+        shape.set_points(points).unwrap();
+        write_bytes(&shape, Format::Las, &mut Vec::new()).unwrap_err().to_string()
+    };
+    assert!(far.contains("in steps of"), "{far}");
+}
+
+#[test]
+fn some_of_the_points_are_counted_anew() {
+    let shape = read(&written(&scan(300), Format::Las), "a.las");
+    let vertices: Vec<u32> = (0..300).filter(|v| v % 3 == 1).collect();
+    let subset = Subset { vertices: &vertices, ..Subset::default() };
+    let few = shape.subset(&subset).unwrap();
+    for (format, name) in [(Format::Las, "b.las"), (Format::Laz, "b.laz")] {
+        let bytes = written(&few, format);
+        assert_eq!(bytes[107..111], 100_u32.to_le_bytes());
+        assert_eq!(bytes[111..115], 100_u32.to_le_bytes());
+        let again = read(&bytes, name);
+        assert_eq!(again.points(), few.points());
+        assert_eq!(again.field("color").unwrap().values, few.field("color").unwrap().values);
+    }
+}
+
+#[data_test]
+fn real_scans_keep_everything() {
+    for name in ["autzen/autzen-thin.las", "las/1.2-with-color.las"] {
+        let path = std::path::Path::new(adwave_test_data::folder!()).join("pointclouds/PDAL-test").join(name);
+        let bytes = std::fs::read(&path).unwrap();
+        let shape = read(&bytes, name);
+        assert_eq!(written(&shape, Format::Las), bytes, "{name}");
+        let laz = written(&shape, Format::Laz);
+        assert!(laz.len() < bytes.len() / 2, "{name}: {} of {} bytes", laz.len(), bytes.len());
+        assert_eq!(written(&read(&laz, "a.laz"), Format::Las), bytes, "{name}");
+    }
+}
