@@ -28,7 +28,7 @@ fn names(fields: &[Field]) -> Vec<&str> {
 fn torus(path: &Path) -> usize {
     json(path, "sample torus --vertices 600 -o torus.ply");
     let n = read_path(&path.join("torus.ply"), &ReadLimits::default()).unwrap().n_vertices();
-    let heat: String = (0..n).map(|i| format!("{}\n", (i * i) % 17)).collect();
+    let heat = (0..n).fold(String::new(), |text, i| text + &format!("{}\n", (i * i) % 17));
     fs::write(path.join("thickness.csv"), format!("thickness\n{heat}")).unwrap();
     n
 }
@@ -105,10 +105,11 @@ fn maps_and_bands_have_names_in_tables_and_giftis() {
     let bands = columns(&path.join("bands.gii"));
     assert_eq!(names(&bands), ["W1", "W2", "W3", "S3"]);
     let thickness = columns(&path.join("thickness.csv"))[0].to_f64();
-    for i in 0..n {
+    assert_eq!(thickness.len(), n);
+    for (i, own) in thickness.iter().enumerate() {
         let sum: f64 = bands.iter().map(|band| band.get(i, 0)).sum();
         // Four numbers of up to 17 in 32 bits.
-        assert!((sum - thickness[i]).abs() < 1e-5, "{sum} {}", thickness[i]);
+        assert!((sum - own).abs() < 1e-5, "{sum} {own}");
     }
     json(path, "transform torus.ply -o coords.gii --levels 2");
     assert_eq!(names(&columns(&path.join("coords.gii")))[..4], ["W1_x", "W1_y", "W1_z", "W2_x"]);
