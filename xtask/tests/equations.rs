@@ -6,7 +6,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-const SOURCES: [&str; 3] = ["crates/adwave/src", "crates/adwave-baselines/src", "crates/adwave-simplify/src"];
+const SOURCES: [&str; 4] = [
+    "crates/adwave/src",
+    "crates/adwave-baselines/src",
+    "crates/adwave-register/src",
+    "crates/adwave-simplify/src",
+];
 
 /// Every file of the method and of the baselines, as lines.
 fn sources() -> Vec<(PathBuf, Vec<String>)> {

@@ -212,7 +212,7 @@ fn evaluation_counts_what_is_found_again_and_compares_maps() {
     );
     let changes = report["changes"].as_array().unwrap();
     let names: Vec<&str> = changes.iter().map(|c| c["change"].as_str().unwrap()).collect();
-    assert_eq!(names, ["noise 10 %", "rotation", "scaling by 7.3", "4 × the faces"]);
+    assert_eq!(names, ["noise 10 %", "rotation", "scaling by 7.3", "4 × the faces", "other vertices"]);
     // Rotation and scaling change rounding only.
     for change in &changes[1..3] {
         for level in change["levels"].as_array().unwrap() {
@@ -251,7 +251,7 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("saliency a.ply -o m.ply --field gone.npy", "gone.npy"),
         (
             "saliency a.ply -o m.ply --field wishes",
-            "no field 'wishes'; there is coords, normals, mean-curvature",
+            "no field 'wishes'; there is coords, x, y, z, normals, mean-curvature",
         ),
         ("evaluate a.ply --against coords", "3 channels"),
         ("evaluate a.ply --percent -10 --levels 5", "noise"),

@@ -138,6 +138,9 @@ fn signals_have_the_same_names_everywhere() {
     for command in
         ["filter", "denoise", "saliency", "transform", "features", "evaluate", "compare", "report", "render"]
     {
-        assert!(help(command).contains("coords, normals, mean-curvature, gaussian-curvature"), "{command}");
+        assert!(
+            help(command).contains("coords, x, y, z (heights, say), normals, mean-curvature"),
+            "{command}"
+        );
     }
 }

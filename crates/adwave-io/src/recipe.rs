@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_with_its_line() {
         for (text, line, named) in [
-            ("levels = 4\n[[layer]]\npreset = 'smooth'", 3, "smooth"),
+            ("levels = 4\n[[layer]]\npreset = 'smoothest'", 3, "smoothest"),
             ("levels = 4\n[[layer]]\ngains = [1.0, 'x']", 3, "expected"),
             ("level = 4", 1, "level"),
             ("levels = 2\nsteps = [1]", 1, "only one"),

@@ -146,7 +146,9 @@ fn what_is_read_can_be_written_and_read_again() {
             let hint = format!("a.{}", format.name());
             let again = read_bytes(bytes, Some(&hint), &ReadLimits::default())
                 .unwrap_or_else(|e| panic!("{} as {format}: {e}", name.display()));
-            if format != Format::Mtx {
+            if matches!(format, Format::Las | Format::Laz) {
+                assert_eq!(again.n_vertices(), shape.n_vertices(), "{}", name.display());
+            } else if format != Format::Mtx {
                 same_content(&name, format, &shape, &again);
             }
             if matches!(format, Format::Ply | Format::PlyAscii) {
@@ -221,7 +223,9 @@ fn moved_points_keep_everything_else() {
         assert_eq!(again.format(), Some(format), "{}", name.display());
         for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
             let x = if shape.precision() == Precision::F32 { f64::from(*x as f32) } else { *x };
-            assert!(same_bits(x, *y), "{}: {x} became {y}", name.display());
+            // Those of a LAS are whole numbers of its steps.
+            let is_near = format == Format::Las && (x - y).abs() <= 0.005 * (1.0 + 1e-6);
+            assert!(same_bits(x, *y) || is_near, "{}: {x} became {y}", name.display());
         }
         assert_eq!(shape.faces(), again.faces(), "{}", name.display());
         assert_eq!(shape.field_names(), again.field_names(), "{}", name.display());

@@ -149,7 +149,7 @@ fn distances_have_the_sign_of_the_side_and_none_beyond_a_border() {
 
 #[test]
 fn the_closest_point_of_a_mesh_is_that_of_all_its_triangles() {
-    let shape = creature(1500, 0.2, 4, &Motion::default());
+    let shape = creature(2000, 0.2, 4, &Motion::default());
     let target = geometry(&shape);
     let surface = Surface::new(&target).unwrap();
     let (_, size) = (0, target.shape().diagonal());
@@ -196,7 +196,7 @@ fn points_of_a_cloud_stand_for_the_surface_between_them() {
 fn what_has_no_extent_is_refused() {
     let graph = Decomposer::new(&Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)]).unwrap()));
     let cloud = prepared(&Shape::Cloud(PointCloud::new(vec![[1.0; 3]; 5]).unwrap()));
-    let sphere = prepared(&creature(500, 0.0, 1, &Motion::default()));
+    let sphere = prepared(&creature(2000, 0.0, 1, &Motion::default()));
     assert!(matches!(common_lengths(&graph, &sphere), Err(DescribeError::NoPositions)));
     assert!(matches!(common_lengths(&sphere, &cloud), Err(DescribeError::NoExtent)));
     // On one line a turn round it is left open.

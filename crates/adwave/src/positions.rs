@@ -13,8 +13,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Borders {
-    /// Vertices of parts with a border move along the normals only: what is flat stays where it is, the outline is drawn
-    /// neither in nor out, and next to it bumps are smoothed as elsewhere.
+    /// Vertices of parts with a border move along the normals only, unless a direction is asked for: what is flat stays where it
+    /// is, the outline is drawn neither in nor out, and next to it bumps are smoothed as elsewhere.
     #[default]
     Natural,
     /// The same, and vertices on the border stay where they are; the change grows to its full size over some edges.
@@ -107,7 +107,7 @@ const VOLUME_ACCURACY: f64 = 1e-13;
 /// within the surface by `d − n·(n·d)`. On a cloud what is tangential pulls points together where they are dense: neighbours come
 /// nearer and holes open.
 ///
-/// With borders other than [`Borders::Free`], vertices that may move in all directions move along the normals in each connected part that
+/// With borders other than [`Borders::Free`], vertices of a mesh for which no direction is asked for move along the normals in each connected part that
 /// has a border: what is tangential there is the drift of one-sided neighbours, which draws the outline in by σ/√π. Parts without a
 /// border keep their bits. [`Volume::Keep`] then adds one offset δ times the vertex's
 /// normal, weighted 1 where the filter moved anything and 0 elsewhere, δ from Newton's method on the enclosed volume (`desbrun1999`).
@@ -153,8 +153,12 @@ fn directed(
     params: PositionParams,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
-    let along = params.along.unwrap_or(if decomposer.is_cloud() { Along::Normal } else { Along::Free });
-    let border = if params.borders == Borders::Free { Vec::new() } else { decomposer.border(progress)? };
+    let by_default = if decomposer.is_cloud() { Along::Normal } else { Along::Free };
+    let along = params.along.unwrap_or(by_default);
+    // Who asks for all directions gets them at borders too.
+    let has_border_rule =
+        params.borders == Borders::Keep || (params.borders == Borders::Natural && params.along.is_none());
+    let border = if has_border_rule { decomposer.border(progress)? } else { Vec::new() };
     if along == Along::Free && border.is_empty() {
         return Ok(after);
     }
@@ -176,6 +180,7 @@ fn directed(
         let part = |axis: usize| std::array::from_fn(|c| if c == axis { moved[c] } else { 0.0 });
         let along_normal = |n: &[f64; 3]| n.map(|c| c * dot(&moved, n));
         let moved = match along {
+            Along::Free if params.along.is_some() => moved,
             Along::Free | Along::Normal => along_normal(&normals[x]),
             Along::Surface => subtract(&moved, &along_normal(&normals[x])),
             Along::X => part(0),

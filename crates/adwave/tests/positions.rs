@@ -183,7 +183,7 @@ fn points_of_a_cloud_move_along_its_normals_and_stay_apart() {
     let (normal, free, surface) = (after(None), after(Some(Along::Free)), after(Some(Along::Surface)));
     assert_eq!(normal, after(Some(Along::Normal)), "clouds move along their normals unless told otherwise");
     assert!(least(&normal) > 0.7 * least(&points), "{} of {}", least(&normal), least(&points));
-    assert!(least(&free) < 0.6 * least(&points), "{} of {}", least(&free), least(&points));
+    assert!(least(&free) < 0.9 * least(&normal), "{} of {}", least(&free), least(&normal));
     assert!(
         roughness(&normal) < 0.5 * roughness(&points),
         "{} of {}",

@@ -9,7 +9,7 @@ use crate::las::fields::{record_bytes, whole_column};
 use crate::las::read::{Header, parse_header, records, unpacked};
 use crate::original::Original;
 use crate::progress::at_row;
-use crate::{FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
+use crate::{Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// The bytes of a LAS or LAZ, and which of its points the shape has; all where there is no list.
 #[derive(Debug)]
@@ -29,11 +29,37 @@ const LASZIP: u16 = 22204;
 /// Bytes of the header of version 1.2.
 const HEADER_1_2: usize = 227;
 
+/// Colours of one byte become those of two.
+fn factor(field: &Field) -> f64 {
+    if field.name == "color" && matches!(field.values, FieldValues::U8(_)) { 257.0 } else { 1.0 }
+}
+
+/// Whether the type holds all values of the field as they are.
+fn fits(field: &Field, kind: ValueType) -> bool {
+    let range = match kind {
+        ValueType::U8 => 0.0..=255.0,
+        ValueType::I8 => -128.0..=127.0,
+        ValueType::I16 => -32768.0..=32767.0,
+        ValueType::F64 => return true,
+        _ => 0.0..=65535.0,
+    };
+    let factor = factor(field);
+    // Colours that are numbers from 0 to 1 are no colours of a LAS.
+    let is_color = field.name != "color" || matches!(field.values, FieldValues::U8(_) | FieldValues::U16(_));
+    let holds = |k: usize| {
+        let value = factor * field.values.get(k);
+        value.fract() == 0.0 && range.contains(&value)
+    };
+    is_color && (0..field.values.len()).all(holds)
+}
+
 /// A file in parts, uncompressed.
 struct Parts {
     header: Vec<u8>,
     /// The variable-length records, whole, without that of the compression.
     records: Vec<Vec<u8>>,
+    /// What a program left between these and the points.
+    gap: Vec<u8>,
     points: Vec<u8>,
     /// What comes after the points, and where it began.
     tail: Vec<u8>,
@@ -52,6 +78,10 @@ pub(crate) fn write_las(
     if !shape.faces.is_empty() {
         report.leave_out("faces");
     }
+    if !shape.edges.pairs.is_empty() {
+        report.leave_out("edges");
+    }
+    report.leave_face_fields(shape, &[]);
     let original = match shape.original.as_deref() {
         Some(Original::Las(original)) => Some(original),
         _ => None,
@@ -60,12 +90,15 @@ pub(crate) fn write_las(
         Some(original) => {
             Parts::read(original, progress).ok_or_else(|| cannot(format, "points whose file is broken"))?
         }
-        None => Parts::new(shape, report, format)?,
+        None => Parts::new(shape, format)?,
     };
     if shape.moved || original.is_none() {
         parts.set_points(shape, format, progress)?;
     }
     parts.set_fields(shape, original.is_some(), report, progress)?;
+    if original.is_none() && !parts.is_exact(shape) {
+        report.leave_out("digits of coordinates beyond a thousand-millionth of the extent");
+    }
     if original.is_none_or(|original| original.kept.is_some()) {
         parts.count();
     }
@@ -97,18 +130,22 @@ impl Parts {
         let mut this = Self {
             header: bytes[..header_bytes.min(parsed.points_start)].to_vec(),
             records: Vec::new(),
+            gap: Vec::new(),
             points,
             tail: Vec::new(),
             tail_start: bytes.len(),
             parsed,
         };
+        let mut records_end = this.header.len();
         for record in records(bytes) {
+            records_end = record.start + RECORD_HEAD + record.content.len();
             let is_compression = record.user.starts_with(b"laszip encoded") && record.id == LASZIP;
             if !is_compression {
                 this.records
                     .push(bytes[record.start..record.start + RECORD_HEAD + record.content.len()].to_vec());
             }
         }
+        this.gap = bytes.get(records_end..this.parsed.points_start).unwrap_or_default().to_vec();
         this.tail_start = this.where_tail_starts(bytes.len());
         this.tail = bytes[this.tail_start..].to_vec();
         Some(this)
@@ -143,11 +180,11 @@ impl Parts {
     }
 
     /// A file of version 1.2 with the intensity, classes and colours that the shape has.
-    fn new(shape: &ShapeFile, report: &mut WriteReport, format: Format) -> Result<Self, WriteError> {
+    fn new(shape: &ShapeFile, format: Format) -> Result<Self, WriteError> {
         if shape.points.is_empty() {
             return Err(cannot(format, "a shape without points"));
         }
-        let has_color = shape.field("color").is_some_and(|f| f.n_channels >= 3);
+        let has_color = shape.field("color").is_some_and(|f| f.n_channels == 3 && fits(f, ValueType::U16));
         let id = if has_color { 2 } else { 0 };
         let size = record_bytes(id).unwrap_or(20);
         let mut header = vec![0; HEADER_1_2];
@@ -172,15 +209,10 @@ impl Parts {
         let mut record = vec![0; size];
         record[14] = 0b1001;
         let Some(parsed) = parse_header(&header) else { return Err(cannot(format, "these points")) };
-        let held: &[&str] = if has_color {
-            &["intensity", "classification", "color"]
-        } else {
-            &["intensity", "classification"]
-        };
-        report.leave_vertex_fields(shape, held);
         Ok(Self {
             header,
             records: Vec::new(),
+            gap: Vec::new(),
             points: record.repeat(shape.points.len()),
             tail: Vec::new(),
             tail_start: 0,
@@ -221,6 +253,20 @@ impl Parts {
         Ok(())
     }
 
+    /// Whether the coordinates are those of the shape to the last bit.
+    fn is_exact(&self, shape: &ShapeFile) -> bool {
+        let size = self.parsed.record_bytes;
+        let is_same = |(i, p): (usize, &[f64; 3])| {
+            (0..3).all(|axis| {
+                let mut own = [0; 4];
+                own.copy_from_slice(&self.points[i * size + 4 * axis..][..4]);
+                f64::from(i32::from_le_bytes(own)) * self.parsed.scale[axis] + self.parsed.offset[axis]
+                    == p[axis]
+            })
+        };
+        shape.points.iter().enumerate().all(is_same)
+    }
+
     /// Values of the fields that changed, where a record has a place for them.
     fn set_fields(
         &mut self,
@@ -235,15 +281,12 @@ impl Parts {
                 continue;
             }
             let place = whole_column(self.parsed.format, &field.name);
-            let Some((at, kind, n_channels)) = place.filter(|place| place.2 <= field.n_channels) else {
+            let fitting = place.filter(|place| place.2 == field.n_channels && fits(field, place.1));
+            let Some((at, kind, n_channels)) = fitting else {
                 report.leave_out(format!("vertex field `{}`", field.name));
                 continue;
             };
-            // Colours of one byte become those of two.
-            let factor = match (&field.values, kind) {
-                (FieldValues::U8(_), ValueType::U16) if field.name == "color" => 257.0,
-                _ => 1.0,
-            };
+            let factor = factor(field);
             for i in 0..shape.n_vertices {
                 at_row(progress, i as u64, shape.n_vertices as u64)?;
                 for c in 0..n_channels {
@@ -301,13 +344,14 @@ impl Parts {
         if let Some(description) = &compression {
             self.records.push(compression_record(description));
         }
-        let start = self.header.len() + self.records.iter().map(Vec::len).sum::<usize>();
+        let start = self.header.len() + self.records.iter().map(Vec::len).sum::<usize>() + self.gap.len();
         let too_large = || cannot(format, "records before the points of more than 4 GiB");
         put(&mut self.header, 96, u32::try_from(start).map_err(|_| too_large())?.to_le_bytes());
         put(&mut self.header, 100, (self.records.len() as u32).to_le_bytes());
         self.header[104] = self.parsed.format | if compressed { COMPRESSED } else { 0 };
         let mut bytes = self.header.clone();
         bytes.extend(self.records.iter().flatten());
+        bytes.extend(&self.gap);
         match &compression {
             Some(description) if !self.points.is_empty() => {
                 let points = std::mem::take(&mut self.points);
