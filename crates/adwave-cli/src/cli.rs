@@ -22,6 +22,7 @@ use crate::commands::{
     simplify::SimplifyArgs,
     transform::TransformArgs,
 };
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser, Subcommand};
 
 /// Wavelets for shapes: split a mesh, a point cloud or a graph, or any signal on it, into bands from fine to coarse,
@@ -56,6 +57,41 @@ const HELP: &str = "{about-with-newline}\n{usage-heading} {usage}{after-help}\n\
 /// The command line with its help.
 pub(crate) fn command() -> clap::Command {
     Cli::command().mut_subcommands(|command| command.help_template(HELP))
+}
+
+/// Words that people try as a command or an option, and what does that here.
+const MEANT: [(&[&str], &str); 8] = [
+    (&["smooth", "laplacian", "taubin", "suppress"], "adwave filter SHAPE -o OUT --preset smooth"),
+    (&["sharpen", "enhance"], "adwave filter SHAPE -o OUT --preset enhance"),
+    (&["decimate", "reduce", "lod", "remesh"], "adwave simplify SHAPE -o OUT --error 0.1%"),
+    (
+        &["align", "register", "registration", "icp"],
+        "adwave match SHAPE OTHER --moved OUT, or adwave diff SHAPE OTHER --align",
+    ),
+    (&["keypoints", "detect", "descriptors"], "adwave features SHAPE -o keypoints.csv"),
+    (&["view", "show", "plot", "picture", "screenshot"], "adwave render SHAPE -o picture.png"),
+    (&["distance", "hausdorff", "difference"], "adwave diff SHAPE OTHER"),
+    (&["decompose", "bands", "wavelets", "split"], "adwave transform SHAPE -o bands.npz"),
+];
+
+/// An error of usage with tips that fit: none that takes a misspelt option for a value, and for words that people try the command
+/// that does it.
+pub(crate) fn with_fitting_tips(mut error: clap::Error) -> clap::Error {
+    let word = |kind| match error.get(kind) {
+        Some(ContextValue::String(word)) => Some(word.trim_start_matches('-').to_lowercase()),
+        _ => None,
+    };
+    let tried = word(ContextKind::InvalidArg).or_else(|| word(ContextKind::InvalidSubcommand));
+    let meant = tried.and_then(|tried| MEANT.iter().find(|(words, _)| words.contains(&tried.as_str())));
+    let is_of_value = |tips: &ContextValue| matches!(tips, ContextValue::StyledStrs(tips) if tips.iter().any(|tip| tip.to_string().contains("as a value")));
+    if let Some((_, command)) = meant {
+        error.remove(ContextKind::SuggestedSubcommand);
+        let tip = clap::builder::StyledStr::from(format!("for that there is: {command}"));
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+    } else if error.get(ContextKind::Suggested).is_some_and(is_of_value) {
+        error.remove(ContextKind::Suggested);
+    }
+    error
 }
 
 #[derive(Debug, Subcommand)]
@@ -124,6 +160,19 @@ mod tests {
         assert_eq!(saliency.levels.accuracy, BandsParams::default().accuracy);
         let Command::Features(features) = parse("adwave features a.ply") else { panic!("features") };
         assert_eq!(features.detect.params(&features.border), FeatureParams::default());
+    }
+
+    #[test]
+    fn tips_fit_what_was_tried() {
+        let said = |line: &str| {
+            let error = command().try_get_matches_from(line.split_whitespace()).unwrap_err();
+            with_fitting_tips(error).to_string()
+        };
+        assert!(said("adwave smooth a.ply -o b.ply").contains("filter SHAPE -o OUT --preset smooth"));
+        assert!(said("adwave filter a.ply --smooth -o b.ply").contains("--preset smooth"));
+        assert!(said("adwave decimate a.ply").contains("adwave simplify"));
+        assert!(said("adwave filter a.ply --level 5 -o b.ply").contains("'--levels'"));
+        assert!(!said("adwave denoise a.ply --iterations 3 -o b.ply").contains("as a value"));
     }
 
     #[test]

@@ -46,6 +46,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
     let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
+            let error = cli::with_fitting_tips(error);
             // Help and the version come as errors that succeed; where they cannot be printed nothing else can be either.
             let _ = error.print();
             return u8::try_from(error.exit_code()).unwrap_or(1);

@@ -1,9 +1,8 @@
 //! What smoothing should not do to a shape: slide its points along the surface, draw its borders in, and take its volume.
 
 use crate::parallel;
-use crate::shape::nearest_neighbours;
 use crate::shape::{enclosed_volume, triangles_at_vertices, try_vertex_normals};
-use crate::signal::cloud_normals;
+use crate::signal::aligned_normals;
 use crate::vector::{add_scaled, dot, subtract, unit};
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 use serde::{Deserialize, Serialize};
@@ -217,22 +216,28 @@ fn reached(
 }
 
 /// Unit normals of the welded vertices, of the faces round them or of a cloud's tangent planes, after [`NORMAL_STEPS`] lazy steps to
-/// each neighbour alike; zero where there is none.
+/// each neighbour alike; zero where there is none. Of a cloud they have either sign, and neighbours count with that of the vertex itself:
+/// what moves along a normal does not depend on its sign, and to orient a cloud takes longer than to filter it.
 fn smooth_normals(decomposer: &Decomposer, progress: Progress<'_>) -> Result<Vec<[f64; 3]>, Cancelled> {
     let ring = decomposer.ring(progress)?;
+    let is_cloud = decomposer.is_cloud();
     let mut normals = raw_normals(decomposer, decomposer.geometry().points(), progress)?;
     for _ in 0..NORMAL_STEPS {
         normals = parallel::try_collect(normals.len(), progress, |x| {
             let near = ring.of(x);
             let share = 0.5 / near.len().max(1) as f64;
             let own = if near.is_empty() { 1.0 } else { 0.5 };
-            near.iter()
-                .fold(normals[x].map(|c| own * c), |sum, &y| add_scaled(&sum, share, &normals[y as usize]))
+            near.iter().fold(normals[x].map(|c| own * c), |sum, &y| {
+                let other = &normals[y as usize];
+                let turned = is_cloud && dot(&normals[x], other) < 0.0;
+                add_scaled(&sum, if turned { -share } else { share }, other)
+            })
         })?;
     }
     parallel::try_collect(normals.len(), progress, |x| unit(&normals[x]).unwrap_or_default())
 }
 
+/// Normals of the faces round each vertex; of a cloud those of its tangent planes, of either sign.
 fn raw_normals(
     decomposer: &Decomposer,
     points: &[[f64; 3]],
@@ -240,7 +245,12 @@ fn raw_normals(
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     let triangles = decomposer.geometry().triangles();
     if decomposer.is_cloud() {
-        return Ok(cloud_normals(points, &nearest_neighbours(points, crate::signal::FIT_NEIGHBOURS)));
+        return aligned_normals(
+            points,
+            &*decomposer.ring(progress)?,
+            &vec![[0.0; 3]; points.len()],
+            progress,
+        );
     }
     let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
     try_vertex_normals(points, triangles, &at_vertex, progress)

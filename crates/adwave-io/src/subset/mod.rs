@@ -27,8 +27,8 @@ pub struct Subset<'a> {
 impl ShapeFile {
     /// The same file with fewer vertices and other triangles: attributes of vertices and faces in their own type of numbers, and
     /// of an OBJ its lines as they are, with texture coordinates and normals of corners, materials and groups. Edges and lines
-    /// stay where both ends do. What else was among the [`extras`](Self::extras) (comments of a PLY, the header of a LAS) is not
-    /// kept, and no longer among them. O(vertices + faces).
+    /// stay where both ends do. What else was among the [`extras`](Self::extras) (comments of a PLY) is not kept and no
+    /// longer among them; of a LAS it is. O(vertices + faces).
     ///
     /// ```
     /// use adwave_io::{Field, FieldValues, ShapeFile, Subset};
@@ -66,6 +66,9 @@ impl ShapeFile {
             ..Self::empty()
         };
         file.edges.direction = self.edges.direction;
+        if let Some(Original::Las(_)) = file.original.as_deref() {
+            file.extras.clone_from(&self.extras);
+        }
         for (k, pair) in self.edges.pairs.iter().enumerate() {
             let place = |x: &u32| subset.vertices.binary_search(x).ok().map(|place| place as u32);
             if let (Some(a), Some(b)) = (place(&pair[0]), place(&pair[1])) {
