@@ -28,7 +28,7 @@ pub(crate) struct ShapeArgs {
     /// Seed of the noise
     #[arg(long, value_name = "K", default_value_t = 1, help_heading = "Shape")]
     pub(crate) seed: u64,
-    /// By what a signal is smoothed [default: surface where levels are given by --lengths or features are matched, else walk]
+    /// By what a signal is smoothed [default: surface where levels are given by --lengths and where two shapes are compared, else walk]
     #[arg(long, value_name = "KIND", value_enum, help_heading = "Diffusion operator")]
     pub(crate) operator: Option<OperatorArg>,
     /// Take vertices at exactly equal positions as different vertices
@@ -155,7 +155,7 @@ named! {
 /// Which levels.
 #[derive(Debug, Args)]
 pub(crate) struct LevelArgs {
-    /// Number of levels, each of twice as many steps of the diffusion as the one before (dyadic): 1, 2, 4 … 2^(J-1) [default: until a level is 2 % of the diagonal wide, for features 4 %, for signed saliency 16 %; 4 to 16]
+    /// Number of levels, each of twice as many steps of the diffusion as the one before (dyadic): 1, 2, 4 … 2^(J-1) [default: until a level is 2 % of the diagonal wide, for features 4 %, for signed saliency 16 %, as in diff; 4 to 16]
     #[arg(long, short = 'j', value_name = "J", help_heading = "Levels")]
     pub(crate) levels: Option<usize>,
     /// So many levels for each doubling of the steps in place of one: 2^(k/V) steps, whole or not

@@ -117,8 +117,12 @@ fn describe(text: &mut String, info: &DenoiseInfo, is_mesh: bool) {
         [("creases kept", &info.crease_weights), ("creases smoothed", &info.smooth_weights)]
     {
         if share(weights) > 0.0 {
-            let _ =
-                writeln!(text, "         {:.0} % with {name}, {:.0} steps", share(weights), steps(weights));
+            let _ = writeln!(
+                text,
+                "         {:.0} % with {name}, by {:.0} steps on average",
+                share(weights),
+                steps(weights)
+            );
         }
     }
     if info.n_far > 0 {

@@ -221,7 +221,9 @@ fn chosen_schedule(
             Some(Levels::Dyadic(levels)) => return Ok(Schedule::dyadic(*levels)?),
             Some(Levels::Steps(steps)) => return Ok(Schedule::real(steps.clone())?),
             Some(Levels::Lengths(lengths)) => {
-                return schedule_of(lengths, decomposer, global);
+                let told = "are the recipe's widths those of a shape of another size? They can be given in % of the diagonal";
+                return schedule_of(lengths, decomposer, global)
+                    .map_err(|error| CliError::Input(format!("{error}; {told}")));
             }
             Some(Levels::Default) => {}
             None => {

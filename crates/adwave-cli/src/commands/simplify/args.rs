@@ -10,14 +10,13 @@ use std::path::PathBuf;
     group(ArgGroup::new("target").required(true).args(["error", "vertices", "ratio"])),
     after_help = "\
 Of a mesh edges are collapsed; of a cloud points are dropped so that the rest are evenly spaced. Both keep a subset of the
-vertices, with all that the file says of them. The distance that is reported is measured, not estimated. LAS is read but
-not written: write PLY, PCD or VTP in its place.
+vertices, with all that the file says of them. The distance that is reported is measured, not estimated.
 
 Examples:
   adwave simplify bust.obj -o small.obj --error 0.1%
   adwave simplify part.stl -o part-small.stl --error 0.05
   adwave simplify bunny.ply -o bunny-5k.ply --vertices 5000
-  adwave simplify scan.laz -o thin.ply --error 0.25"
+  adwave simplify scan.laz -o thin.laz --error 0.25"
 )]
 pub(crate) struct SimplifyArgs {
     /// File (OBJ, PLY, OFF, STL, XYZ/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI; plain or gzip), '-', or sample:NAME
