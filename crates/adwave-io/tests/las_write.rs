@@ -126,3 +126,41 @@ fn what_a_record_has_no_place_for_is_said() {
     let error = write_bytes(&far, Format::Las, &mut Vec::new()).unwrap_err().to_string();
     assert!(error.contains("cannot hold"), "{error}");
 }
+
+#[test]
+fn parts_that_lie_over_each_other_are_one_line() {
+    let las = written(&scan(30), Format::Las);
+    let refusal = |at: usize, value: &[u8]| {
+        let mut broken = las.clone();
+        broken[at..at + value.len()].copy_from_slice(value);
+        read_bytes(broken, Some("a.las"), &ReadLimits::default()).unwrap_err().to_string()
+    };
+    assert!(refusal(94, &99_u16.to_le_bytes()).contains("a header of 99 bytes is too short"));
+    assert!(refusal(96, &83_u32.to_le_bytes()).contains("inside the header of 227 bytes"));
+    // More records than there is room for before the points: none of these is made of points.
+    let mut counted = las.clone();
+    counted[100..104].copy_from_slice(&1_u32.to_le_bytes());
+    let again = written(&read(&counted, "a.las"), Format::Las);
+    assert_eq!(again, las);
+}
+
+#[test]
+fn times_that_differ_by_more_than_a_whole_number_holds_are_kept_or_refused() {
+    let mut las = written(&scan(30), Format::Las);
+    // Format 3 has a time before the colour.
+    let (head, points) = las.split_at(227);
+    let (mut head, mut rows) = (head.to_vec(), Vec::new());
+    for (i, row) in points.chunks_exact(26).enumerate() {
+        rows.extend(&row[..20]);
+        rows.extend([[0x80, 0x3f, 0x7f][i % 3]; 8]);
+        rows.extend(&row[20..]);
+    }
+    head[104] = 3;
+    head[105..107].copy_from_slice(&34_u16.to_le_bytes());
+    las = [head, rows].concat();
+    let mut laz = Vec::new();
+    match write_bytes(&read(&las, "a.las"), Format::Laz, &mut laz) {
+        Ok(_) => assert_eq!(written(&read(&laz, "a.laz"), Format::Las), las),
+        Err(error) => assert!(error.to_string().contains("write a LAS instead"), "{error}"),
+    }
+}

@@ -120,8 +120,14 @@ fn survives(bytes: Vec<u8>) {
 
 #[test]
 fn a_chunk_that_claims_more_points_than_it_has_hides_no_broken_chunk_behind_it() {
-    // Its first chunk of ten points says that it has 266; the second says that a layer has over a gigabyte.
-    let bytes = include_bytes!("../../../fuzz/seeds/laz/chunk-claims-more-points.laz");
-    let error = read_bytes(bytes.to_vec(), Some("a.laz"), &ReadLimits::default()).unwrap_err().to_string();
-    assert!(error.contains("a layer is larger than the file"), "{error}");
+    // Their first chunk of ten points says that it has 266; the second says that a layer has over a gigabyte.
+    let files: [&[u8]; 2] = [
+        include_bytes!("../../../fuzz/seeds/laz/chunk-claims-more-points.laz"),
+        include_bytes!("../../../fuzz/seeds/laz/chunks-smaller-than-they-claim.laz"),
+    ];
+    for bytes in files {
+        let error =
+            read_bytes(bytes.to_vec(), Some("a.laz"), &ReadLimits::default()).unwrap_err().to_string();
+        assert!(error.contains("a layer is larger than the file"), "{error}");
+    }
 }

@@ -9,6 +9,9 @@ use adwave::{Cancelled, Progress};
 use crate::ReadError;
 use crate::las::read::Header;
 
+/// The size of chunks in the description where they differ.
+const VARIABLE: u64 = u32::MAX as u64;
+
 /// One part of a record, compressed on its own.
 struct Item {
     kind: u16,
@@ -116,7 +119,15 @@ fn check(bytes: &[u8], header: &Header, description: &[u8]) -> Result<(), &'stat
         return Ok(());
     }
     let table = check_chunk_table(bytes, header.points_start)?;
-    if items.iter().any(|i| i.version >= 3) { check_layers(bytes, header, &items, table) } else { Ok(()) }
+    if items.iter().all(|i| i.version < 3) {
+        return Ok(());
+    }
+    let n_chunks = match u32_at(description, 12) {
+        // Chunks of different sizes, as many as the table says.
+        None | Some(0 | VARIABLE) => table.and_then(|table| u32_at(bytes, table + 4)).unwrap_or(0),
+        Some(size) => header.n_points.div_ceil(size),
+    };
+    check_layers(bytes, header, &items, table, n_chunks)
 }
 
 /// The table of chunks may not have more entries than the file has bytes. Where it starts, if the file says so.
@@ -138,13 +149,14 @@ fn check_chunk_table(bytes: &[u8], start: usize) -> Result<Option<usize>, &'stat
 
 /// In formats 6 to 10 each chunk states the sizes of its layers, and buffers of that size would be made.
 ///
-/// The chunks up to the table are looked at, whatever numbers of points they claim: the library goes by the numbers of the
-/// description or of the table.
+/// The chunks up to the table are looked at, and as many as the description or the table gives, whatever numbers of points
+/// they claim: the library does not go by those.
 fn check_layers(
     bytes: &[u8],
     header: &Header,
     items: &[Item],
     table: Option<usize>,
+    n_chunks: u64,
 ) -> Result<(), &'static str> {
     let layers = |item: &Item| match item.kind {
         10 => 9,
@@ -154,16 +166,26 @@ fn check_layers(
     };
     let n_layers: usize = items.iter().map(layers).sum();
     let mut at = header.points_start + 8;
-    let mut n_points = 0;
-    while n_points < header.n_points || table.is_some_and(|table| at < table) {
+    let (mut n_points, mut k) = (0, 0);
+    loop {
+        let is_needed = n_points < header.n_points || table.is_some_and(|table| at < table);
+        if !is_needed && k >= n_chunks {
+            return Ok(());
+        }
         at += header.record_bytes;
-        let Some(count) = u32_at(bytes, at).filter(|&n| n > 0) else {
+        let count = u32_at(bytes, at).unwrap_or(0);
+        if is_needed && count == 0 {
             return Err("a chunk is missing or empty");
-        };
+        }
         at += 4;
         let mut size = 0;
         for layer in 0..n_layers {
-            size += u32_at(bytes, at + 4 * layer).ok_or("a chunk is cut")?;
+            match u32_at(bytes, at + 4 * layer) {
+                Some(own) => size += own,
+                None if is_needed => return Err("a chunk is cut"),
+                // The library meets the end of the file here.
+                None => return Ok(()),
+            }
         }
         at += 4 * n_layers;
         if size > (bytes.len() - at) as u64 {
@@ -171,6 +193,6 @@ fn check_layers(
         }
         at += size as usize;
         n_points += count;
+        k += 1;
     }
-    Ok(())
 }

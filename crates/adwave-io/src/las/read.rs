@@ -15,11 +15,17 @@ use crate::original::Original;
 use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
+/// Bytes of the header in every version; later ones add to it.
+pub(crate) const LEAST_HEADER: usize = 227;
+/// Bytes of the head of a variable-length record.
+pub(crate) const RECORD_HEAD: usize = 54;
+
 /// What is needed of the header.
 pub(crate) struct Header {
     pub(crate) format: u8,
     pub(crate) record_bytes: usize,
     pub(crate) n_points: u64,
+    pub(crate) bytes: usize,
     pub(crate) points_start: usize,
     pub(crate) scale: [f64; 3],
     pub(crate) offset: [f64; 3],
@@ -60,7 +66,7 @@ pub(crate) fn read_las(
     let bytes = &file[..];
     let header = parse_header(bytes).ok_or_else(|| ReadError::Truncated {
         end: bytes.len() as u64,
-        needed: 227,
+        needed: LEAST_HEADER as u64,
         element: "header".into(),
         row: 0,
     })?;
@@ -70,7 +76,7 @@ pub(crate) fn read_las(
         limits.check_bytes(header.n_points.saturating_mul(header.record_bytes as u64))?;
     }
     let points = unpacked(bytes, &header, progress)?;
-    let records = records(bytes);
+    let records = records(bytes, &header);
     let extra = |r: &&Record<'_>| r.user.starts_with(b"LASF_Spec") && r.id == 4;
     let extra = ExtraBytes::parse(records.iter().find(extra).map_or(&[], |r| r.content));
     let n = header.n_points as usize;
@@ -106,7 +112,7 @@ pub(crate) fn unpacked<'a>(
     if !header.is_compressed {
         return Ok(Cow::Borrowed(&bytes[header.points_start..]));
     }
-    let records = records(bytes);
+    let records = records(bytes, header);
     let own = |r: &&Record<'_>| r.user.starts_with(b"laszip encoded") && r.id == 22204;
     let Some(record) = records.iter().find(own) else {
         return Err(ReadError::Whole(
@@ -123,12 +129,12 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
     // From 1.4 on there is a 64-bit count; older programs leave it out of their shorter header.
     let long = if minor >= 4 && u16_at(bytes, 94)? >= 255 { u64_at(bytes, 247)? } else { 0 };
     let triple = |at: usize| Some([f64_at(bytes, at)?, f64_at(bytes, at + 8)?, f64_at(bytes, at + 16)?]);
-    // The header goes on to byte 227 in every version.
-    bytes.get(226)?;
+    bytes.get(LEAST_HEADER - 1)?;
     Some(Header {
         format: format_byte & 0x3f,
         record_bytes: usize::from(u16_at(bytes, 105)?),
         n_points: if long > 0 { long } else { legacy },
+        bytes: usize::from(u16_at(bytes, 94)?),
         points_start: u32_at(bytes, 96)? as usize,
         scale: triple(131)?,
         offset: triple(155)?,
@@ -147,6 +153,17 @@ fn check_header(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
             format!("records of {} bytes are too short for format {}", header.record_bytes, header.format);
         return Err(ReadError::at_byte(105, message));
     }
+    if header.bytes < LEAST_HEADER {
+        let message = format!("a header of {} bytes is too short; get an unbroken file", header.bytes);
+        return Err(ReadError::at_byte(94, message));
+    }
+    if header.points_start < header.bytes {
+        let message = format!(
+            "the points begin at byte {}, inside the header of {} bytes; get an unbroken file",
+            header.points_start, header.bytes
+        );
+        return Err(ReadError::at_byte(96, message));
+    }
     let remaining = bytes.len().saturating_sub(header.points_start) as u64;
     let needed = header.n_points.saturating_mul(header.record_bytes as u64);
     if header.points_start > bytes.len() || (!header.is_compressed && remaining < needed) {
@@ -161,16 +178,17 @@ fn check_header(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
 }
 
 /// The records between header and points, as many as are whole.
-pub(crate) fn records(bytes: &[u8]) -> Vec<Record<'_>> {
+pub(crate) fn records<'a>(bytes: &'a [u8], header: &Header) -> Vec<Record<'a>> {
+    let bytes = bytes.get(..header.points_start).unwrap_or(bytes);
     let mut records = Vec::new();
-    let mut at = usize::from(u16_at(bytes, 94).unwrap_or(0));
+    let mut at = header.bytes;
     for _ in 0..u32_at(bytes, 100).unwrap_or(0) {
         let (Some(user), Some(id), Some(n)) =
             (bytes.get(at + 2..at + 18), u16_at(bytes, at + 18), u16_at(bytes, at + 20))
         else {
             break;
         };
-        let start = at + 54;
+        let start = at + RECORD_HEAD;
         let Some(content) = bytes.get(start..start + usize::from(n)) else { break };
         records.push(Record { start: at, user, id, content });
         at = start + usize::from(n);

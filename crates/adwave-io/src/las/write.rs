@@ -1,12 +1,13 @@
 //! Writing a LAS or LAZ: over the records that were read, so that whatever else they hold stays, or anew as version 1.2.
 
 use std::io::{Cursor, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use adwave::Progress;
 
 use crate::las::fields::{record_bytes, whole_column};
-use crate::las::read::{Header, parse_header, records, unpacked};
+use crate::las::read::{Header, LEAST_HEADER, RECORD_HEAD, parse_header, records, unpacked};
 use crate::original::Original;
 use crate::progress::at_row;
 use crate::{Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
@@ -22,12 +23,8 @@ pub(crate) struct LasOriginal {
 const MOST_STEPS: f64 = 1e9;
 /// The bit of the point format that says that points are compressed.
 const COMPRESSED: u8 = 0x80;
-/// Bytes of the head of a variable-length record.
-const RECORD_HEAD: usize = 54;
 /// The number of the record of the compression.
 const LASZIP: u16 = 22204;
-/// Bytes of the header of version 1.2.
-const HEADER_1_2: usize = 227;
 
 /// Colours of one byte become those of two.
 fn factor(field: &Field) -> f64 {
@@ -120,7 +117,6 @@ impl Parts {
     fn read(original: &LasOriginal, progress: Progress<'_>) -> Option<Self> {
         let bytes = &original.bytes[..];
         let parsed = parse_header(bytes)?;
-        let header_bytes = usize::from(u16::from_le_bytes(bytes[94..96].try_into().ok()?));
         let all = unpacked(bytes, &parsed, progress).ok()?;
         let size = parsed.record_bytes;
         let points = match &original.kept {
@@ -128,7 +124,7 @@ impl Parts {
             None => all[..parsed.n_points as usize * size].to_vec(),
         };
         let mut this = Self {
-            header: bytes[..header_bytes.min(parsed.points_start)].to_vec(),
+            header: bytes[..parsed.bytes].to_vec(),
             records: Vec::new(),
             gap: Vec::new(),
             points,
@@ -137,7 +133,7 @@ impl Parts {
             parsed,
         };
         let mut records_end = this.header.len();
-        for record in records(bytes) {
+        for record in records(bytes, &this.parsed) {
             records_end = record.start + RECORD_HEAD + record.content.len();
             let is_compression = record.user.starts_with(b"laszip encoded") && record.id == LASZIP;
             if !is_compression {
@@ -155,9 +151,12 @@ impl Parts {
     fn where_tail_starts(&self, end: usize) -> usize {
         let stated = self.positions().into_iter().filter_map(|at| usize::try_from(self.u64_at(at)).ok());
         let points_end = self.parsed.points_start + self.parsed.n_points as usize * self.parsed.record_bytes;
-        let least = if self.parsed.is_compressed { end } else { points_end };
-        let beyond = stated.filter(|&start| start > self.parsed.points_start && start < end);
-        beyond.min().unwrap_or(least).min(end)
+        let (least, otherwise) = if self.parsed.is_compressed {
+            (self.parsed.points_start + 1, end)
+        } else {
+            (points_end, points_end)
+        };
+        stated.filter(|start| (least..end).contains(start)).min().unwrap_or(otherwise).min(end)
     }
 
     /// Where the header has positions of what comes after the points.
@@ -187,13 +186,13 @@ impl Parts {
         let has_color = shape.field("color").is_some_and(|f| f.n_channels == 3 && fits(f, ValueType::U16));
         let id = if has_color { 2 } else { 0 };
         let size = record_bytes(id).unwrap_or(20);
-        let mut header = vec![0; HEADER_1_2];
+        let mut header = vec![0; LEAST_HEADER];
         header[..4].copy_from_slice(b"LASF");
         header[24..26].copy_from_slice(&[1, 2]);
         header[26..31].copy_from_slice(b"OTHER");
         let program = concat!("adwave ", env!("CARGO_PKG_VERSION")).as_bytes();
         header[58..58 + program.len()].copy_from_slice(program);
-        put(&mut header, 94, (HEADER_1_2 as u16).to_le_bytes());
+        put(&mut header, 94, (LEAST_HEADER as u16).to_le_bytes());
         header[104] = id;
         put(&mut header, 105, (size as u16).to_le_bytes());
         put(&mut header, 107, 1_u32.to_le_bytes());
@@ -355,7 +354,12 @@ impl Parts {
         match &compression {
             Some(description) if !self.points.is_empty() => {
                 let points = std::mem::take(&mut self.points);
-                bytes = compress(bytes, description, &points, self.parsed.record_bytes, progress)
+                let size = self.parsed.record_bytes;
+                // Nothing of the library outlives this, so what a panic leaves half done is never seen.
+                let compressed =
+                    catch_unwind(AssertUnwindSafe(|| compress(bytes, description, &points, size, progress)));
+                bytes = compressed
+                    .unwrap_or_else(|_| Err(Stop::Refused("these points; write a LAS instead".into())))
                     .map_err(|stop| stop.into_error(format))?;
             }
             _ => bytes.append(&mut self.points),
@@ -413,6 +417,8 @@ impl Stop {
 }
 
 /// Appends the compressed points to what is before them; positions in them count from the start of the file.
+///
+/// The library subtracts times as whole numbers and panics in a debug build where that overflows; the caller catches it.
 fn compress(
     before: Vec<u8>,
     description: &laz::LazVlr,
