@@ -2,6 +2,7 @@
 
 mod denoise;
 mod meshings;
+mod package;
 mod peers;
 mod python;
 
@@ -13,10 +14,14 @@ const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
   test      format, lints, unit, property, documentation and command-line tests, the bands of small built-in shapes beside
-            SciPy's (needs Python 3.10 or newer with venv), a minute of broken input, licences of dependencies where
+            SciPy's and the Python package (needs Python 3.10 or newer with venv), a minute of broken input, licences of dependencies where
             cargo-deny is installed: all that must pass
   fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N] [--file FILE]
             broken input for every reader and parser; what breaks is saved below target/fuzz
+  wheel     build the Python package as target/wheels/adwave-….whl, for every Python from 3.10 on
+  python [--wheel]
+            test the Python package from Python: its tests, the examples of its documentation and its types; of the wheel, or
+            else of what the tests have built
   oracle    compare the bands with SciPy's, on larger built-in shapes and on ../shared/data (or $ADWAVE_DATA) where it is
             there
   oracle-baselines
@@ -42,6 +47,8 @@ fn main() -> ExitCode {
         ["test"] => test(),
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
+        ["wheel"] => package::wheel().map(|_| ()),
+        ["python", ref rest @ ..] => package::test_package(rest),
         ["fuzz", ref rest @ ..] => fuzz(rest),
         ["bench-peers", ref rest @ ..] if rest.contains(&denoise::PART) => denoise::bench_denoise(rest),
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
@@ -87,7 +94,8 @@ fn test() -> Outcome {
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(&["test", "--workspace", "--locked", "--quiet"], &[])?;
     // With the tests, so that the libraries are those that the tests have built, with the same features.
-    cargo(&["build", "--workspace", "--locked", "--quiet", "--bins", "--tests"], &[])?;
+    cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
+    package::test_package(&[])?;
     compare_with_scipy(&target().join("debug/adwave"), "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
     let fuzz = target().join("debug/adwave-fuzz");
     run(Command::new(&fuzz).current_dir(root()).args(["--seconds", FUZZED_SECONDS]))?;

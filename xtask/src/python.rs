@@ -1,16 +1,19 @@
 //! Python environments below target/, for what other people's programs are compared with.
 
-use crate::run;
+use crate::{root, run};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The Python of an environment with the packages of `benches/NAME/requirements.txt`, made where it is not there yet or
 /// its list of packages has changed.
 pub(crate) fn environment(root: &Path, name: &str) -> Result<PathBuf, String> {
-    let list = root.join(format!("benches/{name}/requirements.txt"));
-    let wanted =
-        std::fs::read_to_string(&list).map_err(|e| format!("cannot read {}: {e}", list.display()))?;
-    let folder = root.join(format!("target/python-{name}"));
+    environment_of(&root.join(format!("benches/{name}/requirements.txt")), name)
+}
+
+/// The same with the packages of any list.
+pub(crate) fn environment_of(list: &Path, name: &str) -> Result<PathBuf, String> {
+    let wanted = std::fs::read_to_string(list).map_err(|e| format!("cannot read {}: {e}", list.display()))?;
+    let folder = root().join(format!("target/python-{name}"));
     let python = folder.join("bin/python");
     let stamp = folder.join("installed.txt");
     if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
@@ -23,7 +26,7 @@ pub(crate) fn environment(root: &Path, name: &str) -> Result<PathBuf, String> {
     run(Command::new("python3").args(["-m", "venv"]).arg(&folder)).map_err(|e| format!("{e}; {needed}"))?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"])
-        .arg(&list))?;
+        .arg(list))?;
     std::fs::write(&stamp, wanted).map_err(|e| format!("cannot write {}: {e}", stamp.display()))?;
     Ok(python)
 }

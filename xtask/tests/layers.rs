@@ -16,7 +16,7 @@ fn crates_depend_only_on_those_below_them() {
         "adwave-io" | "adwave-baselines" | "adwave-register" | "adwave-render" | "adwave-simplify" => Some(1),
         "adwave-report" | "adwave-fuzz" => Some(2),
         "adwave-cli" => Some(3),
-        "xtask" | "adwave-bench-helpers" => Some(4),
+        "xtask" | "adwave-bench-helpers" | "adwave-python" => Some(4),
         _ => None,
     };
     let packages = metadata["packages"].as_array().unwrap();

@@ -151,7 +151,7 @@ impl Analysis {
         global: &Global<'_>,
     ) -> Result<Map, CliError> {
         let outward = if map.is_along_normals() && self.is_geometry() {
-            let normals = signal::file_normals(&self.input);
+            let normals = signal::file_normals(&self.input.file);
             let found = outward_normals(self.walk.geometry(), normals.as_deref(), global.progress());
             Some(found.map_err(|e| CliError::classified(&e))?)
         } else {

@@ -13,7 +13,7 @@
 //! | STL text, binary | yes | yes | header, normals, attributes |
 //! | XYZ, TXT, PTS, PWN, CSV | yes | yes | all text |
 //! | PCD text, binary, compressed | yes | text, binary | text; view point and image size |
-//! | LAS, LAZ | yes | no | – |
+//! | LAS, LAZ | yes | yes | header, records, what no field shows |
 //! | MatrixMarket (as a graph) | coordinates | yes | – |
 //! | GIFTI | yes | yes, in 32-bit floats | metadata, encodings, all other text |
 //! | VTP | no | yes | – |
@@ -33,6 +33,7 @@
 //! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
 //! | `npy`, `csv` | arrays and tables as fields, and written |
 //! | `subset` | a file with fewer vertices |
+//! | `signal` | signals by name: fields, what the shape gives itself, other files |
 //! | `texture` | colours of pictures at vertices |
 //! | `recipe` | edits as TOML |
 //! | `atomic` | files replaced as a whole |
@@ -67,6 +68,7 @@ mod read;
 mod recipe;
 mod shape;
 mod shape_file;
+mod signal;
 mod sniff;
 mod stl;
 mod subset;
@@ -91,6 +93,10 @@ pub use read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use shape::{ShapeFileError, ShapeKind};
 pub use shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
+pub use signal::{
+    COORDS, DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
+    named_axis, named_signal, with_axis, written_signal,
+};
 pub use subset::Subset;
 pub use texture::{TextureError, texture_colors};
 pub use write::{WriteReport, write_bytes, write_bytes_with, write_path, write_path_with};

@@ -1,6 +1,6 @@
 //! Edit after edit of one signal: the bands are kept, and an edit costs what it changes.
 
-use crate::bands::{BandsError, Wavelets};
+use crate::bands::{BandsError, Wavelets, check_buffer};
 use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
 use crate::mask::Mask;
 use crate::pages::zeros;
@@ -51,8 +51,21 @@ impl BandsRequest<'_> {
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
     pub fn editor(&self) -> Result<Editor, BandsError> {
+        let wavelets = self.whole_wavelets(&self.filled()?)?;
+        self.editor_of(wavelets)
+    }
+
+    /// The same of wavelets that were asked for before, of this signal; they are not compared with it.
+    ///
+    /// # Errors
+    /// [`BandsError`] when the wavelets have another size than the signal or the levels.
+    pub fn editor_of(&self, wavelets: Wavelets) -> Result<Editor, BandsError> {
         let (filled, vertex_map) = (self.filled()?, self.vertex_map());
-        let wavelets = self.whole_wavelets(&filled)?;
+        let expected = vertex_map.n_welded() * self.n_channels();
+        check_buffer(wavelets.n_levels() * expected, self.schedule().n_levels() * expected)?;
+        for level in &wavelets.levels {
+            check_buffer(level.len(), expected)?;
+        }
         let is_welded = vertex_map.n_welded() < vertex_map.n_vertices();
         let mean = if is_welded { vertex_map.mean(&filled, self.n_channels()) } else { Vec::new() };
         Ok(Editor::new(self.decomposer().clone(), self.signal().to_vec(), wavelets, mean))

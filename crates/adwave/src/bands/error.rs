@@ -139,7 +139,7 @@ pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize)
 }
 
 /// Checks the length of what a result is written to.
-pub(super) fn check_buffer(n_values: usize, expected: usize) -> Result<(), BandsError> {
+pub(crate) fn check_buffer(n_values: usize, expected: usize) -> Result<(), BandsError> {
     if n_values == expected { Ok(()) } else { Err(BandsError::WrongBuffer { n_values, expected }) }
 }
 

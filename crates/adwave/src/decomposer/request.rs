@@ -74,6 +74,10 @@ impl<'a> BandsRequest<'a> {
         self.signal
     }
 
+    pub(crate) fn schedule(&self) -> &'a Schedule {
+        self.schedule
+    }
+
     pub(crate) fn n_channels(&self) -> usize {
         self.n_channels
     }

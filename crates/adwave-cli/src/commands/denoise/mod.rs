@@ -64,7 +64,7 @@ fn denoise_field(
         denoise_signal(&decomposer, &signal.values, signal.n_channels, &args.params(), progress)
     })
     .map_err(|e| CliError::of(&e))?;
-    if let Some(axis) = alone.is_none().then(|| signal::axis(&input, name)).flatten() {
+    if let Some(axis) = alone.is_none().then(|| signal::axis(&input.file, name)).flatten() {
         let points = signal::with_axis(input.file.points(), axis, &denoised.values);
         input.file.set_points(points)?;
         refresh_normals(args.update_normals, global, &mut input)?;

@@ -129,7 +129,7 @@ fn distances(
     }
     let geometry = prepared(&second.shape, global)?;
     let surface = surface(&geometry, &second.name)?;
-    let normals = file_normals(first);
+    let normals = file_normals(&first.file);
     let outward = outward_normals(walk.geometry(), normals.as_deref(), global.progress())
         .map_err(|e| CliError::classified(&e))?;
     let limit = args.limit.map_or(f64::INFINITY, |limit| limit.in_units(walk.diagonal()));
@@ -255,7 +255,7 @@ fn by_features(
     let Ok(lengths) = common_lengths(&other, walk) else { return Ok(None) };
     let of = |input: &Input, walk: &Decomposer| {
         with_progress(global, "finding features", |progress| {
-            described(walk, file_normals(input).as_deref(), &lengths, 1.0, progress)
+            described(walk, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
         })
         .map_err(|e| CliError::classified(&e))
     };

@@ -195,7 +195,7 @@ impl Compared<'_> {
     }
 
     fn write_page(&self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
-        let normals = file_normals(self.first);
+        let normals = file_normals(&self.first.file);
         let command = command_line(global.arguments.iter().skip(1));
         let subject = Subject { normals: normals.as_deref(), ..self.subject(&command) };
         let versions = Versions {

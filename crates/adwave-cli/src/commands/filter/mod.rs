@@ -79,7 +79,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         input.file.set_points(points)?;
         refresh_normals(args.update_normals, global, &mut input)?;
         with_spinner(global, "writing", || write_points(global, &args.output, alone, &input.file))?;
-    } else if let Some(axis) = alone.is_none().then(|| signal::axis(&input, &field)).flatten() {
+    } else if let Some(axis) = alone.is_none().then(|| signal::axis(&input.file, &field)).flatten() {
         let points = signal::with_axis(input.file.points(), axis, &edited);
         let movement = Movement::new(decomposer.geometry(), &points);
         movement.describe(&mut text);

@@ -113,7 +113,7 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
     };
     let mut sides = Vec::new();
     for ((input, walk), lengths) in prepared.into_iter().zip(lengths) {
-        let normals = file_normals(&input);
+        let normals = file_normals(&input.file);
         let described = with_progress(global, "finding features", |progress| {
             described(&walk, normals.as_deref(), &lengths, args.theta, progress)
         })

@@ -11,7 +11,7 @@ use crate::output::{
 };
 use crate::progress::{with_progress, with_spinner};
 use crate::shape_input::load;
-use crate::signal::{default_name, field_names, file_normals};
+use crate::signal::{default_signal, field_names, file_normals};
 use crate::stopwatch::Stopwatch;
 use crate::up::Upward;
 use adwave::bands::Bands;
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     check(args)?;
     let mut watch = Stopwatch::start();
     let input = with_spinner(global, "reading", || load(&args.shape))?;
-    let signal = args.field.or(default_name(&input));
+    let signal = args.field.or(default_signal(&input.file));
     let field = signal.name().to_owned();
     let upward = Upward::of(args.up, &input);
     let mut analysis =
@@ -67,7 +67,7 @@ fn report(
     let input = &analysis.input;
     let format = input.file.format();
     let seconds = &analysis.seconds;
-    let normals = file_normals(input);
+    let normals = file_normals(&input.file);
     let subject = Subject {
         name: last_part(&input.name),
         format: &format.map_or_else(|| "built-in".to_owned(), |f| f.to_string()),

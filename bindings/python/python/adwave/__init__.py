@@ -1,0 +1,112 @@
+"""Wavelets for shapes: split a mesh, a point cloud or a graph, or any signal on it, into bands from fine to coarse.
+
+Each band is local in space and in frequency. Look at the bands (`saliency`, `features`), change them (`filter`, `Bands.apply`,
+`denoise`), and put the shape back together without loss:
+
+>>> import adwave as aw
+>>> shape = aw.sample("creature", vertices=3000)
+>>> bands = aw.decompose(shape, levels=6)
+>>> bands.shape
+(7, 3032, 3)
+>>> bool(abs(bands.reconstruct() - shape.points).max() < 1e-12)
+True
+
+A *shape* may be a path, an array of points, a pair ``(points, faces)``, a sparse matrix or an object of trimesh, PyVista, meshio,
+Open3D or networkx. The order and the number of its vertices never change, and nothing is changed in place.
+
+Nothing but this file is loaded by ``import adwave``; numpy and the rest come with the first name that is used.
+"""
+
+from __future__ import annotations
+
+import importlib
+
+_PLACES = {
+    "Shape": "_shape",
+    "as_shape": "_shape",
+    "graph": "_shape",
+    "read": "_shape",
+    "read_bytes": "_shape",
+    "sample": "_shape",
+    "Decomposer": "_decomposer",
+    "Bands": "_bands",
+    "Layer": "_bands",
+    "Recipe": "_recipe",
+    "read_recipe": "_recipe",
+    "Denoised": "_functions",
+    "Features": "_functions",
+    "Info": "_functions",
+    "Saliency": "_functions",
+    "decompose": "_functions",
+    "denoise": "_functions",
+    "features": "_functions",
+    "filter": "_functions",
+    "gaze_scores": "_functions",
+    "info": "_functions",
+    "memory_needed": "_functions",
+    "preset_gains": "_functions",
+    "region": "_functions",
+    "report": "_functions",
+    "saliency": "_functions",
+    "signal": "_functions",
+    "Picture": "_picture",
+    "render": "_picture",
+    "show_versions": "_environment",
+    "threads": "_environment",
+    "InternalError": "_native",
+    "__version__": "_native",
+}
+
+__all__ = [
+    "Bands",
+    "Decomposer",
+    "Denoised",
+    "Features",
+    "Info",
+    "InternalError",
+    "Layer",
+    "Picture",
+    "Recipe",
+    "Saliency",
+    "Shape",
+    "__version__",
+    "as_shape",
+    "baselines",
+    "decompose",
+    "denoise",
+    "features",
+    "filter",
+    "gaze_scores",
+    "graph",
+    "info",
+    "memory_needed",
+    "preset_gains",
+    "read",
+    "read_bytes",
+    "read_recipe",
+    "region",
+    "render",
+    "report",
+    "saliency",
+    "sample",
+    "show_versions",
+    "signal",
+    "threads",
+]
+
+_MODULES = ("baselines", "sklearn", "torch")
+
+
+def __getattr__(name: str) -> object:
+    if name in _MODULES:
+        return importlib.import_module(f"{__name__}.{name}")
+    place = _PLACES.get(name)
+    if place is None:
+        raise AttributeError(f"module 'adwave' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"{__name__}.{place}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(set(__all__) | set(_MODULES))

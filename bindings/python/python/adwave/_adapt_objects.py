@@ -1,0 +1,329 @@
+"""What the shapes of other libraries hold.
+
+No library is imported to recognise its objects: the module names of their classes tell. Readers give what is
+there as it is; `adwave._adapt` checks and converts it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._adapt_arrays import Array, kind_of
+
+# The names under which further libraries keep vertices and faces: vedo, LaPy, psbody, PyMeshLab and others.
+_SHAPE_NAMES = (
+    ("vertices", "faces"),
+    ("vertices", "triangles"),
+    ("vertices", "cells"),
+    ("points", "faces"),
+    ("verts", "faces"),
+    ("v", "f"),
+    ("v", "t"),
+    ("vertex_matrix", "face_matrix"),
+    ("vertices", None),
+    ("points", None),
+)
+_VTK_VERTICES, _VTK_LINES, _VTK_FACES = (0, 1, 2), (3, 4), (5, 7, 9)
+# What Open3D's tensor geometries call the fields that other libraries have too.
+OPEN3D_NAMES = {"colors": "color", "normals": "normal"}
+
+
+@dataclass(slots=True)
+class Found:
+    """What an object holds, not checked yet: points with faces, with lines or alone; or edges between nodes.
+
+    `lines` are cells of two corners and more; `edges` are rows, columns, weights, and whether each undirected
+    edge is listed once, and come with `n_vertices`.
+    """
+
+    source: str
+    points: Any = None
+    faces: Any = None
+    lines: Any = None
+    edges: tuple[Any, Any, Any, bool] | None = None
+    n_vertices: int = 0
+    fields: dict[str, Any] = field(default_factory=dict)
+    face_fields: dict[str, Any] = field(default_factory=dict)
+
+
+def library_of(x: object) -> str | None:
+    """The library whose shapes have a reader of their own, or None."""
+    if isinstance(x, np.ndarray):
+        return None
+    for cls in type(x).__mro__:
+        root, _, rest = cls.__module__.partition(".")
+        if root in ("trimesh", "pyvista", "meshio", "networkx"):
+            return root
+        if root in ("vtkmodules", "vtk"):
+            return "vtk"
+        if (root == "scipy" and rest.startswith("sparse")) or (root == "open3d" and "geometry" in rest):
+            return root
+        if root in ("pandas", "polars") and cls.__name__ == "DataFrame":
+            return root
+    return None
+
+
+def class_names(x: object) -> set[str]:
+    """Names of the classes of `x`, so that subclasses are recognised."""
+    return {cls.__name__ for cls in type(x).__mro__}
+
+
+def read(x: Any, library: str) -> Found:
+    """What an object of `library` holds."""
+    found = _READERS[library](x)
+    found.source = library
+    return found
+
+
+def has_shape_names(x: object) -> bool:
+    """Whether `x` has attributes that are called like vertices or points."""
+    return any(hasattr(x, vertices) for vertices, _ in _SHAPE_NAMES)
+
+
+def by_names(x: Any) -> Found:
+    """What an object of an unknown library holds, by the names of its attributes."""
+
+    def value(name: str) -> Any:
+        attribute = getattr(x, name)
+        return attribute() if callable(attribute) else attribute
+
+    for vertices, faces in _SHAPE_NAMES:
+        if hasattr(x, vertices) and (faces is None or hasattr(x, faces)):
+            source = type(x).__module__.partition(".")[0]
+            return Found(source, points=value(vertices), faces=None if faces is None else value(faces))
+    raise _refused(x, "pass points, or (points, faces)")
+
+
+def _refused(x: object, advice: str) -> TypeError:
+    return TypeError(f"shape: cannot read {kind_of(x)}; {advice}")
+
+
+def _read_trimesh(x: Any) -> Found:
+    names = class_names(x)
+    if "Scene" in names:
+        _, geometry, matrix = only_geometry(x)
+        found = _read_trimesh(geometry)
+        found.points = np.asarray(found.points) @ matrix[:3, :3].T + matrix[:3, 3]
+        return found
+    if "PointCloud" in names:
+        return Found("trimesh", points=x.vertices, fields={"color": getattr(x, "colors", None)})
+    if "Trimesh" not in names:
+        raise _refused(x, "pass a Trimesh, a PointCloud or a Scene with one of them")
+    found = Found("trimesh", x.vertices, x.faces)
+    found.fields = dict(x.vertex_attributes)
+    found.face_fields = dict(x.face_attributes)
+    if x.visual.kind == "vertex":
+        found.fields["color"] = x.visual.vertex_colors
+    elif x.visual.kind == "face":
+        found.face_fields["color"] = x.visual.face_colors
+    return found
+
+
+def only_geometry(scene: Any) -> tuple[str, Any, Array]:
+    """The one geometry of a trimesh scene: its name, itself, and the matrix that places it."""
+    nodes = list(scene.graph.nodes_geometry)
+    if len(nodes) != 1:
+        raise TypeError(
+            f"shape: the scene has {len(nodes)} geometries; pass one of scene.geometry.values(), or "
+            "scene.to_mesh() to take all as one mesh"
+        )
+    matrix, name = scene.graph[nodes[0]]
+    return name, scene.geometry[name], np.asarray(matrix)
+
+
+def _read_pyvista(x: Any) -> Found:
+    names = class_names(x)
+    if "PolyData" in names:
+        found = _read_polydata(x)
+    elif "UnstructuredGrid" in names:
+        found = _read_grid(x)
+    elif "PointSet" in names:
+        found = Found("pyvista")
+    else:
+        blocks = "MultiBlock" in names
+        raise _refused(x, "pass one of its blocks" if blocks else "call .extract_surface() on it first")
+    found.points, found.fields = x.points, dict(x.point_data)
+    return found
+
+
+def _read_polydata(x: Any) -> Found:
+    found = Found("pyvista")
+    if x.n_strips:
+        raise _refused(x, f"it has {x.n_strips} triangle strips: call .triangulate() on it first")
+    if n_faces := int(x.GetNumberOfPolys()):
+        # Newer versions have both arrays at hand; the padded one is slow to take apart where lengths differ.
+        is_new = hasattr(x, "face_connectivity")
+        found.faces = (x.face_connectivity, x.face_offsets) if is_new else x.faces
+        first = int(x.GetNumberOfVerts() + x.GetNumberOfLines())
+        found.face_fields = {name: values[first : first + n_faces] for name, values in x.cell_data.items()}
+    elif x.GetNumberOfLines():
+        found.lines = x.lines
+    return found
+
+
+def _read_grid(x: Any) -> Found:
+    found = Found("pyvista")
+    types: Array = np.asarray(x.celltypes)
+    is_known = np.isin(types, _VTK_VERTICES + _VTK_LINES + _VTK_FACES)
+    if not is_known.all():
+        cell = int(np.argmin(is_known))
+        why = f"cell {cell} is of VTK type {types[cell]}, which is no flat polygon"
+        raise _refused(x, f"{why}: call .extract_surface() on it first")
+    offsets: Array = np.asarray(x.cell_offsets if hasattr(x, "cell_offsets") else x.offset)
+    for cells, kinds in (("faces", _VTK_FACES), ("lines", _VTK_LINES)):
+        keep = np.isin(types, kinds)
+        if keep.any():
+            setattr(found, cells, _subset(np.asarray(x.cell_connectivity), offsets, keep))
+            break
+    if found.faces is not None:
+        keep = is_face_of_grid(x)
+        found.face_fields = {name: np.asarray(values)[keep] for name, values in x.cell_data.items()}
+    return found
+
+
+def is_face_of_grid(x: Any) -> NDArray[np.bool_]:
+    """Which cells of an UnstructuredGrid are faces."""
+    return np.isin(x.celltypes, _VTK_FACES)
+
+
+def _subset(connectivity: Array, offsets: Array, keep: NDArray[np.bool_]) -> tuple[Array, Array]:
+    if keep.all():
+        return connectivity, offsets
+    lengths = np.diff(offsets)
+    return connectivity[np.repeat(keep, lengths)], np.concatenate([[0], np.cumsum(lengths[keep])])
+
+
+def _read_vtk(x: Any) -> Found:
+    raise _refused(x, "pass pyvista.wrap of it")
+
+
+def is_meshio_face(block: Any) -> bool:
+    """Whether the cells of a block are flat polygons."""
+    return block.type in ("triangle", "quad") or block.type.startswith("polygon")
+
+
+def _read_meshio(x: Any) -> Found:
+    found = Found("meshio", points=x.points, fields=dict(x.point_data))
+    filled = [(i, block) for i, block in enumerate(x.cells) if len(block.data)]
+    faces = [(i, np.asarray(block.data)) for i, block in filled if is_meshio_face(block)]
+    for _, block in filled:
+        if block.type not in ("vertex", "line") and not is_meshio_face(block):
+            why = f"its cells of type {block.type!r} are no flat polygons"
+            raise _refused(x, f"{why}: pass pyvista.from_meshio(mesh).extract_surface()")
+    if faces:
+        if len({cells.shape[1] for _, cells in faces}) == 1:
+            found.faces = np.concatenate([cells for _, cells in faces])
+        else:
+            lengths = np.concatenate([np.full(len(cells), cells.shape[1]) for _, cells in faces])
+            corners = np.concatenate([cells.ravel() for _, cells in faces])
+            found.faces = (corners, np.concatenate([[0], np.cumsum(lengths)]))
+        for name, blocks in x.cell_data.items():
+            if len({np.shape(blocks[i])[1:] for i, _ in faces}) == 1:
+                found.face_fields[name] = np.concatenate([blocks[i] for i, _ in faces])
+    elif lines := [np.asarray(block.data) for _, block in filled if block.type == "line"]:
+        found.lines = np.concatenate(lines)
+    return found
+
+
+def _read_open3d(x: Any) -> Found:
+    kind = open3d_kind(x)
+    if is_tensor_geometry(x):
+        vertices = x.vertex if kind == "TriangleMesh" else x.point
+        points = _tensor(vertices["positions"]) if "positions" in vertices else np.empty((0, 3))
+        found = Found("open3d", points, fields=_tensors(vertices, "positions"))
+        if kind == "TriangleMesh":
+            found.faces = _tensor(x.triangle["indices"]) if "indices" in x.triangle else np.empty((0, 3))
+            found.face_fields = _tensors(x.triangle, "indices")
+        elif kind == "LineSet":
+            found.lines = _tensor(x.line["indices"])
+        return found
+    if kind == "TriangleMesh":
+        found = Found("open3d", np.asarray(x.vertices), np.asarray(x.triangles))
+        found.fields = {"color": np.asarray(x.vertex_colors), "normal": np.asarray(x.vertex_normals)}
+        found.face_fields = {"normal": np.asarray(x.triangle_normals)}
+        return found
+    found = Found("open3d", np.asarray(x.points))
+    if kind == "LineSet":
+        found.lines = np.asarray(x.lines)
+    else:
+        found.fields = {"color": np.asarray(x.colors), "normal": np.asarray(x.normals)}
+    return found
+
+
+def open3d_kind(x: object) -> str:
+    """Which of Open3D's geometries `x` is."""
+    names = class_names(x)
+    for kind in ("TriangleMesh", "PointCloud", "LineSet"):
+        if kind in names:
+            return kind
+    raise _refused(x, "pass a TriangleMesh, a PointCloud or a LineSet")
+
+
+def is_tensor_geometry(x: object) -> bool:
+    """Whether `x` is of open3d.t.geometry, which keeps named tensors."""
+    return ".t." in type(x).__module__ or any(".t." in cls.__module__ for cls in type(x).__mro__)
+
+
+def _tensor(tensor: Any) -> Array:
+    if tensor.is_cuda:
+        raise TypeError("shape: the geometry is not in the processor's memory; call .cpu() on it first")
+    return tensor.numpy()
+
+
+def _tensors(attributes: Any, primary: str) -> dict[str, Any]:
+    names = [str(name) for name in attributes if name != primary]
+    return {OPEN3D_NAMES.get(name, name): _tensor(attributes[name]) for name in names}
+
+
+def _read_networkx(x: Any) -> Found:
+    place = {node: i for i, node in enumerate(x)}
+    edges = list(x.edges(data="weight"))
+    rows = np.fromiter((place[u] for u, _, _ in edges), np.int64, len(edges))
+    cols = np.fromiter((place[v] for _, v, _ in edges), np.int64, len(edges))
+    is_weighted = any(weight is not None for _, _, weight in edges)
+    weights = [1.0 if weight is None else weight for _, _, weight in edges] if is_weighted else None
+    found = Found("networkx", edges=(rows, cols, weights, not x.is_directed()), n_vertices=len(place))
+    for name in next((attributes for _, attributes in x.nodes(data=True)), {}):
+        values = [value for _, value in x.nodes(data=name)]
+        if isinstance(name, str) and all(value is not None for value in values):
+            found.fields[name] = values
+    return found
+
+
+def _read_scipy(x: Any) -> Found:
+    if len(x.shape) != 2 or x.shape[0] != x.shape[1]:
+        raise ValueError(f"shape: the sparse matrix of weights has shape {x.shape}, but must be square")
+    entries = x.tocoo(copy=False)
+    return Found("scipy", edges=(entries.row, entries.col, entries.data, False), n_vertices=x.shape[0])
+
+
+def axes_of(x: Any) -> list[Any]:
+    """The columns x, y and z, or x and y, of a data frame; none where it has no columns of these names."""
+    by_name = {str(column).lower(): column for column in x.columns}
+    return [by_name[axis] for axis in "xyz" if axis in by_name] if {"x", "y"} <= by_name.keys() else []
+
+
+def _read_frame(x: Any) -> Found:
+    axes = axes_of(x)
+    if not axes:
+        return Found("pandas", points=x)
+    rest = {str(column): x[column] for column in x.columns if column not in axes}
+    return Found("pandas", points=x[axes], fields=rest)
+
+
+_READERS: dict[str, Callable[[Any], Found]] = {
+    "trimesh": _read_trimesh,
+    "pyvista": _read_pyvista,
+    "vtk": _read_vtk,
+    "meshio": _read_meshio,
+    "open3d": _read_open3d,
+    "networkx": _read_networkx,
+    "scipy": _read_scipy,
+    "pandas": _read_frame,
+    "polars": _read_frame,
+}

@@ -1,0 +1,148 @@
+//! What the method is compared with.
+
+use crate::arrays;
+use crate::call::run;
+use crate::shape::ShapeData;
+use adwave::Progress;
+use adwave_baselines::differential::{Differential, Weights};
+use adwave_baselines::harmonics::Harmonics;
+use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+use adwave_baselines::lee::lee_saliency;
+use adwave_baselines::linalg::{EigenParams, LinalgError};
+use adwave_baselines::signature::{heat_kernel_signature, heat_times, wave_kernel_signature};
+use adwave_baselines::taubin::lambda_mu;
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(harmonics, module)?)?;
+    module.add_function(wrap_pyfunction!(signature, module)?)?;
+    module.add_function(wrap_pyfunction!(lee, module)?)?;
+    module.add_function(wrap_pyfunction!(taubin, module)?)
+}
+
+/// These use all threads whatever the size of the shape.
+const ALWAYS_ON_POOL: usize = usize::MAX;
+
+fn found(
+    own: &adwave::shape::Shape,
+    k: usize,
+    p: Progress<'_>,
+) -> Result<Harmonics, adwave_baselines::harmonics::HarmonicsError> {
+    let laplacian = Laplacian::new(own, &LaplacianParams::default())?;
+    Harmonics::new(&laplacian, k, &EigenParams::default(), p)
+}
+
+/// λ_1 … λ_k, and the functions as columns at the vertices of the shape.
+#[pyfunction]
+#[pyo3(signature = (shape, k, progress=None))]
+fn harmonics<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    k: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let own = shape.get().shape(py)?;
+    let (values, functions) = run(py, ALWAYS_ON_POOL, progress.as_ref(), |p| {
+        let found = found(own, k, p)?;
+        let n = own.n_vertices();
+        let mut columns = vec![0.0; n * found.len()];
+        for f in 0..found.len() {
+            for (row, value) in columns.chunks_exact_mut(found.len()).zip(found.scatter(found.function(f), 1))
+            {
+                row[f] = value;
+            }
+        }
+        Ok::<_, adwave_baselines::harmonics::HarmonicsError>((found.values, columns))
+    })?;
+    let n_functions = values.len();
+    let functions = arrays::matrix(py, functions, n_functions)?;
+    Ok((arrays::vector(py, values).into_any(), functions.into_any()))
+}
+
+/// Heat or wave kernel signatures: the scales, and n × scales.
+#[pyfunction]
+#[pyo3(signature = (shape, kind, k, n_scales, progress=None))]
+fn signature<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    kind: &str,
+    k: usize,
+    n_scales: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let is_heat = crate::options::word("kind", kind, &[("heat", true), ("wave", false)])?;
+    let own = shape.get().shape(py)?;
+    let signature = run(py, ALWAYS_ON_POOL, progress.as_ref(), |p| {
+        let found = found(own, k, p)?;
+        Ok::<_, adwave_baselines::harmonics::HarmonicsError>(if is_heat {
+            heat_kernel_signature(&found, &heat_times(&found, n_scales))
+        } else {
+            wave_kernel_signature(&found, n_scales)
+        })
+    })?;
+    let n_columns = signature.scales.len().max(1);
+    let values = arrays::matrix(py, signature.values, n_columns)?;
+    Ok((arrays::vector(py, signature.scales).into_any(), values.into_any()))
+}
+
+/// Lee's saliency, and the mean curvature that it is made of.
+#[pyfunction]
+#[pyo3(signature = (shape, progress=None))]
+fn lee<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let own = shape.get().shape(py)?;
+    let found = run(py, ALWAYS_ON_POOL, progress.as_ref(), |p| lee_saliency(own, p))?;
+    Ok((arrays::vector(py, found.saliency).into_any(), arrays::vector(py, found.curvature).into_any()))
+}
+
+/// Taubin's λ|μ.
+#[pyfunction]
+#[pyo3(signature = (shape, signal, weights, lam, mu, iterations))]
+fn taubin<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    signal: PyReadonlyArray2<'py, f64>,
+    weights: &str,
+    lam: f64,
+    mu: f64,
+    iterations: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let known = [("uniform", Weights::Uniform), ("cotangent", Weights::Cotangent)];
+    let weights = crate::options::word("weights", weights, &known)?;
+    let own = shape.get().shape(py)?;
+    let n_channels = signal.shape()[1];
+    let values = arrays::rows(&signal, "signal")?;
+    let smoothed = run(py, ALWAYS_ON_POOL, None, |_| {
+        let k = Differential::new(own, weights).map_err(|e| Told(e.to_string()))?;
+        lambda_mu(&k, values, n_channels, (lam, mu), iterations).map_err(|e| Told(e.to_string()))
+    })?;
+    Ok(arrays::matrix(py, smoothed, n_channels)?.into_any())
+}
+
+/// An error in words, of what was given.
+#[derive(Debug)]
+struct Told(String);
+
+impl std::fmt::Display for Told {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Told {}
+
+impl adwave::ClassifiedError for Told {
+    fn kind(&self) -> adwave::ErrorKind {
+        adwave::ErrorKind::Input
+    }
+}
+
+impl From<LinalgError> for Told {
+    fn from(error: LinalgError) -> Self {
+        Self(error.to_string())
+    }
+}

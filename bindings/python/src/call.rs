@@ -1,0 +1,193 @@
+//! Calls with the interpreter released: a pool of threads for each process, Ctrl-C, progress, panics.
+
+use crate::error::{self, InternalError};
+use adwave::{ClassifiedError, Progress, ProgressCounter};
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::any::Any;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
+/// Shapes of so many vertices are done by the calling thread: `adwave` starts no threads for them.
+const SMALL: usize = 4096;
+/// Time between two looks at signals and progress.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// The pools of one process, by their number of threads.
+struct Pools {
+    process: u32,
+    pools: Mutex<HashMap<usize, Arc<ThreadPool>>>,
+}
+
+/// A forked child has none of its parent's threads and maybe a lock that nobody will open: it gets pools of its own.
+static POOLS: AtomicPtr<Pools> = AtomicPtr::new(ptr::null_mut());
+/// Threads that a call uses; 0 before it was asked.
+static N_THREADS: AtomicUsize = AtomicUsize::new(0);
+
+#[allow(unsafe_code)]
+fn pools() -> &'static Pools {
+    let process = std::process::id();
+    loop {
+        let current = POOLS.load(Ordering::Acquire);
+        // SAFETY: it is null or came from `Box::leak` below and is never freed.
+        if let Some(found) = unsafe { current.as_ref() }
+            && found.process == process
+        {
+            return found;
+        }
+        let new = Box::into_raw(Box::new(Pools { process, pools: Mutex::default() }));
+        if POOLS.compare_exchange(current, new, Ordering::AcqRel, Ordering::Acquire).is_err() {
+            // SAFETY: nobody else has seen it.
+            drop(unsafe { Box::from_raw(new) });
+        }
+    }
+}
+
+fn default_threads() -> usize {
+    let asked = std::env::var("ADWAVE_NUM_THREADS").ok().and_then(|n| n.trim().parse().ok());
+    // Affinity and the quota of a container are respected by this.
+    asked.filter(|&n| n > 0).unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into))
+}
+
+/// How many threads a call uses.
+#[pyfunction]
+pub(crate) fn threads() -> usize {
+    match N_THREADS.load(Ordering::Relaxed) {
+        0 => default_threads(),
+        n => n,
+    }
+}
+
+/// How many threads were asked for; 0 for as many as there are.
+#[pyfunction]
+pub(crate) fn asked_threads() -> usize {
+    N_THREADS.load(Ordering::Relaxed)
+}
+
+/// Sets how many threads a call uses from now on; 0 for as many as there are.
+#[pyfunction]
+pub(crate) fn set_threads(n: usize) {
+    N_THREADS.store(n, Ordering::Relaxed);
+}
+
+fn pool() -> PyResult<Arc<ThreadPool>> {
+    let n = threads();
+    let mut pools = pools().pools.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(pool) = pools.get(&n) {
+        return Ok(Arc::clone(pool));
+    }
+    let built = ThreadPoolBuilder::new().num_threads(n).thread_name(|k| format!("adwave-{k}")).build();
+    let pool = Arc::new(
+        built.map_err(|e| pyo3::exceptions::PyOSError::new_err(format!("cannot start {n} threads: {e}")))?,
+    );
+    pools.insert(n, Arc::clone(&pool));
+    Ok(pool)
+}
+
+thread_local! {
+    /// Where the last panic of this thread was, and what it said.
+    static LAST_PANIC: RefCell<String> = const { RefCell::new(String::new()) };
+}
+
+/// Panics become exceptions, and are not printed beside them. This is the hook of this extension alone.
+pub(crate) fn keep_panics_quiet() {
+    std::panic::set_hook(Box::new(|info| {
+        LAST_PANIC.with(|last| *last.borrow_mut() = info.to_string().replace('\n', " "));
+    }));
+}
+
+type Outcome<T, E> = Result<Result<T, E>, String>;
+
+fn guarded<T, E>(work: impl FnOnce(Progress<'_>) -> Result<T, E>, progress: Progress<'_>) -> Outcome<T, E> {
+    catch_unwind(AssertUnwindSafe(|| work(progress))).map_err(|panic: Box<dyn Any + Send>| {
+        let told = LAST_PANIC.with(|last| std::mem::take(&mut *last.borrow_mut()));
+        let text = panic.downcast_ref::<String>().cloned();
+        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|&s| s.to_owned()));
+        if told.is_empty() { text.unwrap_or_else(|| "a panic without words".to_owned()) } else { told }
+    })
+}
+
+/// Runs `work` on a shape of so many vertices with the interpreter released.
+///
+/// `report(done, total)` is called from the calling thread, and signals are looked at there, every 20 ms; when one raises, the work
+/// is stopped and the exception passed on.
+pub(crate) fn run<T: Send, E: ClassifiedError + Send>(
+    py: Python<'_>,
+    n_vertices: usize,
+    report: Option<&Py<PyAny>>,
+    work: impl FnOnce(Progress<'_>) -> Result<T, E> + Send,
+) -> PyResult<T> {
+    let outcome = if n_vertices <= SMALL && report.is_none() {
+        py.detach(|| guarded(work, Progress::none()))
+    } else {
+        on_pool(py, report, work)?
+    };
+    match outcome {
+        Ok(Ok(value)) => Ok(value),
+        Ok(Err(error)) => Err(error::of(&error)),
+        Err(panic) => Err(InternalError::new_err(format!(
+            "adwave broke one of its own rules ({panic}); please report it, with what you gave it"
+        ))),
+    }
+}
+
+fn on_pool<T: Send, E: Send>(
+    py: Python<'_>,
+    report: Option<&Py<PyAny>>,
+    work: impl FnOnce(Progress<'_>) -> Result<T, E> + Send,
+) -> PyResult<Outcome<T, E>> {
+    let pool = pool()?;
+    let (cancel, counter) = (AtomicBool::new(false), ProgressCounter::default());
+    let (done, woken) = (Mutex::new(None), Condvar::new());
+    let raised = py.detach(|| {
+        pool.in_place_scope(|scope| {
+            scope.spawn(|_| {
+                let progress = Progress::none().with_cancel(&cancel).with_counter(&counter);
+                let outcome = guarded(work, progress);
+                *done.lock().unwrap_or_else(PoisonError::into_inner) = Some(outcome);
+                woken.notify_one();
+            });
+            let mut last = (0, 0);
+            loop {
+                let waiting = done.lock().unwrap_or_else(PoisonError::into_inner);
+                let (waiting, _) = woken
+                    .wait_timeout_while(waiting, LOOK, |done| done.is_none())
+                    .unwrap_or_else(PoisonError::into_inner);
+                if waiting.is_some() {
+                    break None;
+                }
+                drop(waiting);
+                let asked = Python::attach(|py| {
+                    py.check_signals()?;
+                    let now = counter.get();
+                    if let Some(report) = report
+                        && now.1 > 0
+                        && now != last
+                    {
+                        last = now;
+                        report.call1(py, now)?;
+                    }
+                    Ok::<(), PyErr>(())
+                });
+                if let Err(raised) = asked {
+                    // The scope ends when the work has seen this.
+                    cancel.store(true, Ordering::Relaxed);
+                    break Some(raised);
+                }
+            }
+        })
+    });
+    match raised {
+        Some(raised) => Err(raised),
+        None => done
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner)
+            .ok_or_else(|| InternalError::new_err("a call ended without a result")),
+    }
+}

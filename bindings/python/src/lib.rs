@@ -1,0 +1,42 @@
+//! The extension module `adwave._native`: the crates of adwave for the Python files beside it.
+//!
+//! Nothing is computed here. [`call`] runs the work with the interpreter released, stops it at Ctrl-C and turns errors into
+//! exceptions; [`arrays`] brings numbers over without a copy; the other modules have one class or a few functions each. What people
+//! see, names, checks and documentation, is in the package's Python files.
+
+#![expect(clippy::needless_pass_by_value, reason = "arguments come from the interpreter as values")]
+#![expect(clippy::too_many_arguments, reason = "keyword arguments of one function")]
+
+mod allocator;
+mod arrays;
+mod baselines;
+mod call;
+mod command;
+mod edit;
+mod error;
+mod measures;
+mod operator;
+mod options;
+mod picture;
+mod prepared;
+mod shape;
+
+use pyo3::prelude::*;
+
+#[pymodule(gil_used = false)]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    call::keep_panics_quiet();
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("InternalError", module.py().get_type::<error::InternalError>())?;
+    module.add_class::<shape::ShapeData>()?;
+    module.add_class::<prepared::Prepared>()?;
+    module.add_class::<edit::EditorData>()?;
+    module.add_function(wrap_pyfunction!(call::threads, module)?)?;
+    module.add_function(wrap_pyfunction!(call::asked_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(call::set_threads, module)?)?;
+    command::add(module)?;
+    measures::add(module)?;
+    operator::add(module)?;
+    picture::add(module)?;
+    baselines::add(module)
+}

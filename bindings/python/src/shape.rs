@@ -1,0 +1,310 @@
+//! What a file or arrays say of a shape.
+
+use crate::arrays;
+use crate::call::run;
+use crate::error::value;
+use crate::options::{KINDS, word};
+use adwave::sample::{NoiseSigma, Sample, SampleError};
+use adwave::shape::{Polygons, Shape};
+use adwave_io::{
+    Direction, Edges, Format, ReadLimits, ShapeFile, ShapeFileError, ShapeKind, SignalSource, named_signal,
+    read_bytes_with, read_path_with, write_bytes_with, write_path_with, written_signal,
+};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// A shape with all that its file said of it. It never changes: what changes it gives a new one.
+#[pyclass(frozen, module = "adwave._native")]
+pub(crate) struct ShapeData {
+    pub(crate) file: ShapeFile,
+    pub(crate) kind: ShapeKind,
+    pub(crate) name: String,
+    shape: OnceLock<Shape>,
+}
+
+fn wrong(error: ShapeFileError) -> PyErr {
+    value(error.to_string())
+}
+
+impl ShapeData {
+    fn new(file: ShapeFile, kind: Option<ShapeKind>, name: String) -> Self {
+        let kind = kind.unwrap_or_else(|| file.kind());
+        Self { file, kind, name, shape: OnceLock::new() }
+    }
+
+    /// The shape that this is, found out when first asked for.
+    pub(crate) fn shape(&self, py: Python<'_>) -> PyResult<&Shape> {
+        if let Some(shape) = self.shape.get() {
+            return Ok(shape);
+        }
+        let shape = run(py, self.file.n_vertices(), None, |_| self.file.to_shape_as(self.kind))?;
+        Ok(self.shape.get_or_init(|| shape))
+    }
+
+    /// A field as numbers, with how many there are at each vertex.
+    pub(crate) fn numbers(&self, name: &str) -> Option<(usize, Vec<f64>)> {
+        self.file.field(name).map(|field| (field.n_channels, field.to_f64()))
+    }
+
+    fn changed(&self, file: ShapeFile) -> Self {
+        Self { file, kind: self.kind, name: self.name.clone(), shape: OnceLock::new() }
+    }
+}
+
+fn kind_of(kind: Option<&str>) -> PyResult<Option<ShapeKind>> {
+    kind.map(|kind| word("kind", kind, KINDS)).transpose()
+}
+
+fn format_of(format: Option<&str>) -> PyResult<Option<Format>> {
+    let Some(name) = format else { return Ok(None) };
+    match Format::from_name(name) {
+        Some(format) => Ok(Some(format)),
+        None => {
+            let names: Vec<&str> = Format::all().map(Format::name).collect();
+            Err(value(format!("format: '{name}' is none of {}", names.join(", "))))
+        }
+    }
+}
+
+#[pymethods]
+impl ShapeData {
+    #[staticmethod]
+    #[pyo3(signature = (path, kind=None, progress=None))]
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        kind: Option<&str>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let kind = kind_of(kind)?;
+        let limits = ReadLimits::default();
+        let file = run(py, usize::MAX, progress.as_ref(), |p| read_path_with(&path, &limits, p))?;
+        Ok(Self::new(file, kind, path.display().to_string()))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (content, name=None, kind=None))]
+    fn read_bytes(py: Python<'_>, content: &[u8], name: Option<&str>, kind: Option<&str>) -> PyResult<Self> {
+        let kind = kind_of(kind)?;
+        let (owned, limits) = (content.to_vec(), ReadLimits::default());
+        let file = run(py, content.len(), None, |p| read_bytes_with(owned, name, &limits, p))?;
+        Ok(Self::new(file, kind, name.unwrap_or("bytes").to_owned()))
+    }
+
+    /// A mesh, or a cloud where there are no corners; of triangles where there are no offsets.
+    #[staticmethod]
+    #[pyo3(signature = (points, corners, offsets=None, kind=None))]
+    fn from_arrays(
+        points: PyReadonlyArray2<'_, f64>,
+        corners: PyReadonlyArray1<'_, u32>,
+        offsets: Option<PyReadonlyArray1<'_, u32>>,
+        kind: Option<&str>,
+    ) -> PyResult<Self> {
+        let kind = kind_of(kind)?;
+        let points = arrays::points(&points, "points")?.to_vec();
+        let corners = corners.as_slice()?.to_vec();
+        let offsets: Vec<u32> = match offsets {
+            Some(offsets) => offsets.as_slice()?.to_vec(),
+            None if corners.len().is_multiple_of(3) => (0..=corners.len() as u32).step_by(3).collect(),
+            None => return Err(value(format!("faces: {} corners are no triangles", corners.len()))),
+        };
+        let faces = Polygons::from_parts(offsets, corners)
+            .ok_or_else(|| value("faces: the offsets do not rise from 0 to the number of corners"))?;
+        Ok(Self::new(ShapeFile::from_mesh(points, faces), kind, "arrays".to_owned()))
+    }
+
+    /// A graph by its edges; with both directions listed where it is not `undirected`.
+    #[staticmethod]
+    fn from_graph(
+        n_vertices: usize,
+        rows: PyReadonlyArray1<'_, u32>,
+        columns: PyReadonlyArray1<'_, u32>,
+        weights: Option<PyReadonlyArray1<'_, f64>>,
+        undirected: bool,
+    ) -> PyResult<Self> {
+        let (rows, columns) = (rows.as_slice()?, columns.as_slice()?);
+        if rows.len() != columns.len() {
+            return Err(value(format!("edges: {} begin and {} end", rows.len(), columns.len())));
+        }
+        let weights =
+            weights.map(|w| Ok::<_, PyErr>(w.as_slice()?.to_vec())).transpose()?.unwrap_or_default();
+        let edges = Edges {
+            pairs: rows.iter().zip(columns).map(|(&a, &b)| [a, b]).collect(),
+            weights,
+            direction: if undirected { Direction::Both } else { Direction::RowToColumn },
+        };
+        let file = ShapeFile::from_graph(n_vertices, edges);
+        Ok(Self::new(file, Some(ShapeKind::Graph), "graph".to_owned()))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (name, vertices=None, noise=None, seed=1))]
+    fn sample(
+        py: Python<'_>,
+        name: &str,
+        vertices: Option<usize>,
+        noise: Option<f64>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let sample = run(py, usize::MAX, None, |_| {
+            let mut sample = Sample::by_name(name, vertices)?;
+            if let Some(sigma) = noise {
+                sample.add_noise(NoiseSigma::MeanEdge(sigma), seed)?;
+            }
+            Ok::<_, SampleError>(sample)
+        })?;
+        let file = ShapeFile::from_mesh(sample.points, sample.faces);
+        Ok(Self::new(file, None, format!("sample:{name}")))
+    }
+
+    #[getter]
+    fn kind(&self) -> &'static str {
+        KINDS.iter().find(|(_, kind)| *kind == self.kind).map_or("mesh", |(name, _)| name)
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    #[getter]
+    fn format(&self) -> Option<&'static str> {
+        self.file.format().map(Format::name)
+    }
+
+    #[getter]
+    fn structure(&self) -> Option<&str> {
+        self.file.structure()
+    }
+
+    #[getter]
+    fn n_vertices(&self) -> usize {
+        self.file.n_vertices()
+    }
+
+    #[getter]
+    fn n_faces(&self) -> usize {
+        self.file.faces().len()
+    }
+
+    /// A read-only view: n × 3, of a graph without positions 0 × 3.
+    #[getter]
+    #[allow(unsafe_code)]
+    fn points<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let points = this.get().file.points().as_flattened();
+        // SAFETY: the class is frozen and never replaces its points.
+        Ok(unsafe { arrays::view(this.clone().into_any(), points, 3) }?.into_any())
+    }
+
+    /// A read-only view of triangles, m × 3; `None` of other faces.
+    #[getter]
+    #[allow(unsafe_code)]
+    fn triangles<'py>(this: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let faces = this.get().file.faces();
+        let Some(triangles) = faces.triangles() else { return Ok(None) };
+        // SAFETY: as for the points.
+        Ok(Some(unsafe { arrays::view(this.clone().into_any(), triangles.as_flattened(), 3) }?.into_any()))
+    }
+
+    /// Offsets and corners of all faces.
+    fn polygons<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, Bound<'py, PyAny>) {
+        let (offsets, corners) = self.file.faces().clone().into_parts();
+        (arrays::vector(py, offsets).into_any(), arrays::vector(py, corners).into_any())
+    }
+
+    /// Both ends of the edges that are listed, their weights, and whether each stands for both directions.
+    fn edges<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, bool)> {
+        let edges = self.file.edges();
+        let pairs = arrays::matrix(py, edges.pairs.as_flattened().to_vec(), 2)?;
+        let weights = arrays::vector(py, edges.weights.clone());
+        Ok((pairs.into_any(), weights.into_any(), edges.direction == Direction::Both))
+    }
+
+    pub(crate) fn field_names(&self) -> Vec<String> {
+        self.file.field_names().into_iter().map(str::to_owned).collect()
+    }
+
+    fn face_field_names(&self) -> Vec<String> {
+        self.file.face_fields().iter().map(|f| f.name.clone()).collect()
+    }
+
+    fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.file.field(name).map(|field| arrays::field(py, field)).transpose()
+    }
+
+    fn face_field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let field = self.file.face_fields().iter().find(|f| f.name == name);
+        field.map(|field| arrays::field(py, field)).transpose()
+    }
+
+    fn with_points(&self, points: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let mut file = self.file.clone();
+        file.set_points(arrays::points(&points, "points")?.to_vec()).map_err(wrong)?;
+        Ok(self.changed(file))
+    }
+
+    fn with_field(&self, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mut file = self.file.clone();
+        file.add_vertex_field(arrays::to_field(name, values)?).map_err(wrong)?;
+        Ok(self.changed(file))
+    }
+
+    /// New values of the signal of that name, n × channels: in the type of numbers that the file has for it.
+    fn with_signal(&self, name: &str, values: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let n_channels = values.shape()[1];
+        let values = arrays::rows(&values, "values")?.to_vec();
+        let mut file = self.file.clone();
+        file.add_vertex_field(written_signal(&file, name, n_channels, values)).map_err(wrong)?;
+        Ok(self.changed(file))
+    }
+
+    fn with_face_field(&self, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mut file = self.file.clone();
+        file.add_face_field(arrays::to_field(name, values)?).map_err(wrong)?;
+        Ok(self.changed(file))
+    }
+
+    fn taken_as(&self, kind: &str) -> PyResult<Self> {
+        Ok(Self::new(self.file.clone(), kind_of(Some(kind))?, self.name.clone()))
+    }
+
+    /// Writes the shape, and gives what the format could not hold.
+    #[pyo3(signature = (path, format=None, progress=None))]
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        format: Option<&str>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Vec<String>> {
+        let format = format_of(format)?;
+        let write = |p: adwave::Progress<'_>| write_path_with(&self.file, &path, format, p);
+        Ok(run(py, usize::MAX, progress.as_ref(), write)?.not_written)
+    }
+
+    fn to_bytes<'py>(&self, py: Python<'py>, format: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let Some(format) = format_of(Some(format))? else { return Err(value("format: none is given")) };
+        let write = |p: adwave::Progress<'_>| {
+            let mut bytes = Vec::new();
+            write_bytes_with(&self.file, format, &mut bytes, p).map(|_| bytes)
+        };
+        Ok(PyBytes::new(py, &run(py, self.file.n_vertices(), None, write)?))
+    }
+
+    /// A signal by its name, n × channels.
+    #[pyo3(signature = (name, texture=None))]
+    fn signal<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        texture: Option<PathBuf>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let source = SignalSource { file: &self.file, shape: self.shape(py)?, name: &self.name };
+        let signal =
+            run(py, self.file.n_vertices(), None, |_| named_signal(source, name, texture.as_deref()))?;
+        Ok(arrays::matrix(py, signal.values.to_vec(), signal.n_channels)?.into_any())
+    }
+}

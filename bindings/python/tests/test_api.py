@@ -1,0 +1,268 @@
+"""The public functions on shapes of every kind, by laws and against the command."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import adwave as aw
+import numpy as np
+import pytest
+
+CREATURE = aw.sample("creature", vertices=2000)
+CLOUD = aw.Shape(aw.sample("torus", vertices=900).points)
+RING = aw.graph(60, [[i, (i + 1) % 60] for i in range(60)])
+POLYGONS = aw.Shape(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0], [3, 0.5, 0]], [[0, 1, 2, 3], [1, 4, 5, 2], [4, 6, 5]]
+)
+SHAPES = [CREATURE, CLOUD, POLYGONS]
+
+
+def command(*words: object) -> None:
+    subprocess.run([sys.executable, "-m", "adwave", *map(str, words), "--quiet"], check=True)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_bands_add_to_the_shape(shape: aw.Shape) -> None:
+    bands = aw.decompose(shape, levels=4)
+    assert bands.shape == (5, shape.n_vertices, 3) and len(bands) == 5
+    assert np.abs(bands.reconstruct() - shape.points).max() < 1e-12
+    assert np.allclose(bands.scaling(2) + bands.wavelet(1) + bands.wavelet(2), shape.points)
+    assert np.allclose(np.asarray(bands).sum(axis=0), shape.points)
+    assert (np.diff(bands.sigma) > 0).all() and np.allclose(bands.fwhm, 1.665 * bands.sigma, rtol=1e-3)
+
+
+def test_graphs_take_signals_of_one_or_more_channels() -> None:
+    heights = np.sin(np.arange(60.0))
+    one = aw.decompose(RING, signal=heights, levels=3)
+    two = aw.decompose(RING, signal=np.stack([heights, -heights], axis=1), levels=3)
+    assert one.shape == (4, 60) and two.shape == (4, 60, 2)
+    assert np.array_equal(two.array[:, :, 0], one.array) and np.array_equal(two.array[:, :, 1], -one.array)
+    with pytest.raises(ValueError, match="no coordinates"):
+        aw.decompose(RING, levels=2)
+
+
+def test_a_matrix_is_a_graph() -> None:
+    sparse = pytest.importorskip("scipy.sparse")
+    ends = np.arange(60)
+    weights = sparse.coo_array((np.ones(60), (ends, (ends + 1) % 60)), shape=(60, 60))
+    shape = aw.Shape(weights + weights.T)
+    f = np.cos(ends)
+    assert shape.kind == "graph"
+    assert np.allclose(aw.decompose(shape, signal=f, levels=3), aw.decompose(RING, signal=f, levels=3))
+
+
+def test_bands_match_powers_of_the_matrix() -> None:
+    pytest.importorskip("scipy")
+    walk = aw.Decomposer(CREATURE)
+    power = walk.matrix()
+    assert np.allclose(power.sum(axis=1), 1)
+    smooth = CREATURE.points
+    bands = walk.decompose(levels=3)
+    for level, steps in ((1, 1), (2, 2), (3, 4)):
+        smooth = np.linalg.matrix_power(power.toarray(), steps) @ CREATURE.points
+        assert np.allclose(bands.scaling(level), smooth, atol=1e-9)
+        assert np.allclose(walk.smooth(None, steps), smooth, atol=1e-9)
+    scaling, wavelets = walk.basis(3, drop_tolerance=0.0)
+    assert np.allclose(scaling[2] @ CREATURE.points, smooth, atol=1e-5)
+    assert np.allclose(wavelets[1] @ CREATURE.points, bands.wavelet(2), atol=1e-5)
+    phi, psi = walk.functions(7, 3)
+    assert np.allclose(phi, scaling[2][[7]].toarray()[0], atol=1e-6)
+    assert abs(phi.sum() - 1) < 1e-9 and abs(psi.sum()) < 1e-9
+
+
+@pytest.mark.parametrize("steps", [1, 0.5, 6.25])
+def test_the_adjoint_is_exact(steps: float) -> None:
+    pytest.importorskip("scipy")
+    welded = aw.Shape(np.vstack([CREATURE.points, CREATURE.points[:50]]), CREATURE.faces)
+    for shape in (CREATURE, welded):
+        operator = aw.Decomposer(shape).linear_operator(steps, accuracy=1e-12)
+        f, g = np.random.default_rng(1).normal(size=(2, shape.n_vertices))
+        assert np.isclose(g @ operator.matvec(f), operator.rmatvec(g) @ f, rtol=1e-9)
+
+
+def test_gains_change_what_they_name_and_nothing_else() -> None:
+    bands = aw.decompose(CREATURE, levels=4)
+    assert np.array_equal(bands.apply([1, 1, 1, 1]), CREATURE.points)
+    dropped = bands.apply([0, 1, 1, 1])
+    assert np.allclose(dropped, CREATURE.points - bands.wavelet(1))
+    mask = np.zeros(CREATURE.n_vertices)
+    mask[:100] = 1
+    local = bands.apply([0, 1, 1, 1], where=mask)
+    assert np.array_equal(local[100:], CREATURE.points[100:]) and np.array_equal(local[:100], dropped[:100])
+    both = bands.apply([aw.Layer([0, 1, 1, 1], mask), aw.Layer([2, 1, 1, 1])])
+    assert np.allclose(both[100:], CREATURE.points[100:] + bands.wavelet(1)[100:])
+    assert np.allclose(bands.apply("smooth"), bands.apply(aw.preset_gains("smooth", 4)))
+    for wrong, said in (([1, 1], "2 gains"), ("loud", "'loud' is none of"), ([1, 1, 1, np.inf], "gain")):
+        with pytest.raises(ValueError, match=said):
+            bands.apply(wrong)
+    with pytest.raises(ValueError, match="where"):
+        bands.apply([1, 1, 1, 1], where=np.ones(3))
+
+
+def test_filters_give_the_bits_of_the_command(tmp_path: Path) -> None:
+    source, recipe = tmp_path / "a.ply", tmp_path / "edit.toml"
+    CREATURE.write(source)
+    text = "lengths = ['2%', '4%', '8%']\nalong = 'normal'\n[[layer]]\ngains = [3.0, 2.0, 1.0]\nregion = 'ball:vertex=4,radius=20%'\n"
+    recipe.write_text(text)
+    command("filter", source, "--recipe", recipe, "-o", tmp_path / "by-recipe.ply")
+    by_recipe = aw.read_recipe(recipe).apply(source)
+    assert np.array_equal(aw.read(tmp_path / "by-recipe.ply").points, by_recipe.points)
+    command("filter", source, "--preset", "suppress", "-j", "4", "--border", "keep", "-o", tmp_path / "by-preset.ply")
+    by_preset = aw.filter(source, preset="suppress", levels=4, border="keep")
+    assert np.array_equal(aw.read(tmp_path / "by-preset.ply").points, by_preset.points)
+    command("denoise", source, "-o", tmp_path / "clean.ply")
+    assert np.array_equal(aw.read(tmp_path / "clean.ply").points, aw.denoise(source).result.points)
+    command("saliency", source, "-o", tmp_path / "map.npy")
+    assert np.array_equal(np.load(tmp_path / "map.npy"), aw.saliency(source))
+    aw.read_recipe(recipe).write(tmp_path / "again.toml")
+    assert aw.read_recipe(tmp_path / "again.toml").text == aw.read_recipe(recipe).text
+
+
+def test_recipes_are_made_of_layers() -> None:
+    recipe = aw.Recipe.of([aw.Layer([2, 1, 1], "ball:vertex=4,radius=20%"), aw.Layer("smooth")], levels=3, border="keep")
+    assert recipe.levels == 3 and "border" in recipe.text
+    edited = recipe.apply(CREATURE)
+    layers = [aw.Layer([2, 1, 1], "ball:vertex=4,radius=20%"), aw.Layer("smooth")]
+    assert np.array_equal(edited.points, aw.filter(CREATURE, layers=layers, levels=3, border="keep").points)
+    with pytest.raises(ValueError, match="no weights for each vertex"):
+        aw.Recipe.of([aw.Layer([1], np.ones(3))])
+    with pytest.raises(ValueError, match="line"):
+        aw.Recipe("levels = 'many'")
+
+
+def test_fields_are_filtered_and_kept(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    shape = CREATURE.with_fields({"heat": rng.normal(size=CREATURE.n_vertices), "id": np.arange(CREATURE.n_vertices)})
+    smooth = aw.filter(shape, preset="smooth", signal="heat", levels=3)
+    assert smooth["heat"].std() < shape["heat"].std() and np.array_equal(smooth["id"], shape["id"])
+    flat = aw.filter(shape, preset="smooth", signal="z", levels=3)
+    assert np.array_equal(flat.points[:, :2], shape.points[:, :2]) and not np.array_equal(flat.points, shape.points)
+    smooth.write(tmp_path / "a.ply")
+    assert np.array_equal(aw.read(tmp_path / "a.ply")["heat"], smooth["heat"])
+
+
+def test_vertices_without_a_value_are_masked() -> None:
+    signal = CREATURE.points[:, 1].copy()
+    signal[10:20] = np.nan
+    bands = aw.decompose(CREATURE, signal=signal, levels=3)
+    assert np.isnan(bands.array[:, 10:20]).all() and np.isfinite(bands.array[:, 20:]).all()
+    assert np.isfinite(bands.apply([0, 0, 0])[20:]).all()
+    clean, found = aw.denoise(CREATURE, signal=signal)
+    assert clean.shape == signal.shape and "noise" in found
+
+
+def test_widths_mean_what_they_say() -> None:
+    walk = aw.Decomposer(CREATURE, operator="surface")
+    bands = walk.decompose(lengths=[0.1, "10%"])
+    assert np.allclose(bands.sigma, [0.1, 0.1 * walk.diagonal])
+    assert np.allclose(walk.decompose(fwhm=[0.2]).fwhm, [0.2])
+    assert aw.decompose(CREATURE, lengths=["5%"]).decomposer.operator == "surface"
+    with pytest.raises(ValueError, match="one way"):
+        walk.decompose(levels=2, lengths=[0.1])
+
+
+def test_saliency_and_features() -> None:
+    found = aw.saliency(CREATURE, per_level=True)
+    assert found.map.shape == (CREATURE.n_vertices,) and len(found.per_level) == len(found.levels)
+    assert np.allclose(sum(found.per_level), found.map)
+    assert aw.saliency(CREATURE, unsigned=True).map.min() >= 0
+    assert aw.saliency(CREATURE, weighting="paper").sides == "unsigned"
+    places = aw.features(CREATURE, descriptors=True)
+    assert len(places) == len(places.descriptors) and (np.diff(places["level"]) >= 0).all()
+    assert len(aw.features(CREATURE, theta=1e9)) == 0
+    with pytest.raises(ValueError, match="'loud' is none of"):
+        aw.features(CREATURE, response="loud")
+
+
+def test_features_become_a_data_frame() -> None:
+    pytest.importorskip("pandas")
+    places = aw.features(CREATURE)
+    frame = places.to_pandas()
+    assert list(frame["vertex"]) == list(places["vertex"]) and np.allclose(frame[["x", "y", "z"]], places["position"])
+
+
+def test_pictures_and_pages(tmp_path: Path) -> None:
+    picture = aw.render(CREATURE, values="mean-curvature", size=(160, 120), balls=[(CREATURE.points[0], 0.1, (255, 0, 0))])
+    assert picture.png.startswith(b"\x89PNG") and picture.array.shape == (120, 160, 4)
+    assert np.unique(picture.array.reshape(-1, 4), axis=0).shape[0] > 100
+    assert aw.render(CLOUD, size=(80, 60), background=None).array[0, 0, 3] == 0
+    assert "<table>" in CREATURE._repr_html_() and "data:image/png" in CREATURE._repr_html_()
+    assert "<table>" in RING._repr_html_()
+    aw.report(CREATURE, tmp_path / "page.html")
+    assert (tmp_path / "page.html").stat().st_size > 50_000
+    with pytest.raises(ValueError, match="'loud' is none of"):
+        aw.render(CREATURE, color_map="loud")
+
+
+def test_baselines() -> None:
+    sphere = aw.sample("sphere", vertices=800)
+    values, functions = aw.baselines.harmonics(sphere, 9)
+    assert np.allclose(values[1:4], 2, atol=0.1) and np.allclose(values[4:9], 6, atol=0.3) and functions.shape == (800, 9)
+    assert aw.baselines.heat_kernel_signature(sphere, k=20, scales=5)[1].shape == (800, 5)
+    assert aw.baselines.wave_kernel_signature(sphere, k=20, scales=5)[1].shape == (800, 5)
+    assert aw.baselines.lee_saliency(CREATURE)[0].min() >= 0
+    assert isinstance(aw.baselines.taubin(CREATURE), aw.Shape)
+    assert np.allclose(aw.baselines.taubin(CREATURE, signal=np.ones(CREATURE.n_vertices)), 1)
+
+
+def test_files_keep_what_they_had(tmp_path: Path) -> None:
+    source = tmp_path / "a.obj"
+    source.write_text("# kept\nv 0 0 0\nv 1.50 0 0\nv 0 1 0\nf 1 2 3\n")
+    shape = aw.read(source)
+    points = np.array(shape.points)
+    points[0, 2] = 0.25
+    assert shape.with_points(points).write(tmp_path / "b.obj") == []
+    assert (tmp_path / "b.obj").read_text() == "# kept\nv 0 0 0.25\nv 1.50 0 0\nv 0 1 0\nf 1 2 3\n"
+    assert aw.read_bytes(source.read_bytes(), "a.obj").n_faces == 1
+    assert shape.with_field("heat", [1.0, 2.0, 3.0]).write(tmp_path / "c.stl") != []
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "said"),
+    [
+        (lambda: aw.read("no-such-file.obj"), FileNotFoundError, "no-such-file.obj"),
+        (lambda: aw.read_bytes(b"\x00\x01\x02"), ValueError, ""),
+        (lambda: aw.sample("teapot"), ValueError, "teapot"),
+        (lambda: aw.decompose([]), ValueError, "no vertices"),
+        (lambda: aw.decompose(np.empty((0, 3))), ValueError, ""),
+        (lambda: aw.decompose([[0, 0, np.nan]]), ValueError, "row 0"),
+        (lambda: aw.decompose(CREATURE, levels=0), ValueError, "level"),
+        (lambda: aw.decompose(CREATURE, levels=99), ValueError, "level"),
+        (lambda: aw.decompose(CREATURE, accuracy=3.0), ValueError, "accuracy"),
+        (lambda: aw.decompose(CREATURE, signal=np.ones(3)), ValueError, "signal"),
+        (lambda: aw.decompose(CREATURE, signal="no-such"), ValueError, "no-such"),
+        (lambda: aw.decompose(CREATURE, loud=True), TypeError, "loud"),
+        (lambda: aw.decompose(CREATURE, operator="loud"), ValueError, "'loud' is none of"),
+        (lambda: aw.decompose(CREATURE, rings=0), ValueError, "rings"),
+        (lambda: aw.filter(CREATURE), ValueError, "one of gains"),
+        (lambda: aw.region(CREATURE, "ball:nowhere"), ValueError, "region"),
+        (lambda: aw.Decomposer(CREATURE).functions(-1, 2), ValueError, "vertex"),
+        (lambda: CREATURE.write("a.nothing"), ValueError, "a.nothing"),
+        (lambda: CREATURE.with_points(np.zeros((3, 3))), ValueError, "3 points"),
+        (lambda: CREATURE.with_field("a", np.zeros(3)), ValueError, "field 'a'"),
+        (lambda: aw.threads(-1), ValueError, "threads"),
+    ],
+)
+def test_errors_say_what_is_wrong(wrong, error, said) -> None:
+    with pytest.raises(error, match=said) as caught:
+        wrong()
+    assert "\n" not in str(caught.value)
+
+
+def test_extreme_shapes_end(capfd: pytest.CaptureFixture[str]) -> None:
+    one = aw.decompose([[1.0, 2.0, 3.0]], levels=2)
+    assert np.array_equal(one.reconstruct(), [[1.0, 2.0, 3.0]])
+    same = aw.decompose(np.ones((50, 3)), levels=2)
+    assert np.array_equal(same.reconstruct(), np.ones((50, 3)))
+    huge = aw.decompose(CREATURE.with_points(1e90 * CREATURE.points), levels=3)
+    assert np.isfinite(huge.array).all()
+    assert capfd.readouterr() == ("", "")
+
+
+def test_the_command_is_in_the_package() -> None:
+    out = subprocess.run([sys.executable, "-m", "adwave", "info", "sample:sphere", "--json"], capture_output=True, text=True)
+    assert out.returncode == 0 and '"kind": "mesh"' in out.stdout
+    wrong = subprocess.run([sys.executable, "-m", "adwave", "info", "sample:teapot"], capture_output=True, text=True)
+    assert wrong.returncode == 2 and "teapot" in wrong.stderr

@@ -1,0 +1,297 @@
+//! Signals by name: coordinates, fields of the file, what the shape gives by itself, colours of a texture, other files.
+
+use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, TextureError};
+use adwave::shape::{PreparedGeometry, Shape, WeldMode};
+use adwave::signal::{SignalError, SurfaceSignal, degree, lightness, luminance, surface_signal};
+use adwave::{Cancelled, ClassifiedError, ErrorKind, Progress};
+use std::ops::Deref;
+use std::path::Path;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// A name gives no signal.
+#[derive(Debug, Error)]
+pub enum NamedSignalError {
+    /// There is no such signal, or it does not fit the shape.
+    #[error("{0}")]
+    Unknown(String),
+    /// The file that was named cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The colours of the texture cannot be found.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+    /// The shape has no such signal.
+    #[error(transparent)]
+    Shape(#[from] SignalError),
+    /// The call was told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl ClassifiedError for NamedSignalError {
+    fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Unknown(_) => ErrorKind::Input,
+            Self::Read(error) => error.kind(),
+            Self::Texture(error) => error.kind(),
+            Self::Shape(error) => error.kind(),
+            Self::Cancelled(error) => error.kind(),
+        }
+    }
+}
+
+/// The name of the coordinates as a signal.
+pub const COORDS: &str = "coords";
+/// The name of the sum of the weights at each node of a graph.
+pub const DEGREE: &str = "degree";
+
+/// What a shape is split by where nothing is said: its coordinates, or the degree of a graph's nodes.
+pub fn default_signal(file: &ShapeFile) -> &'static str {
+    if file.points().is_empty() { DEGREE } else { COORDS }
+}
+
+/// A signal on the vertices: n_vertices × n_channels, row-major.
+#[derive(Clone, Debug)]
+pub struct NamedSignal {
+    /// SignalValues of each vertex.
+    pub n_channels: usize,
+    /// All values.
+    pub values: SignalValues,
+}
+
+/// The values of a signal. The coordinates are the shape's own and not copied.
+#[derive(Clone, Debug)]
+pub enum SignalValues {
+    /// The points of the shape.
+    Coordinates(Arc<Vec<[f64; 3]>>),
+    /// Anything else.
+    Other(Vec<f64>),
+}
+
+impl Deref for SignalValues {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        match self {
+            Self::Coordinates(points) => points.as_flattened(),
+            Self::Other(values) => values,
+        }
+    }
+}
+
+impl From<Field> for NamedSignal {
+    fn from(field: Field) -> Self {
+        Self { n_channels: field.n_channels, values: SignalValues::Other(field.to_f64()) }
+    }
+}
+
+/// A shape that signals are asked of.
+#[derive(Clone, Copy, Debug)]
+pub struct SignalSource<'a> {
+    /// What its file says.
+    pub file: &'a ShapeFile,
+    /// The shape that this is.
+    pub shape: &'a Shape,
+    /// What to call it in errors: its path, which textures are looked for beside.
+    pub name: &'a str,
+}
+
+/// The coordinates (`coords`, or one of `x`, `y`, `z`), a field of the file by its name, a signal that the shape gives by itself
+/// ([`SurfaceSignal`], the `degree` of a graph), `luminance` or `lightness` of its colours, the same of a texture after
+/// `texture-`, or the content of another file: `FILE.npy`, `FILE.csv` or `FILE.gii`, the last two with `:NAME` for one of
+/// several columns.
+///
+/// `texture` is the picture of the texture, in the place of the one that the shape's materials name.
+///
+/// # Errors
+/// [`NamedSignalError`].
+///
+/// ```
+/// use adwave_io::{ShapeFile, SignalSource, named_signal};
+/// let file = ShapeFile::from_cloud(vec![[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+/// let source = SignalSource { file: &file, shape: &file.to_shape()?, name: "two points" };
+/// assert_eq!(*named_signal(source, "z", None)?.values, [2.0, 5.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn named_signal(
+    source: SignalSource<'_>,
+    name: &str,
+    texture: Option<&Path>,
+) -> Result<NamedSignal, NamedSignalError> {
+    let SignalSource { file, shape, name: of } = source;
+    if texture.is_some() && !name.starts_with("texture") {
+        return Err(NamedSignalError::Unknown(format!(
+            "--texture goes with --field texture, texture-luminance or texture-lightness, not with {name}"
+        )));
+    }
+    if name == COORDS {
+        let points = file.shared_points();
+        if points.is_empty() {
+            return Err(NamedSignalError::Unknown(format!(
+                "{}: a graph has no coordinates; name another signal, degree or FILE.npy",
+                of
+            )));
+        }
+        return Ok(NamedSignal { n_channels: 3, values: SignalValues::Coordinates(points) });
+    }
+    if let Some(field) = file.field(name) {
+        return Ok(NamedSignal { n_channels: field.n_channels, values: SignalValues::Other(field.to_f64()) });
+    }
+    if let Some(axis) = named_axis(file, name) {
+        let values = file.points().iter().map(|p| p[axis]).collect();
+        return Ok(NamedSignal { n_channels: 1, values: SignalValues::Other(values) });
+    }
+    if name == DEGREE
+        && let Shape::Graph(graph) = shape
+    {
+        return Ok(NamedSignal { n_channels: 1, values: SignalValues::Other(degree(graph)) });
+    }
+    if let Some(kind) = SurfaceSignal::from_name(name) {
+        let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none())?;
+        let values = surface_signal(&geometry, kind, Progress::none())?;
+        return Ok(NamedSignal { n_channels: kind.n_channels(), values: SignalValues::Other(values) });
+    }
+    match name {
+        "luminance" | "lightness" => {
+            let colors = file
+                .field("color")
+                .ok_or_else(|| NamedSignalError::Unknown(format!("{of} has no colours, so no {name}")))?;
+            return brightness(colors, name);
+        }
+        "texture" => return Ok(texture_field(file, of, texture)?.into()),
+        "texture-luminance" | "texture-lightness" => {
+            return brightness(&texture_field(file, of, texture)?, name.trim_start_matches("texture-"));
+        }
+        _ => {}
+    }
+    if let Some(field) = from_file(name)? {
+        let n_vertices = shape.n_vertices();
+        if field.len() != n_vertices {
+            return Err(NamedSignalError::Unknown(format!(
+                "{name} has {} rows, but {} has {n_vertices} vertices",
+                field.len(),
+                of
+            )));
+        }
+        return Ok(field.into());
+    }
+    let is_mesh = !file.faces().is_empty();
+    let own = SurfaceSignal::ALL.iter().filter(|&&kind| !(is_mesh && kind == SurfaceSignal::Density));
+    let own = own.map(|kind| kind.name().to_owned());
+    let axes = ["x", "y", "z"].into_iter().filter(|name| named_axis(file, name).is_some()).map(str::to_owned);
+    let known: Vec<String> = std::iter::once(default_signal(file).to_owned())
+        .chain(file.field_names().into_iter().map(str::to_owned))
+        .chain(axes)
+        .chain(own)
+        .collect();
+    Err(NamedSignalError::Unknown(format!(
+        "{} has no field '{name}'; there is {}, or a file .npy, .csv or .gii",
+        of,
+        known.join(", ")
+    )))
+}
+
+/// The coordinate that is named, where no field of the file has that name: `z` is the heights of a terrain.
+pub fn named_axis(file: &ShapeFile, name: &str) -> Option<usize> {
+    let axis = ["x", "y", "z"].iter().position(|axis| *axis == name)?;
+    (file.field(name).is_none() && !file.points().is_empty()).then_some(axis)
+}
+
+/// The points with one coordinate replaced.
+pub fn with_axis(points: &[[f64; 3]], axis: usize, values: &[f64]) -> Vec<[f64; 3]> {
+    let replaced = |(p, v): (&[f64; 3], &f64)| std::array::from_fn(|c| if c == axis { *v } else { p[c] });
+    points.iter().zip(values).map(replaced).collect()
+}
+
+/// New values of the signal of that name as a field to write: that of the file in its own type of numbers, else one by the name
+/// of the column, or of the file without its extensions.
+pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, values: Vec<f64>) -> Field {
+    if let Some(old) = file.field(name) {
+        return old.with_values_rounded(&values);
+    }
+    let last = name.rsplit([':', '/', '\\']).next().unwrap_or(name);
+    let stem = last.split('.').next().filter(|stem| !stem.is_empty()).unwrap_or(last);
+    Field::new(stem, n_channels, FieldValues::F64(values))
+}
+
+/// A field of another file: `FILE.npy`, `FILE.csv`, `FILE.gii`, the last two with `:NAME` for one of several.
+fn from_file(name: &str) -> Result<Option<Field>, NamedSignalError> {
+    let limits = ReadLimits::default();
+    let kind = |path: &str| {
+        let path = path.to_ascii_lowercase();
+        let plain = path.strip_suffix(".gz").unwrap_or(&path).to_owned();
+        [".npy", ".csv", ".tsv", ".gii"].into_iter().find(|ending| plain.ends_with(ending))
+    };
+    let (path, column) = match name.rsplit_once(':') {
+        Some((path, column)) if kind(path).is_some() && kind(name).is_none() => (path, Some(column)),
+        _ => (name, None),
+    };
+    let fields = match kind(path) {
+        Some(".npy") => {
+            vec![crate::read_npy(Path::new(path), &limits)?.into_field(name)]
+        }
+        Some(".csv" | ".tsv") => crate::read_csv_fields(Path::new(path), &limits)?,
+        Some(_) => crate::read_gifti_fields(Path::new(path), &limits)?,
+        None => return Ok(None),
+    };
+    let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
+    match column {
+        Some(column) => match names.iter().position(|n| *n == column) {
+            Some(at) => Ok(fields.into_iter().nth(at)),
+            None => Err(NamedSignalError::Unknown(format!(
+                "{path} has no '{column}'; there is {}",
+                names.join(", ")
+            ))),
+        },
+        None => Ok(Some(joined(path, &fields)?)),
+    }
+}
+
+/// All fields of a file as the channels of one.
+fn joined(path: &str, fields: &[Field]) -> Result<Field, NamedSignalError> {
+    if let Some(other) = fields.iter().find(|f| f.len() != fields[0].len()) {
+        return Err(NamedSignalError::Unknown(format!(
+            "{path} holds {} with {} rows and {} with {}; name one of them: {path}:{}",
+            fields[0].name,
+            fields[0].len(),
+            other.name,
+            other.len(),
+            fields[0].name
+        )));
+    }
+    let (n, n_channels) = (fields[0].len(), fields.iter().map(|f| f.n_channels).sum());
+    let row = |i: usize| fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)));
+    Ok(Field::new(path, n_channels, FieldValues::F64((0..n).flat_map(row).collect())))
+}
+
+fn texture_field(file: &ShapeFile, of: &str, texture: Option<&Path>) -> Result<Field, NamedSignalError> {
+    if of == "-" || file.format().is_none() {
+        return Err(NamedSignalError::Unknown(format!("{of}: a texture needs a shape from a file")));
+    }
+    Ok(crate::texture_colors(file, Path::new(of), texture, &ReadLimits::default())?)
+}
+
+/// Luminance or lightness of colours: bytes, or numbers in [0, 1].
+fn brightness(colors: &Field, name: &str) -> Result<NamedSignal, NamedSignalError> {
+    let n_channels = colors.n_channels;
+    if n_channels < 3 {
+        return Err(NamedSignalError::Unknown(format!(
+            "the colours have {n_channels} channels, not red, green and blue"
+        )));
+    }
+    let scale = match colors.values {
+        FieldValues::U8(_) => 255.0,
+        FieldValues::U16(_) => 65535.0,
+        _ => 1.0,
+    };
+    let bright = if name == "luminance" { luminance } else { lightness };
+    let values = (0..colors.len()).map(|i| bright([0, 1, 2].map(|c| colors.get(i, c) / scale))).collect();
+    Ok(NamedSignal { n_channels: 1, values: SignalValues::Other(values) })
+}
+
+/// The normals of the file, three numbers for each vertex.
+pub fn file_normals(file: &ShapeFile) -> Option<Vec<f64>> {
+    let normals = file.field("normal").filter(|field| field.n_channels == 3)?.to_f64();
+    (normals.len() == 3 * file.n_vertices()).then_some(normals)
+}
