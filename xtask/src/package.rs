@@ -21,7 +21,17 @@ pub(crate) fn wheel() -> Result<PathBuf, String> {
     let _ = std::fs::remove_dir_all(&out);
     run(Command::new(&python)
         .current_dir(package())
-        .args(["-m", "maturin", "build", "--profile", "wheel", "--locked", "--compatibility", "linux", "--out"])
+        .args([
+            "-m",
+            "maturin",
+            "build",
+            "--profile",
+            "wheel",
+            "--locked",
+            "--compatibility",
+            "linux",
+            "--out",
+        ])
         .arg(&out)
         .args(["--interpreter"])
         .arg(&python))?;
@@ -71,8 +81,35 @@ pub(crate) fn test_package(arguments: &[&str]) -> Outcome {
     let tests = tests.to_string_lossy().into_owned();
     let words = ["-m", "pytest", "-q", "-c", &config, "--rootdir", ".", "adwave", &tests];
     check("pytest", &words, &place)?;
+    let examples = gallery()?;
+    check("python run_all.py --quick", &[&examples, "--quick"], &place)?;
+    let config_of = ["--config", &config];
+    check(
+        "ruff check",
+        &[&["-m", "ruff", "check", "-q"][..], &config_of, &["python", "tests"]].concat(),
+        &package(),
+    )?;
+    check(
+        "ruff format",
+        &[&["-m", "ruff", "format", "-q", "--check"][..], &config_of, &["python", "tests"]].concat(),
+        &package(),
+    )?;
     check("stubtest", &["-m", "mypy.stubtest", "adwave._native", "--ignore-disjoint-bases"], &place)?;
-    check("basedpyright", &["-m", "basedpyright", "-p", &config], &package())
+    let own = python.to_string_lossy();
+    check("basedpyright", &["-m", "basedpyright", "-p", &config, "--pythonpath", &own], &package())
+}
+
+/// The examples of `docs/python` where they may write their pictures; the path of what runs them.
+fn gallery() -> Result<String, String> {
+    let to = target().join("gallery");
+    let wrong = |e: std::io::Error| format!("cannot copy the examples to {}: {e}", to.display());
+    std::fs::create_dir_all(to.join("pictures")).map_err(wrong)?;
+    for entry in std::fs::read_dir(root().join("docs/python")).map_err(wrong)?.flatten() {
+        if entry.path().extension() == Some(OsStr::new("py")) {
+            std::fs::copy(entry.path(), to.join(entry.file_name())).map_err(wrong)?;
+        }
+    }
+    Ok(to.join("run_all.py").to_string_lossy().into_owned())
 }
 
 /// The Python files and the extension of a debug build, side by side as an installed package has them.

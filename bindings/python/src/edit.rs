@@ -30,8 +30,8 @@ impl EditorData {
 
 /// The gains of a preset by its name.
 pub(crate) fn preset(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
-    let name = if name == "smooth" { "suppress" } else { name };
-    let found = crate::options::word("preset", name, &Preset::ALL)?;
+    let known = [&[("smooth", Preset::Suppress)], &Preset::ALL[..]].concat();
+    let found = crate::options::word("preset", name, &known)?;
     Ok(found.gains(n_levels))
 }
 
@@ -56,7 +56,7 @@ impl EditorData {
         steps: Vec<f64>,
     ) -> PyResult<Self> {
         let own = prepared.get();
-        let signal = own.signal(&signal)?;
+        let signal = own.signal(signal.as_ref())?;
         let schedule = schedule(steps)?;
         let (n, n_channels) = (own.decomposer.n_vertices(), signal.1);
         if !bands.is_c_contiguous() || bands.shape() != [schedule.n_levels() + 1, n, n_channels] {
@@ -101,13 +101,14 @@ impl EditorData {
             let gains = gains(given, n_levels)?;
             let weights = match region {
                 None => RegionWeights::Everywhere,
-                Some(region) => match region.extract::<String>() {
-                    Ok(text) => weights(py, editor.decomposer(), self.shape.get(), &text)?,
-                    Err(_) => {
+                Some(region) => {
+                    if let Ok(text) = region.extract::<String>() {
+                        weights(py, editor.decomposer(), self.shape.get(), &text)?
+                    } else {
                         let array = region.cast::<PyArray1<f64>>().map_err(PyErr::from)?;
                         RegionWeights::Vertices(numpy::PyArrayMethods::readonly(array).as_slice()?.to_vec())
                     }
-                },
+                }
             };
             weighted.push(WeightedLayer { gains, weights });
         }

@@ -19,6 +19,7 @@ mod operator;
 mod options;
 mod picture;
 mod prepared;
+mod register;
 mod shape;
 
 use pyo3::prelude::*;
@@ -38,5 +39,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     measures::add(module)?;
     operator::add(module)?;
     picture::add(module)?;
+    register::add(module)?;
     baselines::add(module)
 }

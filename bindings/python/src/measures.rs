@@ -27,11 +27,11 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 }
 
 /// Work of several steps, whose errors are of several kinds.
-type Stage<T> = Result<T, Failure>;
+pub(crate) type Stage<T> = Result<T, Failure>;
 
 /// An error of any kind, already in words.
 #[derive(Debug)]
-struct Failure {
+pub(crate) struct Failure {
     kind: adwave::ErrorKind,
     text: String,
 }
@@ -50,9 +50,13 @@ impl ClassifiedError for Failure {
     }
 }
 
-fn stage<T, E: ClassifiedError>(result: Result<T, E>) -> Stage<T> {
+pub(crate) fn stage<T, E: ClassifiedError>(result: Result<T, E>) -> Stage<T> {
     result.map_err(|e| Failure { kind: e.kind(), text: e.to_string() })
 }
+
+/// The map, the same of each level, what `SaliencyLevel` says of each, and which sides the signs stand for.
+type MapAndLevels<'py> =
+    (Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, Vec<(usize, f64, f64, f64, f64)>, String);
 
 /// The map, the same of each level, a row of numbers for each level, and in words which sides the signs stand for.
 #[pyfunction]
@@ -70,10 +74,10 @@ fn saliency_map<'py>(
     up: Option<usize>,
     per_level: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, Vec<(usize, f64, f64, f64, f64)>, String)> {
+) -> PyResult<MapAndLevels<'py>> {
     let own = prepared.get();
     let is_geometry = signal.is_none() && !own.decomposer.geometry().points().is_empty();
-    let signal = own.signal(&signal)?;
+    let signal = own.signal(signal.as_ref())?;
     let schedule = schedule(steps)?;
     let chosen = word("weighting", weighting, WEIGHTINGS)?;
     let params = match chosen {
@@ -99,7 +103,7 @@ fn saliency_map<'py>(
                 format!("unsigned: {}", found.info)
             };
         } else if signal.1 == 1 && params.sign == Sign::Signed && up.is_none() {
-            sides = "+ above its surroundings, - below".to_owned();
+            "+ above its surroundings, - below".clone_into(&mut sides);
         }
         let wavelets = match along {
             Some(wavelets) => wavelets,
@@ -149,7 +153,7 @@ fn find_features<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let own = prepared.get();
-    let signal = own.signal(&signal)?;
+    let signal = own.signal(signal.as_ref())?;
     let schedule = schedule(steps)?;
     let params = FeatureParams {
         theta,
@@ -183,12 +187,13 @@ fn find_features<'py>(
     columns.set_item("sigma", numbers(&|f| f.sigma))?;
     columns.set_item("response", numbers(&|f| f.response))?;
     columns.set_item("strength", numbers(&|f| f.strength))?;
-    columns.set_item("sign", arrays::vector(py, found.iter().map(|f| f.sign()).collect()))?;
+    columns
+        .set_item("sign", arrays::vector(py, found.iter().map(adwave::features::Feature::sign).collect()))?;
     let channel = |f: &adwave::features::Feature| f.channel.map_or(-1, |c| c as i32);
     columns.set_item("channel", arrays::vector(py, found.iter().map(channel).collect()))?;
     if descriptors {
         let n_columns = adwave::features::DESCRIPTOR_LENGTH;
-        let flat: Vec<f64> = described.iter().flatten().map(|&v| f64::from(v)).collect();
+        let flat: Vec<f64> = described.iter().flatten().copied().collect();
         columns.set_item("descriptor", arrays::matrix(py, flat, n_columns)?)?;
     }
     Ok(columns)
@@ -249,7 +254,7 @@ fn denoise_values<'py>(
 ) -> PyResult<(Bound<'py, PyAny>, Vec<Bound<'py, PyDict>>)> {
     let params = denoise_params(strength, creases, noise)?;
     let own = prepared.get();
-    let (values, n_channels) = own.signal(&signal)?;
+    let (values, n_channels) = own.signal(signal.as_ref())?;
     let work = |p: Progress<'_>| denoise_signal(&own.decomposer, values, n_channels, &params, p);
     let denoised = run(py, own.decomposer.n_vertices(), progress.as_ref(), work)?;
     let mut found = Vec::new();

@@ -18,7 +18,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Values, column indices, offsets: what `scipy.sparse.csr_array` takes.
 type Csr<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-fn csr<'py, V: Element + Value>(py: Python<'py>, rows: CompressedRows<V>) -> PyResult<Csr<'py>> {
+fn csr<V: Element + Value>(py: Python<'_>, rows: CompressedRows<V>) -> PyResult<Csr<'_>> {
     let (indptr, indices, data) = rows.into_scipy().map_err(|e| value(e.to_string()))?;
     let indices = arrays::vector(py, indices).into_any();
     Ok((arrays::vector(py, data).into_any(), indices, arrays::vector(py, indptr).into_any()))

@@ -7,17 +7,39 @@ use crate::shape::ShapeData;
 use adwave::shape::{Shape, triangulate};
 use adwave_io::Format;
 use adwave_render::{
-    Background, Ball, ColorBar, ColorMap, FieldPaint, Framing, Paint, Projection, RenderParams, Surface, Up,
-    ValueRange, View, render,
+    Background, Ball, ColorBar, ColorMap, FieldPaint, Framing, Paint, Picture, Projection, RenderParams,
+    Surface, Up, ValueRange, View, render,
 };
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(render_picture, module)?)?;
+    module.add_function(wrap_pyfunction!(png_of, module)?)?;
     module.add_function(wrap_pyfunction!(color_map_names, module)?)
 }
+
+/// The PNG of height × width × 4 bytes.
+#[pyfunction]
+fn png_of<'py>(py: Python<'py>, array: PyReadonlyArray3<'py, u8>) -> PyResult<Bound<'py, PyBytes>> {
+    let &[height, width, 4] = array.shape() else {
+        return Err(value("array: four bytes a pixel are needed"));
+    };
+    if !array.is_c_contiguous() {
+        return Err(value("array: it is not C-contiguous"));
+    }
+    let bytes = array.as_slice()?;
+    let png = run(py, usize::MAX, None, |_| {
+        let mut picture = Picture::filled(width as u32, height as u32, [0; 4])?;
+        picture.rgba.copy_from_slice(bytes);
+        picture.png()
+    })?;
+    Ok(PyBytes::new(py, &png))
+}
+
+/// Centre, radius and colour of a ball.
+type Marked = ([f64; 3], f64, [u8; 3]);
 
 #[pyfunction]
 fn color_map_names() -> Vec<&'static str> {
@@ -46,7 +68,7 @@ fn render_picture<'py>(
     focus: Option<[f64; 3]>,
     orthographic: bool,
     background: Option<[u8; 3]>,
-    balls: Option<Vec<([f64; 3], f64, [u8; 3])>>,
+    balls: Option<Vec<Marked>>,
     samples: u32,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyAny>)> {
@@ -100,11 +122,7 @@ fn render_picture<'py>(
     let (png, pixels) = run(py, usize::MAX, progress.as_ref(), |p| {
         let picture = render(&surface, &balls, &params, p)?;
         let png = picture.png()?;
-        let pixels: Vec<u8> = (0..picture.height)
-            .flat_map(|y| (0..picture.width).map(move |x| (x, y)))
-            .flat_map(|(x, y)| picture.pixel(x, y))
-            .collect();
-        Ok::<_, adwave_render::RenderError>((png, (picture.height, picture.width, pixels)))
+        Ok::<_, adwave_render::RenderError>((png, (picture.height, picture.width, picture.rgba)))
     })?;
     let (height, width, bytes) = pixels;
     let array = arrays::matrix(py, bytes, 4)?;

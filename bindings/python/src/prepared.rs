@@ -35,7 +35,7 @@ impl Prepared {
     /// A signal, and how many numbers it has at each vertex.
     pub(crate) fn signal<'a>(
         &'a self,
-        given: &'a Option<PyReadonlyArray2<'_, f64>>,
+        given: Option<&'a PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<(&'a [f64], usize)> {
         match self.given(given)? {
             Signal::Given(values, n_channels) => Ok((values, n_channels)),
@@ -46,7 +46,7 @@ impl Prepared {
         }
     }
 
-    fn given<'a>(&self, given: &'a Option<PyReadonlyArray2<'_, f64>>) -> PyResult<Signal<'a>> {
+    fn given<'a>(&self, given: Option<&'a PyReadonlyArray2<'_, f64>>) -> PyResult<Signal<'a>> {
         let Some(array) = given else { return Ok(Signal::Coordinates) };
         let [n, d] = [array.shape()[0], array.shape()[1]];
         if n != self.decomposer.n_vertices() || d == 0 {
@@ -223,7 +223,7 @@ impl Prepared {
         accuracy: f64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyAny>, f64, u64, u64)> {
-        let signal = self.signal(&signal)?;
+        let signal = self.signal(signal.as_ref())?;
         let schedule = schedule(steps)?;
         let n = self.decomposer.n_vertices();
         let bands = run(py, n, progress.as_ref(), |p| self.request(signal, &schedule, accuracy, p).bands())?;
@@ -243,7 +243,7 @@ impl Prepared {
         accuracy: f64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let signal = self.signal(&signal)?;
+        let signal = self.signal(signal.as_ref())?;
         let (schedule, n) = (schedule(steps)?, self.decomposer.n_vertices());
         let (sum, _) = run(py, n, progress.as_ref(), |p| {
             self.request(signal, &schedule, accuracy, p).weighted(&factors)
@@ -261,7 +261,7 @@ impl Prepared {
         accuracy: f64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<EditorData> {
-        let signal = self.signal(&signal)?;
+        let signal = self.signal(signal.as_ref())?;
         let schedule = schedule(steps)?;
         let n = self.decomposer.n_vertices();
         let editor =

@@ -49,7 +49,8 @@ impl ShapeData {
         self.file.field(name).map(|field| (field.n_channels, field.to_f64()))
     }
 
-    fn changed(&self, file: ShapeFile) -> Self {
+    /// Of the same kind and name.
+    pub(crate) fn like(&self, file: ShapeFile) -> Self {
         Self { file, kind: self.kind, name: self.name.clone(), shape: OnceLock::new() }
     }
 }
@@ -60,13 +61,11 @@ fn kind_of(kind: Option<&str>) -> PyResult<Option<ShapeKind>> {
 
 fn format_of(format: Option<&str>) -> PyResult<Option<Format>> {
     let Some(name) = format else { return Ok(None) };
-    match Format::from_name(name) {
-        Some(format) => Ok(Some(format)),
-        None => {
-            let names: Vec<&str> = Format::all().map(Format::name).collect();
-            Err(value(format!("format: '{name}' is none of {}", names.join(", "))))
-        }
+    if let Some(format) = Format::from_name(name) {
+        return Ok(Some(format));
     }
+    let names: Vec<&str> = Format::all().map(Format::name).collect();
+    Err(value(format!("format: '{name}' is none of {}", names.join(", "))))
 }
 
 #[pymethods]
@@ -243,13 +242,13 @@ impl ShapeData {
     fn with_points(&self, points: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let mut file = self.file.clone();
         file.set_points(arrays::points(&points, "points")?.to_vec()).map_err(wrong)?;
-        Ok(self.changed(file))
+        Ok(self.like(file))
     }
 
     fn with_field(&self, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Self> {
         let mut file = self.file.clone();
         file.add_vertex_field(arrays::to_field(name, values)?).map_err(wrong)?;
-        Ok(self.changed(file))
+        Ok(self.like(file))
     }
 
     /// New values of the signal of that name, n × channels: in the type of numbers that the file has for it.
@@ -258,13 +257,13 @@ impl ShapeData {
         let values = arrays::rows(&values, "values")?.to_vec();
         let mut file = self.file.clone();
         file.add_vertex_field(written_signal(&file, name, n_channels, values)).map_err(wrong)?;
-        Ok(self.changed(file))
+        Ok(self.like(file))
     }
 
     fn with_face_field(&self, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Self> {
         let mut file = self.file.clone();
         file.add_face_field(arrays::to_field(name, values)?).map_err(wrong)?;
-        Ok(self.changed(file))
+        Ok(self.like(file))
     }
 
     fn taken_as(&self, kind: &str) -> PyResult<Self> {

@@ -34,9 +34,7 @@ def library(name: str) -> Any:
 def assert_mesh(parts: _adapt.Parts, points: Any = POINTS, faces: Any = TRIANGLES) -> None:
     assert parts.kind == "mesh"
     assert parts.points is not None
-    assert (
-        parts.points.dtype == np.float64 and parts.points.flags.c_contiguous and parts.points.dtype.isnative
-    )
+    assert parts.points.dtype == np.float64 and parts.points.flags.c_contiguous and parts.points.dtype.isnative
     assert parts.corners.dtype == np.uint32 and parts.corners.flags.c_contiguous
     assert parts.points.flags.aligned and parts.corners.flags.aligned
     np.testing.assert_array_equal(parts.points, points)
@@ -225,9 +223,7 @@ VALUE_ERRORS: dict[str, Callable[[], Any]] = {
     "points: shape (4, 3, 3) looks like separate triangles": lambda: parts_of(np.ones((4, 3, 3))),
     "points: row 1 has 2 entries, but row 0 has 3": lambda: parts_of([[0, 0, 0], [1, 1]]),
     "points: row 1 is [inf, 0.0, 0.0]": lambda: parts_of(np.longdouble("1e400") * POINTS),
-    "points: row 5 is [nan, nan, nan]; coordinates must be finite": lambda: parts_of(
-        np.ma.masked_equal(POINTS, 5)
-    ),
+    "points: row 5 is [nan, nan, nan]; coordinates must be finite": lambda: parts_of(np.ma.masked_equal(POINTS, 5)),
     "faces: row 0 has corner 810, but there are 6 points": lambda: parts_of(POINTS, TRIANGLES + 810),
     "faces: row 1 has corner 6, but there are 6": lambda: parts_of(POINTS, [[0, 1, 2], [3, 4, 6]]),
     "they count from 0: pass faces - 1": lambda: parts_of(POINTS, TRIANGLES + 1 + [[0, 0, 2]]),
@@ -275,9 +271,7 @@ TYPE_ERRORS: dict[str, Callable[[], Any]] = {
     "has its own; pass its p": lambda: parts_of(SimpleNamespace(vertices=POINTS, faces=QUADS), QUADS),
     "fields['h']: dtype <U1 holds no real numbers": lambda: parts_of(POINTS, fields={"h": ["a"] * 6}),
     "like: 'a.ply' is a path; ask for arrays": lambda: with_results("a.ply", points=POINTS),
-    "like: results cannot be put into an object of type int; ask for arrays": lambda: with_results(
-        3, points=POINTS
-    ),
+    "like: results cannot be put into an object of type int; ask for arrays": lambda: with_results(3, points=POINTS),
     "plain arrays have no place for fields (h)": lambda: with_results(POINTS, fields={"h": HEIGHT}),
 }
 
@@ -294,9 +288,7 @@ def test_refusals_name_what_is_wrong(message: str) -> None:
 
 
 def test_paths() -> None:
-    assert (
-        is_path("a.obj") and is_path(pathlib.Path("a.obj")) and not is_path(POINTS) and not is_path(b"a.obj")
-    )
+    assert is_path("a.obj") and is_path(pathlib.Path("a.obj")) and not is_path(POINTS) and not is_path(b"a.obj")
 
 
 @pytest.mark.parametrize(
@@ -413,9 +405,7 @@ def test_trimesh_clouds_colours_scenes_and_primitives() -> None:
     assert parts_of(cloud).kind == "cloud"
     np.testing.assert_array_equal(parts_of(with_results(cloud, points=MOVED)).points, MOVED)
     assert len(with_results(cloud, points=MOVED[:2]).vertices) == 2
-    with pytest.raises(
-        ValueError, match="a trimesh PointCloud has no place for height but color; ask for arrays"
-    ):
+    with pytest.raises(ValueError, match="a trimesh PointCloud has no place for height but color; ask for arrays"):
         with_results(cloud, fields={"height": HEIGHT})
 
     turn = np.array([[0, -2.0, 0, 1], [2, 0, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]])
@@ -430,9 +420,7 @@ def test_trimesh_clouds_colours_scenes_and_primitives() -> None:
         parts_of(scene)
 
     box = trimesh.primitives.Box()
-    np.testing.assert_array_equal(
-        parts_of(with_results(box, points=box.vertices * 3)).points, box.vertices * 3
-    )
+    np.testing.assert_array_equal(parts_of(with_results(box, points=box.vertices * 3)).points, box.vertices * 3)
 
 
 def test_pyvista_lines_mixed_cells_and_refusals() -> None:
@@ -473,9 +461,7 @@ def test_meshio_polygons_lines_and_volumes() -> None:
     lines = parts_of(meshio.Mesh(POINTS, [("line", [[0, 1], [1, 5]])]))
     assert (lines.kind, lines.rows.tolist(), lines.cols.tolist()) == ("graph", [0, 1], [1, 5])
     assert parts_of(meshio.Mesh(POINTS, [("vertex", [[0]])])).kind == "cloud"
-    with pytest.raises(
-        TypeError, match=r"cells of type 'tetra' are no flat polygons: pass pyvista\.from_meshio"
-    ):
+    with pytest.raises(TypeError, match=r"cells of type 'tetra' are no flat polygons: pass pyvista\.from_meshio"):
         parts_of(meshio.Mesh(POINTS, [("tetra", [[0, 1, 2, 4]]), ("triangle", TRIANGLES)]))
     flat = with_results(meshio.Mesh(POINTS[:, :2], [("triangle", TRIANGLES)]), points=POINTS * [2, 2, 0])
     np.testing.assert_array_equal(flat.points, POINTS[:, :2] * 2)
@@ -518,9 +504,7 @@ def test_open3d_older_geometries() -> None:
     assert moved.vertex["positions"].numpy().dtype == np.float32 and "normals" not in moved.vertex
     assert "normals" in tensors.vertex and moved.vertex["half"].numpy().dtype == np.float32
     tensor_cloud = o3d.t.geometry.PointCloud(o3d.core.Tensor(POINTS))
-    np.testing.assert_array_equal(
-        parts_of(with_results(tensor_cloud, fields={"h": HEIGHT})).fields["h"], HEIGHT
-    )
+    np.testing.assert_array_equal(parts_of(with_results(tensor_cloud, fields={"h": HEIGHT})).fields["h"], HEIGHT)
 
 
 def test_networkx() -> None:
@@ -562,9 +546,7 @@ def test_scipy_sparse() -> None:
         parts_of(sparse.csr_array(dense[:2]))
     with pytest.raises(TypeError, match="weights: dtype complex128 holds no real numbers"):
         parts_of(sparse.csr_array(dense * 1j))
-    with pytest.raises(
-        TypeError, match="a sparse matrix has no place for points or values per node; ask for arr"
-    ):
+    with pytest.raises(TypeError, match="a sparse matrix has no place for points or values per node; ask for arr"):
         with_results(sparse.csr_array(dense), fields={"h": HEIGHT[:3]})
 
 
@@ -573,9 +555,7 @@ FORMATS = ("csr", "csc", "coo", "lil", "dok", "bsr", "dia")
 
 def test_pandas() -> None:
     pd = library("pandas")
-    frame = pd.DataFrame(
-        {"h": HEIGHT, "z": POINTS[:, 2], "x": POINTS[:, 0], "name": list("abcdef"), "y": POINTS[:, 1]}
-    )
+    frame = pd.DataFrame({"h": HEIGHT, "z": POINTS[:, 2], "x": POINTS[:, 0], "name": list("abcdef"), "y": POINTS[:, 1]})
     parts = parts_of(frame)
     np.testing.assert_array_equal(parts.points, POINTS)
     assert set(parts.fields) == {"h"}
@@ -587,9 +567,7 @@ def test_pandas() -> None:
     np.testing.assert_array_equal(parts_of(new).points, MOVED)
     assert list(new.columns) == ["h", "z", "x", "name", "y", "pairs_0", "pairs_1"]
     assert frame["x"].tolist() == POINTS[:, 0].tolist()
-    with pytest.raises(
-        TypeError, match=r"points: an object of type pandas.+ cannot be read as an array of numbers"
-    ):
+    with pytest.raises(TypeError, match=r"points: an object of type pandas.+ cannot be read as an array of numbers"):
         parts_of(frame[["name"]])
     with pytest.raises(ValueError, match="the data frame has 6 rows, not one per point"):
         with_results(frame, points=MOVED[:2])

@@ -14,7 +14,8 @@ CREATURE = aw.sample("creature", vertices=2000)
 CLOUD = aw.Shape(aw.sample("torus", vertices=900).points)
 RING = aw.graph(60, [[i, (i + 1) % 60] for i in range(60)])
 POLYGONS = aw.Shape(
-    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0], [3, 0.5, 0]], [[0, 1, 2, 3], [1, 4, 5, 2], [4, 6, 5]]
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0], [3, 0.5, 0]],
+    [[0, 1, 2, 3], [1, 4, 5, 2], [4, 6, 5]],
 )
 SHAPES = [CREATURE, CLOUD, POLYGONS]
 
@@ -121,7 +122,9 @@ def test_filters_give_the_bits_of_the_command(tmp_path: Path) -> None:
 
 
 def test_recipes_are_made_of_layers() -> None:
-    recipe = aw.Recipe.of([aw.Layer([2, 1, 1], "ball:vertex=4,radius=20%"), aw.Layer("smooth")], levels=3, border="keep")
+    recipe = aw.Recipe.of(
+        [aw.Layer([2, 1, 1], "ball:vertex=4,radius=20%"), aw.Layer("smooth")], levels=3, border="keep"
+    )
     assert recipe.levels == 3 and "border" in recipe.text
     edited = recipe.apply(CREATURE)
     layers = [aw.Layer([2, 1, 1], "ball:vertex=4,radius=20%"), aw.Layer("smooth")]
@@ -184,7 +187,9 @@ def test_features_become_a_data_frame() -> None:
 
 
 def test_pictures_and_pages(tmp_path: Path) -> None:
-    picture = aw.render(CREATURE, values="mean-curvature", size=(160, 120), balls=[(CREATURE.points[0], 0.1, (255, 0, 0))])
+    picture = aw.render(
+        CREATURE, values="mean-curvature", size=(160, 120), balls=[(CREATURE.points[0], 0.1, (255, 0, 0))]
+    )
     assert picture.png.startswith(b"\x89PNG") and picture.array.shape == (120, 160, 4)
     assert np.unique(picture.array.reshape(-1, 4), axis=0).shape[0] > 100
     assert aw.render(CLOUD, size=(80, 60), background=None).array[0, 0, 3] == 0
@@ -199,7 +204,9 @@ def test_pictures_and_pages(tmp_path: Path) -> None:
 def test_baselines() -> None:
     sphere = aw.sample("sphere", vertices=800)
     values, functions = aw.baselines.harmonics(sphere, 9)
-    assert np.allclose(values[1:4], 2, atol=0.1) and np.allclose(values[4:9], 6, atol=0.3) and functions.shape == (800, 9)
+    assert (
+        np.allclose(values[1:4], 2, atol=0.1) and np.allclose(values[4:9], 6, atol=0.3) and functions.shape == (800, 9)
+    )
     assert aw.baselines.heat_kernel_signature(sphere, k=20, scales=5)[1].shape == (800, 5)
     assert aw.baselines.wave_kernel_signature(sphere, k=20, scales=5)[1].shape == (800, 5)
     assert aw.baselines.lee_saliency(CREATURE)[0].min() >= 0
@@ -262,7 +269,9 @@ def test_extreme_shapes_end(capfd: pytest.CaptureFixture[str]) -> None:
 
 
 def test_the_command_is_in_the_package() -> None:
-    out = subprocess.run([sys.executable, "-m", "adwave", "info", "sample:sphere", "--json"], capture_output=True, text=True)
+    out = subprocess.run(
+        [sys.executable, "-m", "adwave", "info", "sample:sphere", "--json"], capture_output=True, text=True
+    )
     assert out.returncode == 0 and '"kind": "mesh"' in out.stdout
     wrong = subprocess.run([sys.executable, "-m", "adwave", "info", "sample:teapot"], capture_output=True, text=True)
     assert wrong.returncode == 2 and "teapot" in wrong.stderr

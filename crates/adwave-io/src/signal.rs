@@ -129,8 +129,7 @@ pub fn named_signal(
         let points = file.shared_points();
         if points.is_empty() {
             return Err(NamedSignalError::Unknown(format!(
-                "{}: a graph has no coordinates; name another signal, degree or FILE.npy",
-                of
+                "{of}: a graph has no coordinates; name another signal, degree or FILE.npy"
             )));
         }
         return Ok(NamedSignal { n_channels: 3, values: SignalValues::Coordinates(points) });

@@ -19,8 +19,6 @@ Nothing but this file is loaded by ``import adwave``; numpy and the rest come wi
 
 from __future__ import annotations
 
-import importlib
-
 _PLACES = {
     "Shape": "_shape",
     "as_shape": "_shape",
@@ -49,6 +47,12 @@ _PLACES = {
     "report": "_functions",
     "saliency": "_functions",
     "signal": "_functions",
+    "Distances": "_register",
+    "Matched": "_register",
+    "Simplified": "_register",
+    "distances": "_register",
+    "match": "_register",
+    "simplify": "_register",
     "Picture": "_picture",
     "render": "_picture",
     "show_versions": "_environment",
@@ -61,24 +65,29 @@ __all__ = [
     "Bands",
     "Decomposer",
     "Denoised",
+    "Distances",
     "Features",
     "Info",
     "InternalError",
     "Layer",
+    "Matched",
     "Picture",
     "Recipe",
     "Saliency",
     "Shape",
+    "Simplified",
     "__version__",
     "as_shape",
     "baselines",
     "decompose",
     "denoise",
+    "distances",
     "features",
     "filter",
     "gaze_scores",
     "graph",
     "info",
+    "match",
     "memory_needed",
     "preset_gains",
     "read",
@@ -91,6 +100,7 @@ __all__ = [
     "sample",
     "show_versions",
     "signal",
+    "simplify",
     "threads",
 ]
 
@@ -98,12 +108,14 @@ _MODULES = ("baselines", "sklearn", "torch")
 
 
 def __getattr__(name: str) -> object:
-    if name in _MODULES:
-        return importlib.import_module(f"{__name__}.{name}")
-    place = _PLACES.get(name)
+    place = name if name in _MODULES else _PLACES.get(name)
     if place is None:
         raise AttributeError(f"module 'adwave' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"{__name__}.{place}"), name)
+    # Here, since `import adwave` should cost next to nothing.
+    from importlib import import_module
+
+    module = import_module(f"{__name__}.{place}")
+    value = module if name in _MODULES else getattr(module, name)
     globals()[name] = value
     return value
 

@@ -1,34 +1,96 @@
 from adwave import baselines as baselines
-from adwave._bands import Bands as Bands, Layer as Layer
+from adwave._bands import Bands as Bands
+from adwave._bands import Layer as Layer
 from adwave._decomposer import Decomposer as Decomposer
-from adwave._environment import show_versions as show_versions, threads as threads
+from adwave._environment import show_versions as show_versions
+from adwave._environment import threads as threads
 from adwave._functions import (
     Denoised as Denoised,
+)
+from adwave._functions import (
     Features as Features,
+)
+from adwave._functions import (
     Info as Info,
+)
+from adwave._functions import (
     Saliency as Saliency,
+)
+from adwave._functions import (
     decompose as decompose,
+)
+from adwave._functions import (
     denoise as denoise,
+)
+from adwave._functions import (
     features as features,
+)
+from adwave._functions import (
     filter as filter,
+)
+from adwave._functions import (
     gaze_scores as gaze_scores,
+)
+from adwave._functions import (
     info as info,
+)
+from adwave._functions import (
     memory_needed as memory_needed,
+)
+from adwave._functions import (
     preset_gains as preset_gains,
+)
+from adwave._functions import (
     region as region,
+)
+from adwave._functions import (
     report as report,
+)
+from adwave._functions import (
     saliency as saliency,
+)
+from adwave._functions import (
     signal as signal,
 )
 from adwave._native import InternalError as InternalError
-from adwave._picture import Picture as Picture, render as render
-from adwave._recipe import Recipe as Recipe, read_recipe as read_recipe
+from adwave._picture import Picture as Picture
+from adwave._picture import render as render
+from adwave._recipe import Recipe as Recipe
+from adwave._recipe import read_recipe as read_recipe
+from adwave._register import (
+    Distances as Distances,
+)
+from adwave._register import (
+    Matched as Matched,
+)
+from adwave._register import (
+    Simplified as Simplified,
+)
+from adwave._register import (
+    distances as distances,
+)
+from adwave._register import (
+    match as match,
+)
+from adwave._register import (
+    simplify as simplify,
+)
 from adwave._shape import (
     Shape as Shape,
+)
+from adwave._shape import (
     as_shape as as_shape,
+)
+from adwave._shape import (
     graph as graph,
+)
+from adwave._shape import (
     read as read,
+)
+from adwave._shape import (
     read_bytes as read_bytes,
+)
+from adwave._shape import (
     sample as sample,
 )
 
@@ -36,24 +98,29 @@ __all__ = [
     "Bands",
     "Decomposer",
     "Denoised",
+    "Distances",
     "Features",
     "Info",
     "InternalError",
     "Layer",
+    "Matched",
     "Picture",
     "Recipe",
     "Saliency",
     "Shape",
+    "Simplified",
     "__version__",
     "as_shape",
     "baselines",
     "decompose",
     "denoise",
+    "distances",
     "features",
     "filter",
     "gaze_scores",
     "graph",
     "info",
+    "match",
     "memory_needed",
     "preset_gains",
     "read",
@@ -66,6 +133,7 @@ __all__ = [
     "sample",
     "show_versions",
     "signal",
+    "simplify",
     "threads",
 ]
 __version__: str

@@ -208,9 +208,7 @@ def with_results(
     if pair is None:
         return np.array(points)
     if faces is None and len(points) != len(old_points):
-        raise ValueError(
-            f"points: {len(points)} rows, but the faces are of {len(old_points)}; pass faces too"
-        )
+        raise ValueError(f"points: {len(points)} rows, but the faces are of {len(old_points)}; pass faces too")
     return np.array(points), (pair[1] if faces is None else np.array(faces))
 
 

@@ -71,9 +71,7 @@ def array_of(x: Any, name: str) -> Array:
         raise TypeError(f"{name}: {kind_of(x)} cannot be read as an array of numbers: {why}") from error
     if array.dtype.kind not in "biuf":
         _refuse_uneven(x, name)
-        raise TypeError(
-            f"{name}: dtype {array.dtype} holds no real numbers; pass an array of integers or floats"
-        )
+        raise TypeError(f"{name}: dtype {array.dtype} holds no real numbers; pass an array of integers or floats")
     return array
 
 
@@ -154,9 +152,7 @@ def values_array(values: object, n_vertices: int, name: str = "signal") -> Float
     infinite = np.isinf(result)
     if infinite.any():
         row = int(np.argmax(infinite.any(axis=1)))
-        raise ValueError(
-            f"{name}: row {row} is {result[row].tolist()}; values must be finite, or NaN for none"
-        )
+        raise ValueError(f"{name}: row {row} is {result[row].tolist()}; values must be finite, or NaN for none")
     return result
 
 
@@ -228,9 +224,7 @@ def _cells(cells: Any, n_points: int, name: str, fewest: int) -> tuple[Indices, 
         elif corners.ndim != 2 or corners.shape[1] < fewest or _is_transposed(corners, n_points):
             raise ValueError(f"{name}: shape {corners.shape} {_cells_hint(corners, n_points, name)}")
     if corners.size > _MAX_CORNERS:
-        raise ValueError(
-            f"{name}: {corners.size} corners are more than the {_MAX_CORNERS} that can be indexed"
-        )
+        raise ValueError(f"{name}: {corners.size} corners are more than the {_MAX_CORNERS} that can be indexed")
     width = corners.shape[1] if offsets is None else _common_length(offsets, name, fewest)
     flat = index_array(corners, n_points, name, "corner", offsets)
     return flat, width if offsets is None or width else offsets
@@ -242,19 +236,13 @@ def _common_length(offsets: Offsets, name: str, fewest: int) -> int:
     shortest = int(lengths.min(initial=2**62))
     if shortest < fewest:
         row = int(np.argmax(lengths < fewest))
-        raise ValueError(
-            f"{name}: row {row} has length {lengths[row]}, but at least {fewest} corners are needed"
-        )
+        raise ValueError(f"{name}: row {row} has length {lengths[row]}, but at least {fewest} corners are needed")
     return shortest if lengths.size and shortest == lengths.max() else 0
 
 
 def _lengths(cells: Any) -> Offsets | None:
     """The length of each row of a list of lists."""
-    if (
-        not isinstance(cells, (list, tuple))
-        or not cells
-        or not all(hasattr(cell, "__len__") for cell in cells)
-    ):
+    if not isinstance(cells, (list, tuple)) or not cells or not all(hasattr(cell, "__len__") for cell in cells):
         return None
     return np.fromiter(map(len, cells), np.int64, len(cells))
 
@@ -287,9 +275,7 @@ def _is_corners_and_offsets(cells: Any, fewest: int) -> bool:
 
 def _checked_offsets(offsets: Array, corners: Array, name: str) -> Offsets:
     if offsets.dtype.kind not in "iu":
-        raise TypeError(
-            f"{name}: offsets of dtype {offsets.dtype}; pass (corners, offsets), both of integers"
-        )
+        raise TypeError(f"{name}: offsets of dtype {offsets.dtype}; pass (corners, offsets), both of integers")
     if offsets.size == 0 or offsets[0] != 0 or offsets[-1] != corners.size:
         raise ValueError(
             f"{name}: offsets go from {offsets[:1].tolist()} to {offsets[-1:].tolist()}, but must go from 0 "

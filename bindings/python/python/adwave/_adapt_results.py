@@ -91,9 +91,7 @@ def _spread(name: str, values: Array, is_face: NDArray[np.bool_]) -> Array:
     if len(values) != np.count_nonzero(is_face):
         count = np.count_nonzero(is_face)
         raise ValueError(f"face_fields[{name!r}]: {len(values)} rows, but there are {count} faces")
-    cells = np.full(
-        (is_face.size, *values.shape[1:]), np.nan if values.dtype.kind == "f" else 0, values.dtype
-    )
+    cells = np.full((is_face.size, *values.shape[1:]), np.nan if values.dtype.kind == "f" else 0, values.dtype)
     cells[is_face] = values
     return cells
 
@@ -257,9 +255,7 @@ def _rebuild_tensors(like: Any, results: _Results, is_mesh: bool) -> Any:
 
 def _rebuild_networkx(like: Any, results: _Results) -> Any:
     if results.points is not None or results.faces is not None or results.face_fields:
-        raise TypeError(
-            "like: a networkx graph holds values per node only, no points or faces; ask for arrays"
-        )
+        raise TypeError("like: a networkx graph holds values per node only, no points or faces; ask for arrays")
     new = like.copy()
     for name, values in results.fields.items():
         # Plain numbers, because writers of graph files refuse numpy's.

@@ -141,9 +141,7 @@ class Bands:
             raise ValueError(f"weights: shape {a.shape} for {self.decomposer.n_vertices} vertices; give one for each")
         return np.einsum("jxc,jxc,x->j", self._array, self._array, a)
 
-    def apply(
-        self, gains: Sequence[float] | str | Layer | Sequence[Layer], where: Where = None
-    ) -> NDArray[np.float64]:
+    def apply(self, gains: Sequence[float] | str | Layer | Sequence[Layer], where: Where = None) -> NDArray[np.float64]:
         """Change the bands, and put the signal together: ``f + Σ_j (Γ(j,x) − 1)·W_f(j,x)`` (eq. 18).
 
         Parameters

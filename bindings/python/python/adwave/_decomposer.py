@@ -183,16 +183,19 @@ class Decomposer:
         reach : float, optional
             Share of the diagonal that the levels go to where none are asked for.
         """
+        if steps is not None and levels is lengths is fwhm is voices is None:
+            return [float(n) for n in steps]
         given = [name for name, value in (("lengths", lengths), ("fwhm", fwhm), ("steps", steps)) if value is not None]
         if levels is not None or voices is not None:
             given.append("levels and voices" if voices is not None else "levels")
         if len(given) > 1:
             raise ValueError(f"{' and '.join(given)} cannot be given together; levels are given one way")
-        if steps is not None:
-            return [float(n) for n in np.asarray(steps, dtype=np.float64).ravel()]
 
-        def widths(which: Sequence[Length] | None) -> list[Length] | None:
-            return None if which is None else [w if isinstance(w, str) else float(w) for w in which]
+        def widths(which: Any) -> list[Length] | None:
+            if which is None:
+                return None
+            each = [which] if isinstance(which, str) or np.ndim(which) == 0 else which
+            return [w if isinstance(w, str) else float(w) for w in each]
 
         return self._data.levels(levels, voices, widths(lengths), widths(fwhm), reach)[0]
 
@@ -228,13 +231,20 @@ class Decomposer:
         Parameters
         ----------
         region : str
-            ``"ball:vertex=120,radius=10%"``, ``"half-space:point=0 0 0,normal=0 1 0"``, ``"box:…"``, ``"stroke:…"``,
-            ``"field:name=…"``, joined by ``&``, ``|`` and ``!``: as on the command line.
+            As on the command line, joined by ``&``, ``|`` and ``!``: ``"ball:vertex=120,radius=10%"`` or
+            ``"ball:point=0 1 0,radius=0.2"``, ``"stroke:path=120 340 560,radius=2%"``, ``"box:min=0 0 0,max=1 1 1"``,
+            ``"half-space:point=0 0 0,normal=0 1 0"``, ``"field:name=mask,low=0.5,high=1"``, ``"vertices:indices=1 2 3"``. The
+            first four fall to 0 over ``falloff=…``, a length.
         """
         return self._data.region(region)
 
     def weighted(
-        self, signal: SignalLike, factors: Sequence[float], steps: Sequence[float], *, accuracy: float = _native.ACCURACY
+        self,
+        signal: SignalLike,
+        factors: Sequence[float],
+        steps: Sequence[float],
+        *,
+        accuracy: float = _native.ACCURACY,
     ) -> NDArray[np.float64]:
         """``Σ_j factors[j−1]·W_f(j)`` by a single polynomial of Φ₁: much cheaper than the bands one by one."""
         owner, values, is_flat = self._signal(signal)
@@ -270,7 +280,12 @@ class Decomposer:
         return self._data.welding()[0]
 
     def basis(
-        self, levels: int, *, drop_tolerance: float | None = None, max_bytes: int | None = None, progress: ProgressLike = None
+        self,
+        levels: int,
+        *,
+        drop_tolerance: float | None = None,
+        max_bytes: int | None = None,
+        progress: ProgressLike = None,
     ) -> tuple[list[csr_array], list[csr_array]]:
         """All scaling functions and wavelets of dyadic levels as sparse matrices (Algorithm 1).
 
@@ -296,11 +311,32 @@ class Decomposer:
             scaling, wavelets = _native.basis_matrices(self._data, levels, drop_tolerance, max_bytes, report)
         return [csr_array(rows) for rows in scaling], [csr_array(rows) for rows in wavelets]
 
-    def smooth(self, signal: SignalLike, steps: float, *, accuracy: float = _native.ACCURACY) -> NDArray[np.float64]:
-        """``Φ₁^steps f``, for any number of steps from 1/64, whole or not.
+    def smooth(
+        self,
+        signal: SignalLike,
+        steps: float | None = None,
+        *,
+        length: Length | None = None,
+        fwhm: Length | None = None,
+        accuracy: float = _native.ACCURACY,
+    ) -> NDArray[np.float64]:
+        """``Φ₁^steps f``, for any number of steps from 1/64, whole or not, or by a width.
 
-        A masked vertex keeps its value.
+        Parameters
+        ----------
+        signal : str or array-like
+            As for `decompose`.
+        steps : float, optional
+        length : float or str, optional
+            The width σ in the place of steps, in model units or in ``"2%"`` of the diagonal.
+        fwhm : float or str, optional
+            The full width at half maximum in the place of steps.
         """
+        if [steps is None, length is None, fwhm is None].count(False) != 1:
+            raise ValueError("give one of steps, length and fwhm")
+        if steps is None:
+            widths = (None if width is None else [width] for width in (length, fwhm))
+            (steps,) = self.steps(**dict(zip(("lengths", "fwhm"), widths, strict=True)))
         owner, values, is_flat = self._signal(signal)
         change = owner._data.weighted(values, [float(steps)], [-1.0], accuracy)
         smoothed = change + (self.shape.points if values is None else values)
@@ -343,7 +379,9 @@ class Decomposer:
         def back(x: NDArray[np.float64]) -> NDArray[np.float64]:
             return self.adjoint(x.reshape(n, -1), steps, accuracy=accuracy).reshape(x.shape)
 
-        return LinearOperator((n, n), matvec=forward, rmatvec=back, matmat=forward, rmatmat=back, dtype=np.float64)
+        # The class without types makes an object of another class here.
+        made: Any = LinearOperator
+        return made((n, n), matvec=forward, rmatvec=back, matmat=forward, rmatmat=back, dtype=np.float64)
 
     def _signal(self, signal: SignalLike) -> tuple[Decomposer, NDArray[np.float64] | None, bool]:
         """The signal as n × channels (None: the coordinates), masked where it is NaN, and whether it had one dimension."""
@@ -372,12 +410,33 @@ def _restored(shape: Shape, options: dict[str, Any], mask: NDArray[np.bool_] | N
     return decomposer if mask is None else decomposer.masked(mask)
 
 
+_OPTIONS = (
+    "operator",
+    "weld",
+    "rings",
+    "mesh_area",
+    "neighbours",
+    "directed",
+    "cloud_area",
+    "density_invariant",
+    "keep_creases",
+)
+_COMMON = ("signal", "levels", "lengths", "fwhm", "steps", "voices", "accuracy", "progress")
+
+
 def prepared(shape: object, faces: object, options: dict[str, Any], by_width: bool = False) -> Decomposer:
     """The shape prepared: as it is where it is a `Decomposer`; by heat on the surface where levels are given by width."""
     if isinstance(shape, Decomposer):
         if faces is not None or options:
             raise ValueError("a Decomposer has its faces and options already; leave them out")
         return shape
+    for name in options:
+        if name not in _OPTIONS:
+            import difflib
+
+            near = difflib.get_close_matches(name, (*_OPTIONS, *_COMMON), 1)
+            told = f"; is {near[0]!r} meant?" if near else f"; options of the diffusion are {', '.join(_OPTIONS)}"
+            raise TypeError(f"there is no option {name!r}{told}")
     given = {name: value for name, value in options.items() if value is not None}
     of_walk = {"rings", "mesh_area", "directed", "cloud_area", "density_invariant"}
     given.setdefault("operator", "surface" if by_width and not of_walk & given.keys() else "walk")

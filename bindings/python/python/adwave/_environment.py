@@ -32,9 +32,9 @@ class threads:
         n = int(n)
         if n < 0:
             raise ValueError(f"threads: {n} is negative; give 1 or more, or 0 for as many as there are")
-        self._before = _native.asked_threads()
+        self._before: int = _native.asked_threads()
         _native.set_threads(n)
-        self.n = _native.threads()
+        self.n: int = _native.threads()
 
     def __enter__(self) -> threads:
         return self

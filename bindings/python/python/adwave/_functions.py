@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -69,7 +68,7 @@ def decompose(
     steps : sequence of float, optional
         Levels of these numbers of steps, whole or not, from 1/64.
     voices : int, optional
-        So many levels for each doubling of the steps.
+        So many levels for each doubling of the steps: ``levels=6, voices=2`` are 11 levels from 1 to 32 steps.
     accuracy : float
         Largest error of a band relative to the band, 1e-13 to 0.1.
     progress : bool or callable, optional
@@ -150,7 +149,8 @@ def filter(
     gains : sequence of float, optional
         A gain for each band, fine to coarse: 0 drops a band, 1 keeps it, 2 doubles it. Without levels there are as many as gains.
     preset : {'suppress', 'smooth', 'suppress-paper', 'enhance', 'band1', 'band2'}, optional
-        Gains by name.
+        Gains by name. ``'smooth'`` (or ``'suppress'``) drops all bands but the last, which it doubles: that keeps limbs and
+        volume where dropping all, ``'suppress-paper'``, shrinks them; by one level it drops that.
     layers : sequence of Layer, optional
         Several edits at once, in the place of one.
     where : str or (n,) array-like, optional
@@ -160,7 +160,8 @@ def filter(
     levels, lengths, fwhm, steps, accuracy, progress, **operator
         As for `decompose`.
     along : {'free', 'normal', 'surface', 'x', 'y', 'z'}, optional
-        Which way vertices may move; without one clouds move along their normals and meshes freely.
+        Which way vertices may move. Without one clouds move along their normals, and meshes freely but for their borders,
+        which `border` is about; ``'free'`` frees borders too.
     border : {'natural', 'keep', 'free'}
         What becomes of open borders.
     volume : {'free', 'keep'}
@@ -180,7 +181,12 @@ def filter(
     """
     asked = [name for name, given in (("gains", gains), ("preset", preset), ("layers", layers)) if given is not None]
     if len(asked) != 1:
-        raise ValueError(f"give one of gains, preset and layers, not {' and '.join(asked) or 'none'}")
+        said = f"not {' and '.join(asked)}" if asked else "to say what becomes of the bands"
+        raise ValueError(f"give one of gains, preset and layers, {said}")
+    if not isinstance(signal, str):
+        raise TypeError(
+            "signal: a filter takes the name of a signal; for an array take decompose(…, signal=array).apply(…)"
+        )
     by_width = lengths is not None or fwhm is not None
     own = prepared(shape, faces, operator, by_width)
     if levels is None and gains is not None and not by_width and steps is None:
@@ -229,7 +235,14 @@ class Denoised(NamedTuple):
     result: Any
     """A `Shape`, or an array like the signal."""
     info: dict[str, Any]
-    """``noise``: its standard deviation, in model units of a shape and in those of a signal; and by what it was smoothed."""
+    """``noise``: its standard deviation, in model units of a shape and in the units of a signal.
+
+    Of a shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (the share of the normals that stay as they
+    were), ``crease_weights`` and ``smooth_weights`` (the shares that were smoothed by 1, 2, 4 … steps, with and without creases
+    kept), ``n_far`` and ``furthest`` (vertices that moved farther than 3 times the noise, and how far). Of a signal ``kept``,
+    ``plain_weights``, ``step_weights`` and ``risk`` (the expected squared error before and after), for each group of
+    ``channels``.
+    """
 
 
 def denoise(
@@ -285,6 +298,10 @@ def denoise(
         with reporting(progress, "denoising") as report:
             points, info = _native.denoise_points(own._data, strength, creases, noise, weld, report)
         return Denoised(own._with(points), info)
+    if creases != "auto":
+        raise ValueError(
+            "creases: those of a shape may stay; of a signal steps stay where they are no noise: leave it out"
+        )
     decomposer = prepared(shape, faces, operator)
     owner, values, is_flat = decomposer._signal(signal)
     with reporting(progress, "denoising") as report:
@@ -293,14 +310,13 @@ def denoise(
     return Denoised(denoised[:, 0] if is_flat else denoised, info)
 
 
-@dataclass(frozen=True, eq=False)
-class Saliency:
-    """A map of where a signal stands out; it behaves as the array `map`.
+class Saliency(np.ndarray):
+    """A map of where a signal stands out: an array of n numbers that knows more.
+
+    With a sign where one side is outside: + convex, − concave; of a scalar + above its surroundings. NaN where masked.
 
     Attributes
     ----------
-    map : (n,) array
-        With a sign where one side is outside: + convex, − concave; of a scalar + above its surroundings. NaN where masked.
     levels : structured array
         level, sigma, mean and max of the wavelets, alpha: the weight of the level.
     sides : str
@@ -309,17 +325,28 @@ class Saliency:
         What each level adds, where that was asked for.
     """
 
-    map: NDArray[np.float64]
     levels: NDArray[Any]
     sides: str
     per_level: list[NDArray[np.float64]]
 
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        array = self.map if dtype is None else self.map.astype(dtype, copy=False)
-        return array.copy() if copy else array
+    def __array_finalize__(self, other: Any) -> None:
+        self.levels, self.sides, self.per_level = np.empty(0), "", []
 
-    def __len__(self) -> int:
-        return len(self.map)
+    @property
+    def map(self) -> NDArray[np.float64]:
+        """The numbers alone."""
+        return np.asarray(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _saliency_again, (np.asarray(self), self.levels, self.sides, self.per_level)
+
+
+def _saliency_again(
+    array: NDArray[np.float64], levels: NDArray[Any], sides: str, per_level: list[NDArray[np.float64]]
+) -> Saliency:
+    found = array.view(Saliency)
+    found.levels, found.sides, found.per_level = levels, sides, per_level
+    return found
 
 
 def saliency(
@@ -389,7 +416,7 @@ def saliency(
             owner._data, values, chosen, accuracy, weighting, unsigned, skip, border, axis, per_level, report
         )
     kinds = np.dtype([("level", np.int32), *((name, np.float64) for name in ("sigma", "mean", "max", "alpha"))])
-    return Saliency(array, np.array(rows, dtype=kinds), sides, each)
+    return _saliency_again(array, np.array(rows, dtype=kinds), sides, each)
 
 
 class Features(np.ndarray):
@@ -410,7 +437,9 @@ class Features(np.ndarray):
         """A `pandas.DataFrame`, position as x, y and z."""
         import pandas
 
-        columns = {name: np.asarray(self[name]) for name in ("vertex", "level", "sigma", "response", "strength", "sign")}
+        columns = {
+            name: np.asarray(self[name]) for name in ("vertex", "level", "sigma", "response", "strength", "sign")
+        }
         x, y, z = np.asarray(self["position"]).reshape(-1, 3).T
         return pandas.DataFrame({"vertex": columns.pop("vertex"), "x": x, "y": y, "z": z, **columns})
 
@@ -690,5 +719,3 @@ def report(shape: object, path: Path, faces: object = None) -> None:
         code = _native.run_command(["adwave", "report", source, "-o", os.fspath(path), "--quiet"])
     if code != 0:
         raise ValueError(f"the report was not written (exit code {code}); what is wrong stands on the standard error")
-
-

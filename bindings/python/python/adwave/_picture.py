@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from html import escape
-from typing import Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,9 @@ from adwave import _adapt, _native
 from adwave._decomposer import Decomposer
 from adwave._progress import ProgressLike, reporting
 from adwave._shape import Path, Shape, as_shape
+
+if TYPE_CHECKING:
+    from adwave._functions import Features
 
 Color = Union[tuple[int, int, int], "list[int]"]
 Ball = tuple[ArrayLike, float, Color]
@@ -32,8 +35,26 @@ class Picture:
     __slots__ = ("array", "png")
 
     def __init__(self, png: bytes, array: NDArray[np.uint8]) -> None:
-        self.png = png
-        self.array = array
+        self.png: bytes = png
+        self.array: NDArray[np.uint8] = array
+
+    @classmethod
+    def of(cls, array: ArrayLike) -> Picture:
+        """A picture of height × width × 3 or 4 bytes."""
+        given = np.asarray(array)
+        if given.dtype != np.uint8 or given.ndim != 3 or given.shape[2] not in (3, 4):
+            raise ValueError(f"array: shape {given.shape} of {given.dtype}; give height × width × 3 or 4 of uint8")
+        if given.shape[2] == 3:
+            given = np.dstack([given, np.full(given.shape[:2], 255, np.uint8)])
+        given = np.ascontiguousarray(given)
+        return cls(_native.png_of(given), given)
+
+    def beside(self, *others: Picture) -> Picture:
+        """This one and others of the same height from left to right, as one."""
+        heights = {picture.array.shape[0] for picture in (self, *others)}
+        if len(heights) > 1:
+            raise ValueError(f"the pictures have different heights: {', '.join(map(str, sorted(heights)))}")
+        return Picture.of(np.hstack([picture.array for picture in (self, *others)]))
 
     def save(self, path: Path) -> None:
         """Write the PNG."""
@@ -72,7 +93,7 @@ def render(
     focus: ArrayLike | None = None,
     orthographic: bool = False,
     background: Color | None = (255, 255, 255),
-    balls: Iterable[Ball] = (),
+    balls: Features | Iterable[Ball] = (),
     progress: ProgressLike = None,
 ) -> Picture:
     """Draw a shape, or a field on it.
@@ -83,7 +104,7 @@ def render(
         Anything that is a shape with positions; see `Shape`.
     values : str or (n,) array-like, optional
         A number for each vertex, or the name of a signal; grey where NaN.
-    colors : (n, 3) array-like of uint8, optional
+    colors : (n, 3) array-like of uint8 or of numbers from 0 to 1, optional
         A colour for each vertex, in the place of values.
     label : str, optional
         What the values are, for the bar.
@@ -107,8 +128,8 @@ def render(
         Parallel rays.
     background : (int, int, int), optional
         None for transparent.
-    balls : iterable of (centre, radius, colour)
-        Marks, such as features.
+    balls : Features, or iterable of (centre, radius, colour)
+        Marks: features as balls of radius σ, red where their sign is + and blue where it is −.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
 
@@ -136,12 +157,17 @@ def render(
     painted: NDArray[np.uint8] | None = None
     if colors is not None:
         given = np.asarray(colors)
+        if given.dtype.kind == "f" and given.size and given.min() >= 0 and given.max() <= 1:
+            given = np.rint(255 * given).astype(np.uint8)
         if given.dtype != np.uint8 or given.ndim != 2 or given.shape[0] != own.n_vertices or given.shape[1] < 3:
-            raise ValueError(f"colors: shape {given.shape} of {given.dtype}; give red, green and blue as uint8")
+            raise ValueError(
+                f"colors: shape {given.shape} of {given.dtype}; give red, green and blue as uint8 or from 0 to 1"
+            )
         painted = np.ascontiguousarray(given[:, :3])
     look = view if isinstance(view, str) else ",".join(str(float(angle)) for angle in view)
     middle = None if focus is None else [float(c) for c in np.asarray(focus, dtype=np.float64)]
-    marks = [([float(c) for c in np.asarray(at)], float(radius), list(color)) for at, radius, color in balls]
+    marked = _balls_of(balls) if isinstance(balls, np.ndarray) and balls.dtype.names else balls
+    marks = [([float(c) for c in np.asarray(at)], float(radius), list(color)) for at, radius, color in marked]
     with reporting(progress, "drawing") as report:
         png, array = _native.render_picture(
             own._data,
@@ -163,6 +189,13 @@ def render(
             report,
         )
     return Picture(png, array)
+
+
+def _balls_of(features: NDArray[Any]) -> list[Ball]:
+    return [
+        (feature["position"], float(feature["sigma"]), (200, 40, 40) if feature["sign"] > 0 else (40, 80, 200))
+        for feature in features
+    ]
 
 
 def shape_html(shape: Shape) -> str:

@@ -41,9 +41,9 @@ class Recipe:
     __slots__ = ("_content", "_data", "text")
 
     def __init__(self, text: str) -> None:
-        self._data = _native.RecipeData(text)
-        self.text = self._data.text()
-        self._content = self._data.content()
+        self._data: _native.RecipeData = _native.RecipeData(text)
+        self.text: str = self._data.text()
+        self._content: dict[str, Any] = self._data.content()
 
     @property
     def field(self) -> str:
@@ -135,7 +135,13 @@ class Recipe:
         for name, value in (("levels", levels), ("lengths", lengths), ("steps", steps)):
             if value is not None:
                 lines.append(f"{name} = {_toml(value)}")
-        for name, word in (("field", field), ("operator", operator), ("along", along), ("border", border), ("volume", volume)):
+        for name, word in (
+            ("field", field),
+            ("operator", operator),
+            ("along", along),
+            ("border", border),
+            ("volume", volume),
+        ):
             if word is not None:
                 lines.append(f"{name} = {_toml(word)}")
         for layer in layers:
@@ -181,5 +187,3 @@ def read_recipe(path: Path) -> Recipe:
         return Recipe(text)
     except ValueError as error:
         raise ValueError(f"{os.fspath(path)}: {error}") from None
-
-

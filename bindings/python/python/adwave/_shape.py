@@ -251,7 +251,7 @@ class Shape:
         return self._data.to_bytes(format)
 
     def to(self, like: object) -> Any:
-        """A new object of another library with the points, faces and fields of this shape.
+        """A new object of another library with the points and fields of this shape; arrays take the points alone.
 
         Parameters
         ----------
@@ -268,6 +268,8 @@ class Shape:
         (100, 3)
         """
         points = np.array(self.points) if self.points.size else None
+        if isinstance(like, (tuple, list, np.ndarray)):
+            return _adapt.with_results(like, points=points, fields={})
         return _adapt.with_results(like, points=points, fields=dict(self.fields), face_fields=dict(self.face_fields))
 
     def to_trimesh(self) -> Any:
@@ -304,7 +306,7 @@ class Shape:
         return values[:, 0] if values.shape[1] == 1 else values
 
     def __repr__(self) -> str:
-        faces = f", {self.n_faces} faces" if self.n_faces else ""
+        faces = f", {self.n_faces} faces" if self.n_faces and self.kind == "mesh" else ""
         names = self._data.field_names()
         fields = f", fields {', '.join(names)}" if names else ""
         return f"<adwave.Shape: {self.kind}, {self.n_vertices} vertices{faces}{fields}>"
@@ -351,9 +353,9 @@ def _of_parts(parts: _adapt.Parts) -> _native.ShapeData:
     else:
         data = _native.ShapeData.from_arrays(parts.points, parts.corners, parts.offsets, None)
     for name, values in parts.fields.items():
-        data = data.with_field(name, np.ascontiguousarray(values))
+        data = data.with_field(name, _field_values(values, parts.n_vertices, name))
     for name, values in parts.face_fields.items():
-        data = data.with_face_field(name, np.ascontiguousarray(values))
+        data = data.with_face_field(name, _field_values(values, data.n_faces, name))
     return data
 
 
@@ -422,17 +424,15 @@ def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = N
     return Shape._of(_native.ShapeData.read_bytes(bytes(content), name, kind))
 
 
-def sample(
-    name: str = "creature", *, vertices: int | None = None, noise: float | None = None, seed: int = 1
-) -> Shape:
+def sample(name: str = "creature", *, vertices: int | None = None, noise: float | None = None, seed: int = 1) -> Shape:
     """A built-in shape.
 
     Parameters
     ----------
-    name : {'creature', 'sphere', 'torus', 'plane', 'knot', ...}
-        A wrong name lists them all.
+    name : {'creature', 'sphere', 'torus', 'plane', 'knot', 'bracket', ...}
+        ``'bracket'`` has creases, ``'plane'`` a border. A wrong name lists them all.
     vertices : int, optional
-        About so many.
+        About so many: `Shape.n_vertices` says how many.
     noise : float, optional
         Standard deviation of noise along the normals, in mean edge lengths.
     seed : int

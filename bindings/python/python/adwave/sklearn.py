@@ -27,7 +27,8 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
     """Describe shapes by the sizes of their bands, for classification or regression.
 
     For each level: the mean, the root mean square and the 10th, 50th and 90th percentile of ‖W(j,x)‖ over the vertices (by area),
-    in units of the diagonal. Unchanged by rotation, translation, scale and the order of the vertices.
+    in units of the root of the area. Unchanged by rotation, translation, scale and the order of the vertices; ``widths`` in %,
+    which are of the axis-aligned bounding box's diagonal, change with the rotation.
 
     Parameters
     ----------
@@ -84,7 +85,8 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
         chosen: dict[str, Any] = {"levels": self.levels} if self.widths is None else {"lengths": self.widths}
         bands = decompose(shape, operator=self.operator, **chosen)
         own = bands.decomposer
-        areas, unit = own.areas, own.diagonal or 1.0
+        areas = own.areas
+        unit = float(np.sqrt(areas.sum())) or 1.0
         row: list[float] = []
         for level in range(1, bands.n_levels + 1):
             sizes = np.linalg.norm(bands.wavelet(level), axis=1) / unit

@@ -30,7 +30,9 @@ class _Weighted(torch.autograd.Function):
     """``Σ_j factors[j]·W_f(j)``, a polynomial p of Φ₁; its adjoint is ``π·p(Φ₁)(g/π)``."""
 
     @staticmethod
-    def forward(ctx: Any, signal: Any, walk: Decomposer, factors: list[float], steps: list[float], accuracy: float) -> Any:
+    def forward(
+        ctx: Any, signal: Any, walk: Decomposer, factors: list[float], steps: list[float], accuracy: float
+    ) -> Any:
         ctx.asked = (walk, factors, steps, accuracy)
         found = walk.weighted(_numbers(signal), factors, steps, accuracy=accuracy)
         return torch.from_numpy(found).to(signal.device, signal.dtype)
@@ -73,9 +75,7 @@ def smooth(walk: Decomposer, signal: torch.Tensor, steps: float, *, accuracy: fl
     return signal + weighted(walk, signal, [-1.0], [steps], accuracy=accuracy)
 
 
-def bands(
-    walk: Decomposer, signal: torch.Tensor, levels: int, *, accuracy: float = _native.ACCURACY
-) -> torch.Tensor:
+def bands(walk: Decomposer, signal: torch.Tensor, levels: int, *, accuracy: float = _native.ACCURACY) -> torch.Tensor:
     """The bands of dyadic levels, (levels + 1) × n × …, with their exact gradient."""
     steps = walk.steps(levels=levels)
     found = [
