@@ -29,6 +29,8 @@ usage: cargo xtask COMMAND
   bench-peers [--models DIR] [--only PART]
             time other programs and ours on the same operators and write docs/PERFORMANCE.md; the part `denoise` runs
             denoisers on pairs of noisy and clean meshes and writes docs/DENOISING.md
+  bench-python [--vertices N] [--repeat K]
+            the same tasks by the Python package and by other packages: seconds and lines, as a table
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps of several meshings of the same surfaces and write docs/MESHINGS.md
 
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
         ["wheel"] => package::wheel().map(|_| ()),
+        ["bench-python", ref rest @ ..] => package::bench(rest),
         ["python", ref rest @ ..] => package::test_package(rest),
         ["fuzz", ref rest @ ..] => fuzz(rest),
         ["bench-peers", ref rest @ ..] if rest.contains(&denoise::PART) => denoise::bench_denoise(rest),
@@ -89,6 +92,8 @@ fn models_and_part<'a>(
 
 fn test() -> Outcome {
     compiler()?;
+    // Before anything is built: the extension for Python asks for it too, in its own words.
+    python::check()?;
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;

@@ -51,6 +51,27 @@ pub(crate) fn wheel() -> Result<PathBuf, String> {
     Ok(wheel.clone())
 }
 
+/// The same tasks by the wheel and by other packages: `benches/python/compare.py`, whose table is printed.
+pub(crate) fn bench(arguments: &[&str]) -> Outcome {
+    let python = python::environment(&root(), "python")?;
+    let place = target().join("bench-python");
+    install(&python, &wheel()?, &place)?;
+    run(Command::new(&python)
+        .env("PYTHONPATH", &place)
+        .arg(root().join("benches/python/compare.py"))
+        .args(arguments))
+}
+
+/// Puts a wheel into a folder.
+fn install(python: &Path, wheel: &Path, place: &Path) -> Outcome {
+    println!("> pip install {}", wheel.display());
+    let _ = std::fs::remove_dir_all(place);
+    run(Command::new(python)
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--target"])
+        .arg(place)
+        .arg(wheel))
+}
+
 /// The tests of the package, its documentation's examples and its types: of a wheel, or of what `cargo build` has built.
 pub(crate) fn test_package(arguments: &[&str]) -> Outcome {
     let of_wheel = match arguments {
@@ -61,13 +82,7 @@ pub(crate) fn test_package(arguments: &[&str]) -> Outcome {
     let python = python::environment_of(&package().join("test-requirements.txt"), "package")?;
     let place = target().join("package");
     if of_wheel {
-        let wheel = wheel()?;
-        println!("> pip install {}", wheel.display());
-        let _ = std::fs::remove_dir_all(&place);
-        run(Command::new(&python)
-            .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--target"])
-            .arg(&place)
-            .arg(&wheel))?;
+        install(&python, &wheel()?, &place)?;
     } else {
         cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
         assemble(&place)?;
