@@ -4,8 +4,8 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::note;
 use crate::shape_input::Input;
-use adwave::Decomposer;
 use adwave::mask::missing;
+use adwave::{ClassifiedError, Decomposer, ErrorKind};
 use adwave_io::ShapeFile;
 pub(crate) use adwave_io::{
     COORDS, NamedSignal as Signal, SignalValues as Values, default_signal, file_normals, named_axis as axis,
@@ -17,7 +17,11 @@ use std::path::Path;
 /// The signal of that name.
 pub(crate) fn load(input: &Input, name: &str, texture: Option<&Path>) -> Result<Signal, CliError> {
     let source = SignalSource { file: &input.file, shape: &input.shape, name: &input.name };
-    named_signal(source, name, texture).map_err(|e| CliError::of(&e))
+    // A file that is not there is a wrong name: for the user to mend, as for the shape's own file.
+    named_signal(source, name, texture).map_err(|e| match e.kind() {
+        ErrorKind::Cancelled => CliError::Cancelled,
+        _ => CliError::input(e),
+    })
 }
 
 /// The same with the vertices masked where the signal is NaN.
