@@ -70,7 +70,7 @@ fn sgwt(path: &str, family: &str, n: usize, lambda_max: f64) -> Result<(), Box<d
     };
     let kernels = Kernels::new(family, n, lambda_max)?;
     let exact = ExactFrame::new(&laplacian, kernels.clone())?.analyse(&signal)?;
-    let polynomial = Frame::new(&laplacian, kernels, 5e-7)?.analyse(&signal, Progress::none())?;
+    let polynomial = Frame::new(laplacian, kernels, 5e-7)?.analyse(&signal, Progress::none())?;
     for (a, b) in exact.iter().zip(&polynomial) {
         for (a, b) in a.iter().zip(b) {
             println!("{a:e} {b:e}");

@@ -2,13 +2,15 @@
 
 use crate::arrays;
 use crate::call::run;
+use crate::measures::{Stage, stage};
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave_baselines::differential::{Differential, Weights};
+use adwave_baselines::differential::{Anchor, Differential, Reconstruction, Weights};
+use adwave_baselines::feature_map::{CriticalKind, FeatureLevel, feature_map as critical_levels};
 use adwave_baselines::harmonics::Harmonics;
 use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
 use adwave_baselines::lee::lee_saliency;
-use adwave_baselines::linalg::{EigenParams, LinalgError};
+use adwave_baselines::linalg::EigenParams;
 use adwave_baselines::signature::{heat_kernel_signature, heat_times, wave_kernel_signature};
 use adwave_baselines::taubin::lambda_mu;
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
@@ -18,7 +20,10 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(harmonics, module)?)?;
     module.add_function(wrap_pyfunction!(signature, module)?)?;
     module.add_function(wrap_pyfunction!(lee, module)?)?;
-    module.add_function(wrap_pyfunction!(taubin, module)?)
+    module.add_function(wrap_pyfunction!(taubin, module)?)?;
+    module.add_function(wrap_pyfunction!(feature_map, module)?)?;
+    module.add_function(wrap_pyfunction!(differential_coordinates, module)?)?;
+    module.add_function(wrap_pyfunction!(from_differential, module)?)
 }
 
 /// These use all threads whatever the size of the shape.
@@ -111,38 +116,93 @@ fn taubin<'py>(
     mu: f64,
     iterations: usize,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let known = [("uniform", Weights::Uniform), ("cotangent", Weights::Cotangent)];
-    let weights = crate::options::word("weights", weights, &known)?;
+    let weights = weights_of(weights)?;
     let own = shape.get().shape(py)?;
     let n_channels = signal.shape()[1];
     let values = arrays::rows(&signal, "signal")?;
-    let smoothed = run(py, ALWAYS_ON_POOL, None, |_| {
-        let k = Differential::new(own, weights).map_err(|e| Told(e.to_string()))?;
-        lambda_mu(&k, values, n_channels, (lam, mu), iterations).map_err(|e| Told(e.to_string()))
+    let smoothed = run(py, ALWAYS_ON_POOL, None, |_| -> Stage<Vec<f64>> {
+        let k = stage(Differential::new(own, weights))?;
+        stage(lambda_mu(&k, values, n_channels, (lam, mu), iterations))
     })?;
     Ok(arrays::matrix(py, smoothed, n_channels)?.into_any())
 }
 
-/// An error in words, of what was given.
-#[derive(Debug)]
-struct Told(String);
+/// Of each time the smoothed function and its critical points: vertex, kind (1 maximum, −1 minimum, 0 saddle), multiplicity, value; and
+/// the sum of the indices.
+type CriticalLevel<'py> = (f64, Bound<'py, PyAny>, Vec<(usize, i8, usize, f64)>, i64);
 
-impl std::fmt::Display for Told {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
+/// Critical points of a function at several scales.
+#[pyfunction]
+#[pyo3(signature = (shape, signal, times, progress=None))]
+fn feature_map<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    signal: Vec<f64>,
+    times: Vec<f64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Vec<CriticalLevel<'py>>> {
+    let own = shape.get().shape(py)?;
+    let found = run(py, ALWAYS_ON_POOL, progress.as_ref(), |p| critical_levels(own, &signal, &times, p))?;
+    let one = |level: FeatureLevel| {
+        let points = level.points.iter().map(|p| {
+            let kind = match p.kind {
+                CriticalKind::Maximum => 1,
+                CriticalKind::Minimum => -1,
+                CriticalKind::Saddle => 0,
+            };
+            (p.vertex, kind, p.multiplicity, p.value)
+        });
+        let points = points.collect();
+        (level.time, arrays::vector(py, level.smoothed).into_any(), points, level.index_sum)
+    };
+    Ok(found.into_iter().map(one).collect())
 }
 
-impl std::error::Error for Told {}
-
-impl adwave::ClassifiedError for Told {
-    fn kind(&self) -> adwave::ErrorKind {
-        adwave::ErrorKind::Input
-    }
+fn weights_of(name: &str) -> PyResult<Weights> {
+    let known = [("uniform", Weights::Uniform), ("cotangent", Weights::Cotangent)];
+    crate::options::word("weights", name, &known)
 }
 
-impl From<LinalgError> for Told {
-    fn from(error: LinalgError) -> Self {
-        Self(error.to_string())
-    }
+/// `L f`.
+#[pyfunction]
+#[pyo3(signature = (shape, signal, weights))]
+fn differential_coordinates<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    signal: PyReadonlyArray2<'py, f64>,
+    weights: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let weights = weights_of(weights)?;
+    let own = shape.get().shape(py)?;
+    let n_channels = signal.shape()[1];
+    let values = arrays::rows(&signal, "signal")?;
+    let delta =
+        run(py, ALWAYS_ON_POOL, None, |_| Differential::new(own, weights)?.coordinates(values, n_channels))?;
+    Ok(arrays::matrix(py, delta, n_channels)?.into_any())
+}
+
+/// The signal that has these differential coordinates, with some vertices at places of their own.
+#[pyfunction]
+#[pyo3(signature = (shape, coordinates, anchors, targets, anchor_weight, weights))]
+fn from_differential<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    coordinates: PyReadonlyArray2<'py, f64>,
+    anchors: Vec<usize>,
+    targets: PyReadonlyArray2<'py, f64>,
+    anchor_weight: f64,
+    weights: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let weights = weights_of(weights)?;
+    let own = shape.get().shape(py)?;
+    let n_channels = coordinates.shape()[1];
+    let delta = arrays::rows(&coordinates, "coordinates")?;
+    let targets = arrays::rows(&targets, "targets")?;
+    let anchors: Vec<Anchor> =
+        anchors.into_iter().map(|vertex| Anchor { vertex, weight: anchor_weight }).collect();
+    let solved = run(py, ALWAYS_ON_POOL, None, |_| {
+        let differential = Differential::new(own, weights)?;
+        Reconstruction::new(&differential, &anchors)?.solve(delta, targets, n_channels)
+    })?;
+    Ok(arrays::matrix(py, solved, n_channels)?.into_any())
 }

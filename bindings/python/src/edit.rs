@@ -10,8 +10,9 @@ use adwave::Editor;
 use adwave::bands::{BandsInfo, Engine, Wavelets};
 use adwave::filter::{Edit, FilterError, Gains, Preset, WeightedLayer};
 use adwave::region::RegionWeights;
-use numpy::{PyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// A signal with its bands and the layers that change them.
@@ -41,6 +42,25 @@ fn gains(given: &Bound<'_, PyAny>, n_levels: usize) -> PyResult<Vec<f64>> {
     }
     let gains: Vec<f64> = given.extract()?;
     Gains::Gains(gains).resolve(n_levels).map_err(|e| error::of(&e))
+}
+
+/// Values that a thread copies at a time: a page of 2 MiB is touched by few.
+const COPIED_AT_A_TIME: usize = 1 << 17;
+
+/// A copy by all threads: what takes the time is the first touch of each page.
+fn copy(from: &[f64], to: &mut [f64]) {
+    if from.len() <= COPIED_AT_A_TIME {
+        to.copy_from_slice(from);
+        return;
+    }
+    let parts = to.par_chunks_mut(COPIED_AT_A_TIME).zip(from.par_chunks(COPIED_AT_A_TIME));
+    parts.for_each(|(to, from)| to.copy_from_slice(from));
+}
+
+fn copied(from: &[f64]) -> Vec<f64> {
+    let mut to = vec![0.0; from.len()];
+    copy(from, &mut to);
+    to
 }
 
 #[pymethods]
@@ -88,11 +108,14 @@ impl EditorData {
         Ok(Self::new(editor, n_channels, own.shape.clone_ref(py)))
     }
 
-    /// The signal with these layers: gains, or the name of a preset, each with nothing, a region's text or weights.
+    /// The signal with these layers: gains, or the name of a preset, each with nothing, a region's text or weights. Into `out` where
+    /// there is one.
+    #[pyo3(signature = (layers, out=None))]
     fn apply<'py>(
         &self,
         py: Python<'py>,
         layers: Vec<(Bound<'py, PyAny>, Option<Bound<'py, PyAny>>)>,
+        out: Option<Bound<'py, PyArray2<f64>>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut editor = self.editor.lock().unwrap_or_else(PoisonError::into_inner);
         let n_levels = editor.wavelets().n_levels();
@@ -106,7 +129,7 @@ impl EditorData {
                         weights(py, editor.decomposer(), self.shape.get(), &text)?
                     } else {
                         let array = region.cast::<PyArray1<f64>>().map_err(PyErr::from)?;
-                        RegionWeights::Vertices(numpy::PyArrayMethods::readonly(array).as_slice()?.to_vec())
+                        RegionWeights::Vertices(PyArrayMethods::readonly(array).as_slice()?.to_vec())
                     }
                 }
             };
@@ -114,9 +137,23 @@ impl EditorData {
         }
         let n = editor.decomposer().n_vertices();
         let editor = &mut *editor;
+        if let Some(out) = out {
+            let mut given = out.try_readwrite().map_err(|_| value("out: the array cannot be written to"))?;
+            if given.shape() != [n, self.n_channels] || !given.is_c_contiguous() {
+                let told = "give a C-contiguous array of float64 like the signal";
+                return Err(value(format!("out: shape {:?}; {told}", given.shape())));
+            }
+            let rows = given.as_slice_mut()?;
+            run(py, n, None, |_| {
+                editor.set_layers(weighted)?;
+                copy(editor.edited(), rows);
+                Ok::<_, FilterError>(())
+            })?;
+            return Ok(out.into_any());
+        }
         let edited = run(py, n, None, |_| {
             editor.set_layers(weighted)?;
-            Ok::<_, FilterError>(editor.edited().to_vec())
+            Ok::<_, FilterError>(copied(editor.edited()))
         })?;
         Ok(arrays::matrix(py, edited, self.n_channels)?.into_any())
     }
@@ -137,7 +174,7 @@ impl EditorData {
             let (n_levels, decomposer) = (editor.wavelets().n_levels(), editor.decomposer().clone());
             let layers = edit.resolve(n_levels, decomposer.metric(), progress)?;
             editor.set_layers(layers)?;
-            Ok::<_, FilterError>(editor.edited().to_vec())
+            Ok::<_, FilterError>(copied(editor.edited()))
         })?;
         Ok(arrays::matrix(py, edited, self.n_channels)?.into_any())
     }

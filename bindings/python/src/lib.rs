@@ -14,12 +14,14 @@ mod call;
 mod command;
 mod edit;
 mod error;
+mod frames;
 mod measures;
 mod operator;
 mod options;
 mod picture;
 mod prepared;
 mod register;
+mod repeatability;
 mod shape;
 
 use pyo3::prelude::*;
@@ -40,5 +42,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     operator::add(module)?;
     picture::add(module)?;
     register::add(module)?;
-    baselines::add(module)
+    baselines::add(module)?;
+    frames::add(module)?;
+    repeatability::add(module)
 }

@@ -89,7 +89,10 @@ impl ShapeData {
     fn read_bytes(py: Python<'_>, content: &[u8], name: Option<&str>, kind: Option<&str>) -> PyResult<Self> {
         let kind = kind_of(kind)?;
         let (owned, limits) = (content.to_vec(), ReadLimits::default());
-        let file = run(py, content.len(), None, |p| read_bytes_with(owned, name, &limits, p))?;
+        let called = std::path::Path::new(name.unwrap_or("content"));
+        let file = run(py, content.len(), None, |p| {
+            read_bytes_with(owned, name, &limits, p).map_err(|e| e.in_file(called))
+        })?;
         Ok(Self::new(file, kind, name.unwrap_or("bytes").to_owned()))
     }
 

@@ -59,9 +59,11 @@ impl ClassifiedError for SgwtError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::Linalg(error) => error.kind(),
-            Self::Kernels { .. } | Self::Accuracy { .. } | Self::Length { .. } | Self::NoFrame(_) => {
-                ErrorKind::Input
-            }
+            Self::Kernels { .. }
+            | Self::Accuracy { .. }
+            | Self::Length { .. }
+            | Self::NotReversible
+            | Self::NoFrame(_) => ErrorKind::Input,
             Self::TooLarge { .. } => ErrorKind::Memory,
         }
     }

@@ -35,6 +35,9 @@ _PLACES = {
     "Features": "_functions",
     "Info": "_functions",
     "Saliency": "_functions",
+    "Changed": "_repeatability",
+    "Repeatability": "_repeatability",
+    "repeatability": "_repeatability",
     "decompose": "_functions",
     "denoise": "_functions",
     "features": "_functions",
@@ -63,6 +66,7 @@ _PLACES = {
 
 __all__ = [
     "Bands",
+    "Changed",
     "Decomposer",
     "Denoised",
     "Distances",
@@ -73,6 +77,7 @@ __all__ = [
     "Matched",
     "Picture",
     "Recipe",
+    "Repeatability",
     "Saliency",
     "Shape",
     "Simplified",
@@ -95,6 +100,7 @@ __all__ = [
     "read_recipe",
     "region",
     "render",
+    "repeatability",
     "report",
     "saliency",
     "sample",

@@ -75,6 +75,9 @@ from adwave._register import (
 from adwave._register import (
     simplify as simplify,
 )
+from adwave._repeatability import Changed as Changed
+from adwave._repeatability import Repeatability as Repeatability
+from adwave._repeatability import repeatability as repeatability
 from adwave._shape import (
     Shape as Shape,
 )
@@ -96,6 +99,7 @@ from adwave._shape import (
 
 __all__ = [
     "Bands",
+    "Changed",
     "Decomposer",
     "Denoised",
     "Distances",
@@ -106,6 +110,7 @@ __all__ = [
     "Matched",
     "Picture",
     "Recipe",
+    "Repeatability",
     "Saliency",
     "Shape",
     "Simplified",
@@ -128,6 +133,7 @@ __all__ = [
     "read_recipe",
     "region",
     "render",
+    "repeatability",
     "report",
     "saliency",
     "sample",

@@ -141,7 +141,13 @@ class Bands:
             raise ValueError(f"weights: shape {a.shape} for {self.decomposer.n_vertices} vertices; give one for each")
         return np.einsum("jxc,jxc,x->j", self._array, self._array, a)
 
-    def apply(self, gains: Sequence[float] | str | Layer | Sequence[Layer], where: Where = None) -> NDArray[np.float64]:
+    def apply(
+        self,
+        gains: Sequence[float] | str | Layer | Sequence[Layer],
+        where: Where = None,
+        *,
+        out: NDArray[np.float64] | None = None,
+    ) -> NDArray[np.float64]:
         """Change the bands, and put the signal together: ``f + Σ_j (Γ(j,x) − 1)·W_f(j,x)`` (eq. 18).
 
         Parameters
@@ -150,6 +156,8 @@ class Bands:
             One gain for each band, fine to coarse, or the name of a preset. Of several layers the gains multiply.
         where : str or (n,) array-like, optional
             A region in its text form, or a weight for each vertex (bool or any number); everywhere where none is given.
+        out : array, optional
+            Where the result goes, a C-contiguous float64 array of the signal's shape; it is given back. Spares the pages of a new one.
 
         Returns
         -------
@@ -163,8 +171,15 @@ class Bands:
         else:
             layers = [Layer(gains, where)]  # type: ignore[arg-type]
         plain = [(_gains(layer.gains), _where(layer.where, self.decomposer.n_vertices)) for layer in layers]
-        edited = self._kept().apply(plain)
-        return edited[:, 0] if self._flat else edited
+        if out is None:
+            edited = self._kept().apply(plain)
+            return edited[:, 0] if self._flat else edited
+        expected = self.array.shape[1:]
+        if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:
+            told = f"{out.dtype}, shape {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
+            raise ValueError(f"out: {told}; give a C-contiguous float64 array of shape {expected}")
+        self._kept().apply(plain, out[:, None] if self._flat else out)
+        return out
 
     def to_shape(self, points: ArrayLike) -> Shape:
         """The shape of these bands at other positions."""

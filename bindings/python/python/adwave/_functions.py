@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -118,6 +118,52 @@ def decompose(
     )
 
 
+@overload
+def filter(
+    shape: object,
+    faces: object = ...,
+    *,
+    gains: Sequence[float] | None = ...,
+    preset: str | None = ...,
+    layers: Sequence[Layer] | None = ...,
+    where: Where = ...,
+    signal: str = ...,
+    levels: int | None = ...,
+    lengths: Sequence[Length] | None = ...,
+    fwhm: Sequence[Length] | None = ...,
+    steps: Sequence[float] | None = ...,
+    along: Along | None = ...,
+    border: Literal["natural", "keep", "free"] = ...,
+    volume: Literal["free", "keep"] = ...,
+    accuracy: float = ...,
+    progress: ProgressLike = ...,
+    **operator: Any,
+) -> Shape: ...
+
+
+@overload
+def filter(
+    shape: object,
+    faces: object = ...,
+    *,
+    gains: Sequence[float] | None = ...,
+    preset: str | None = ...,
+    layers: Sequence[Layer] | None = ...,
+    where: Where = ...,
+    signal: NDArray[Any] | Sequence[float] | Sequence[Sequence[float]],
+    levels: int | None = ...,
+    lengths: Sequence[Length] | None = ...,
+    fwhm: Sequence[Length] | None = ...,
+    steps: Sequence[float] | None = ...,
+    along: Along | None = ...,
+    border: Literal["natural", "keep", "free"] = ...,
+    volume: Literal["free", "keep"] = ...,
+    accuracy: float = ...,
+    progress: ProgressLike = ...,
+    **operator: Any,
+) -> NDArray[np.float64]: ...
+
+
 def filter(
     shape: object,
     faces: object = None,
@@ -126,7 +172,7 @@ def filter(
     preset: str | None = None,
     layers: Sequence[Layer] | None = None,
     where: Where = None,
-    signal: str = "coords",
+    signal: SignalLike = "coords",
     levels: int | None = None,
     lengths: Sequence[Length] | None = None,
     fwhm: Sequence[Length] | None = None,
@@ -137,7 +183,7 @@ def filter(
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
     **operator: Any,
-) -> Shape:
+) -> Shape | NDArray[np.float64]:
     """Change the bands of a shape, or of a field on it: smooth, enhance, keep or drop, everywhere or in a region.
 
     ``f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)``, Γ being the product of the layers' gains (eq. 18).
@@ -155,8 +201,8 @@ def filter(
         Several edits at once, in the place of one.
     where : str or (n,) array-like, optional
         A region in its text form (``"ball:vertex=120,radius=10%"``), or a weight for each vertex; everywhere where none is given.
-    signal : str
-        What is changed: ``'coords'``, ``'x'``, ``'y'``, ``'z'``, or a field of the shape.
+    signal : str or array-like
+        What is changed: ``'coords'``, ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the vertices.
     levels, lengths, fwhm, steps, accuracy, progress, **operator
         As for `decompose`.
     along : {'free', 'normal', 'surface', 'x', 'y', 'z'}, optional
@@ -169,7 +215,7 @@ def filter(
 
     Returns
     -------
-    Shape
+    Shape, or an array like the signal where numbers are given
         At new positions, or with the field changed; with all that its file had.
 
     Examples
@@ -183,10 +229,6 @@ def filter(
     if len(asked) != 1:
         said = f"not {' and '.join(asked)}" if asked else "to say what becomes of the bands"
         raise ValueError(f"give one of gains, preset and layers, {said}")
-    if not isinstance(signal, str):
-        raise TypeError(
-            "signal: a filter takes the name of a signal; for an array take decompose(…, signal=array).apply(…)"
-        )
     by_width = lengths is not None or fwhm is not None
     own = prepared(shape, faces, operator, by_width)
     if levels is None and gains is not None and not by_width and steps is None:
@@ -203,7 +245,12 @@ def filter(
     def edit_of(editor: _native.EditorData) -> NDArray[np.float64]:
         return editor.apply(plain)
 
-    return edited_shape(own, signal, chosen, edit_of, (along, border, volume), accuracy, progress)
+    if signal is not None and not isinstance(signal, str):
+        owner, values, is_flat = own._signal(signal)
+        with reporting(progress, "filtering") as report:
+            edited = edit_of(owner._data.editor(values, chosen, accuracy, report))
+        return edited[:, 0] if is_flat else edited
+    return edited_shape(own, signal or "coords", chosen, edit_of, (along, border, volume), accuracy, progress)
 
 
 def edited_shape(

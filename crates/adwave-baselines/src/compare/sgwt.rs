@@ -2,9 +2,7 @@
 
 use super::parts::{channel, interleave, largest_difference, put_together, row, wavelets};
 use super::{CompareError, Comparison, Outcome, Subject};
-use crate::linalg::SymmetricMatrix;
-use crate::multiscale::MultiscaleError;
-use crate::sgwt::{Frame, KernelFamily, Kernels};
+use crate::sgwt::{Frame, KernelFamily, Kernels, normalised_laplacian};
 use adwave::Progress;
 use adwave::bands::Bands;
 use std::time::Instant;
@@ -20,10 +18,10 @@ pub(super) fn compare(
     let start = Instant::now();
     let walk = subject.walk.diffusion();
     let vertex_map = subject.walk.geometry().vertex_map();
-    let (laplacian, root) = normalised_laplacian(subject)?;
+    let (laplacian, root) = normalised_laplacian(walk)?;
     // I − Q has its spectrum in [0, 2].
     let kernels = Kernels::new(KernelFamily::Meyer, (bands.n_levels() + 1).max(3), 2.0)?;
-    let frame = Frame::new(&laplacian, kernels, ACCURACY)?;
+    let frame = Frame::new(laplacian, kernels, ACCURACY)?;
     let prepared = start.elapsed().as_secs_f64();
     let d = subject.n_channels;
     let mean = vertex_map.mean(subject.signal, d);
@@ -72,22 +70,4 @@ pub(super) fn compare(
     });
     let task = "split into bands and put together".to_owned();
     Ok(Comparison { task, rows, adwave: wavelets(bands), other: other.collect() })
-}
-
-/// `Π^½ (I − Q) Π^(−½)`, and `√π`.
-fn normalised_laplacian(subject: &Subject<'_>) -> Result<(SymmetricMatrix, Vec<f64>), CompareError> {
-    let walk = subject.walk.diffusion();
-    if !walk.is_reversible() {
-        return Err(MultiscaleError::NotReversible.into());
-    }
-    let n = walk.n_vertices();
-    let root: Vec<f64> = walk.stationary().iter().map(|p| (p.max(1e-30) * n as f64).sqrt()).collect();
-    let mut entries = Vec::new();
-    for x in 0..n {
-        let (columns, weights) = walk.row(x);
-        entries.push((x as u32, x as u32, 2.0 * weights.iter().sum::<f64>()));
-        let above = columns.iter().zip(weights).filter(|e| *e.0 as usize > x);
-        entries.extend(above.map(|(&y, &w)| (x as u32, y, -2.0 * root[x] * w / root[y as usize])));
-    }
-    Ok((SymmetricMatrix::from_halves(n, &entries)?, root))
 }

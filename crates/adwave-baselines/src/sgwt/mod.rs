@@ -20,6 +20,7 @@ pub use kernels::{KernelFamily, Kernels};
 
 use crate::linalg::{CgInfo, LinalgError, SymmetricMatrix, conjugate_gradients, symmetric_eigen};
 use adwave::Progress;
+use adwave::operator::Diffusion;
 use thiserror::Error;
 
 /// Why a frame cannot be built or applied.
@@ -60,6 +61,9 @@ pub enum SgwtError {
         /// How many were given.
         got: usize,
     },
+    /// The operator is not reversible.
+    #[error("the diffusion operator is not reversible, so it has no symmetric form")]
+    NotReversible,
     /// The kernels vanish together somewhere in the spectrum.
     #[error("the kernels do not form a frame: the lower bound is {0:e}")]
     NoFrame(f64),
@@ -75,8 +79,8 @@ pub enum SgwtError {
 
 /// Kernels of a Laplacian, as polynomials of a stated accuracy.
 #[derive(Clone, Debug)]
-pub struct Frame<'a> {
-    laplacian: &'a SymmetricMatrix,
+pub struct Frame {
+    laplacian: SymmetricMatrix,
     /// The kernels.
     pub kernels: Kernels,
     /// `p_i ≈ g_i`, all of one degree.
@@ -88,7 +92,7 @@ pub struct Frame<'a> {
 /// Points of [0, λ_max] at which the bounds are taken.
 const POINTS: usize = 20_000;
 
-impl<'a> Frame<'a> {
+impl Frame {
     /// The frame of `kernels` on a positive semi-definite `laplacian`, each kernel within `accuracy` on [0, λ_max], so
     /// that coefficients are within `accuracy·‖f‖`.
     ///
@@ -101,13 +105,13 @@ impl<'a> Frame<'a> {
     /// use adwave_baselines::sgwt::{Frame, KernelFamily, Kernels, largest_eigenvalue};
     /// let path = SymmetricMatrix::from_halves(2, &[(0, 0, 1.0), (1, 1, 1.0), (0, 1, -1.0)])?;
     /// let kernels = Kernels::new(KernelFamily::Itersine, 4, largest_eigenvalue(&path))?;
-    /// let frame = Frame::new(&path, kernels, 1e-8)?;
+    /// let frame = Frame::new(path, kernels, 1e-8)?;
     /// let c = frame.analyse(&[3.0, -1.0], Progress::none())?;
     /// let energy: f64 = c.iter().flatten().map(|v| v * v).sum();
     /// assert!((energy - 10.0).abs() < 1e-6); // a tight frame with A = B = 1
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn new(laplacian: &'a SymmetricMatrix, kernels: Kernels, accuracy: f64) -> Result<Self, SgwtError> {
+    pub fn new(laplacian: SymmetricMatrix, kernels: Kernels, accuracy: f64) -> Result<Self, SgwtError> {
         let polynomials = fit(&kernels, accuracy)?;
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for i in 0..=POINTS {
@@ -132,7 +136,7 @@ impl<'a> Frame<'a> {
     /// [`SgwtError::Length`], when cancelled.
     pub fn analyse(&self, signal: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, SgwtError> {
         check(self.laplacian.n(), signal.len())?;
-        Ok(chebyshev::apply(self.laplacian, &self.polynomials, signal, progress)
+        Ok(chebyshev::apply(&self.laplacian, &self.polynomials, signal, progress)
             .map_err(LinalgError::from)?)
     }
 
@@ -145,7 +149,7 @@ impl<'a> Frame<'a> {
         for c in coefficients {
             check(self.laplacian.n(), c.len())?;
         }
-        Ok(chebyshev::apply_adjoint(self.laplacian, &self.polynomials, coefficients, progress)
+        Ok(chebyshev::apply_adjoint(&self.laplacian, &self.polynomials, coefficients, progress)
             .map_err(LinalgError::from)?)
     }
 
@@ -177,6 +181,27 @@ impl<'a> Frame<'a> {
 
 fn check(expected: usize, got: usize) -> Result<(), SgwtError> {
     if expected == got { Ok(()) } else { Err(SgwtError::Length { expected, got }) }
+}
+
+/// `Π^½ (I − Q) Π^(−½)` of a reversible `walk`, Q being its steps that are not lazy: symmetric, with its spectrum in [0, 2]; and `√(nπ)`,
+/// which a signal is multiplied by before and divided by after. O(entries).
+///
+/// # Errors
+/// [`SgwtError::NotReversible`].
+pub fn normalised_laplacian(walk: &Diffusion) -> Result<(SymmetricMatrix, Vec<f64>), SgwtError> {
+    if !walk.is_reversible() {
+        return Err(SgwtError::NotReversible);
+    }
+    let n = walk.n_vertices();
+    let root: Vec<f64> = walk.stationary().iter().map(|p| (p.max(1e-30) * n as f64).sqrt()).collect();
+    let mut entries = Vec::new();
+    for x in 0..n {
+        let (columns, weights) = walk.row(x);
+        entries.push((x as u32, x as u32, 2.0 * weights.iter().sum::<f64>()));
+        let above = columns.iter().zip(weights).filter(|e| *e.0 as usize > x);
+        entries.extend(above.map(|(&y, &w)| (x as u32, y, -2.0 * root[x] * w / root[y as usize])));
+    }
+    Ok((SymmetricMatrix::from_halves(n, &entries)?, root))
 }
 
 /// An upper bound of the largest eigenvalue, within about 1 %: the smaller of Gershgorin's bound and 1.01 times the largest

@@ -50,7 +50,7 @@ fn polynomials_agree_with_the_exact_transform() {
     for family in FAMILIES {
         let kernels = Kernels::new(family, 6, largest_eigenvalue(&laplacian)).unwrap();
         let exact = ExactFrame::new(&laplacian, kernels.clone()).unwrap();
-        let frame = Frame::new(&laplacian, kernels, accuracy(family)).unwrap();
+        let frame = Frame::new(laplacian.clone(), kernels, accuracy(family)).unwrap();
         let (a, b) = (exact.analyse(&f).unwrap(), frame.analyse(&f, Progress::none()).unwrap());
         for (i, (a, b)) in a.iter().zip(&b).enumerate() {
             let error = distance(a, b) / norm(&f);
@@ -74,7 +74,7 @@ fn coefficients_lie_within_the_frame_bounds_and_can_be_inverted() {
     let f = signal(laplacian.n());
     for family in FAMILIES {
         let kernels = Kernels::new(family, 7, largest_eigenvalue(&laplacian)).unwrap();
-        let frame = Frame::new(&laplacian, kernels.clone(), accuracy(family)).unwrap();
+        let frame = Frame::new(laplacian.clone(), kernels.clone(), accuracy(family)).unwrap();
         let c = frame.analyse(&f, Progress::none()).unwrap();
         let energy = c.iter().map(|c| norm(c).powi(2)).sum::<f64>() / norm(&f).powi(2);
         let (a, b) = frame.bounds;
@@ -124,7 +124,7 @@ fn tiny_graphs_and_wrong_input() {
         let shape = Shape::Graph(Graph::new(n, &[]).unwrap());
         let laplacian = Laplacian::new(&shape, &LaplacianParams::default()).unwrap().stiffness;
         let kernels = Kernels::new(KernelFamily::Meyer, 4, largest_eigenvalue(&laplacian)).unwrap();
-        let frame = Frame::new(&laplacian, kernels, 1e-6).unwrap();
+        let frame = Frame::new(laplacian.clone(), kernels, 1e-6).unwrap();
         let f = signal(n);
         let c = frame.analyse(&f, Progress::none()).unwrap();
         let (back, _) = frame.inverse(&c, 1e-10, Progress::none()).unwrap();
@@ -134,5 +134,5 @@ fn tiny_graphs_and_wrong_input() {
     assert!(Kernels::new(KernelFamily::Meyer, 1, 1.0).is_err());
     let laplacian = grid(3);
     let kernels = Kernels::new(KernelFamily::Itersine, 200, largest_eigenvalue(&laplacian)).unwrap();
-    assert!(matches!(Frame::new(&laplacian, kernels, 1e-15), Err(SgwtError::Accuracy { .. })));
+    assert!(matches!(Frame::new(laplacian.clone(), kernels, 1e-15), Err(SgwtError::Accuracy { .. })));
 }

@@ -1,0 +1,148 @@
+//! Shapes changed on purpose, and which of their features are found again.
+
+use crate::call::run;
+use crate::error::value;
+use crate::measures::{Stage, stage};
+use crate::prepared::Prepared;
+use crate::shape::ShapeData;
+use adwave::features::Feature;
+use adwave::measure::{
+    Change, Changed, RepeatabilityParams, change, n_right, repeatability, share_by_chance,
+};
+use adwave::shape::{Shape, surface_area};
+use adwave_io::ShapeFile;
+use adwave_simplify::resample_mesh;
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<ChangeData>()
+}
+
+/// A changed shape, and the way back.
+#[pyclass(frozen, module = "adwave._native")]
+pub(crate) struct ChangeData {
+    changed: Changed,
+    shape: Py<ShapeData>,
+}
+
+/// Features from their columns.
+fn features(columns: &Bound<'_, PyDict>) -> PyResult<Vec<Feature>> {
+    let get = |name: &str| columns.get_item(name)?.ok_or_else(|| value(format!("features: no {name}")));
+    let vertex: PyReadonlyArray1<'_, i64> = get("vertex")?.extract()?;
+    let position: PyReadonlyArray2<'_, f64> = get("position")?.extract()?;
+    let level: PyReadonlyArray1<'_, i32> = get("level")?.extract()?;
+    let sigma: PyReadonlyArray1<'_, f64> = get("sigma")?.extract()?;
+    let response: PyReadonlyArray1<'_, f64> = get("response")?.extract()?;
+    let channel: PyReadonlyArray1<'_, i32> = get("channel")?.extract()?;
+    let (vertex, position) = (vertex.as_slice()?, crate::arrays::points(&position, "position")?);
+    let (level, sigma) = (level.as_slice()?, sigma.as_slice()?);
+    let (response, channel) = (response.as_slice()?, channel.as_slice()?);
+    let one = |i: usize| Feature {
+        vertex: vertex[i].unsigned_abs() as usize,
+        position: Some(position[i]).filter(|p| p.iter().all(|c| c.is_finite())),
+        level: level[i].unsigned_abs() as usize,
+        sigma: sigma[i],
+        response: response[i],
+        strength: 0.0,
+        channel: usize::try_from(channel[i]).ok(),
+    };
+    Ok((0..vertex.len()).map(one).collect())
+}
+
+/// Level, features and found again, for each level; features that are right; the share that chance would find again.
+type FoundAgain = (Vec<(usize, usize, usize)>, usize, f64);
+
+#[pymethods]
+impl ChangeData {
+    /// A change by its name: `noise` of a standard deviation in edges, `rotation`, `scaling` by a factor, `resampling`, `other-vertices`.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        prepared: &Bound<'_, Prepared>,
+        kind: &str,
+        amount: f64,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let decomposer = &prepared.get().decomposer;
+        let shape = decomposer.geometry().shape();
+        let step = match kind {
+            "noise" => Some(Change::Noise { edges: amount, seed }),
+            "rotation" => Some(Change::Rotation { seed }),
+            "scaling" => Some(Change::Scaling { factor: amount }),
+            "resampling" => Some(Change::Resampling { seed }),
+            "other-vertices" => None,
+            _ => {
+                let known = "'noise', 'rotation', 'scaling', 'resampling', 'other-vertices'";
+                return Err(value(format!("change: '{kind}' is none of {known}")));
+            }
+        };
+        let changed = run(py, usize::MAX, None, |p| -> Stage<Option<Changed>> {
+            match (&step, shape) {
+                (Some(step), _) => stage(change(shape, decomposer, step)).map(Some),
+                (None, Shape::Mesh(mesh)) => {
+                    let mesh = stage(resample_mesh(mesh, seed, p))?;
+                    Ok(Some(Changed::resampled(Shape::Mesh(mesh))))
+                }
+                _ => Ok(None),
+            }
+        })?;
+        let changed = changed.ok_or_else(|| value("change: only a mesh gets other vertices"))?;
+        let file = match &changed.shape {
+            Shape::Mesh(mesh) => ShapeFile::from_mesh(mesh.points().to_vec(), mesh.faces().clone()),
+            other => ShapeFile::from_cloud(other.points().unwrap_or_default().to_vec()),
+        };
+        let shape = Py::new(py, prepared.get().shape.get().like(file))?;
+        Ok(Self { changed, shape })
+    }
+
+    #[getter]
+    fn shape(&self, py: Python<'_>) -> Py<ShapeData> {
+        self.shape.clone_ref(py)
+    }
+
+    /// A length of the changed shape as it was before.
+    fn length_before(&self, length: f64) -> f64 {
+        self.changed.length_before(length)
+    }
+
+    /// Points of the changed shape as they were before it was turned and scaled.
+    fn before<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let back = crate::arrays::points(&points, "points")?.iter().map(|p| self.changed.before(p)).collect();
+        Ok(crate::arrays::point_rows(py, back)?.into_any())
+    }
+
+    /// Which features of the reference are found again.
+    fn found_again(
+        &self,
+        py: Python<'_>,
+        reference: &Bound<'_, Prepared>,
+        before: &Bound<'_, PyDict>,
+        after: &Bound<'_, PyDict>,
+        sigmas: f64,
+    ) -> PyResult<FoundAgain> {
+        if !(sigmas.is_finite() && sigmas > 0.0) {
+            return Err(value(format!("within: {sigmas} is not a finite number above 0")));
+        }
+        let decomposer = &reference.get().decomposer;
+        let (before, after) = (features(before)?, features(after)?);
+        let params = RepeatabilityParams { sigmas, ..RepeatabilityParams::default() };
+        run(py, usize::MAX, None, |_| {
+            let geometry = decomposer.geometry();
+            let area = match geometry.triangles() {
+                [] => decomposer.areas().iter().sum(),
+                triangles => surface_area(geometry.points(), triangles),
+            };
+            let levels = repeatability(&before, &after, &self.changed, &params);
+            let levels = levels.iter().map(|l| (l.level, l.n_reference, l.n_found)).collect();
+            let right = n_right(&before, &after, &self.changed, &params);
+            let chance = share_by_chance(&before, &after, &self.changed, &params, area);
+            Ok::<_, adwave::Cancelled>((levels, right, chance))
+        })
+    }
+}
