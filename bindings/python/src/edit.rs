@@ -4,16 +4,23 @@ use crate::arrays;
 use crate::call::run;
 use crate::command::RecipeData;
 use crate::error::{self, value};
-use crate::prepared::{Prepared, schedule, weights};
+use crate::prepared::{Prepared, weights};
 use crate::shape::ShapeData;
-use adwave::Editor;
-use adwave::bands::{BandsInfo, Engine, Wavelets};
-use adwave::filter::{Edit, FilterError, Gains, Preset, WeightedLayer};
+use adwave::filter::{Edit, FilterError, Gains, Preset, WeightedLayer, filter_bands};
 use adwave::region::RegionWeights;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use adwave::{Decomposer, Editor};
+use numpy::{
+    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyReadwriteArray2,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
+
+pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<EditorData>()?;
+    module.add_function(wrap_pyfunction!(apply_bands, module)?)
+}
 
 /// A signal with its bands and the layers that change them.
 #[pyclass(frozen, module = "adwave._native")]
@@ -44,6 +51,86 @@ fn gains(given: &Bound<'_, PyAny>, n_levels: usize) -> PyResult<Vec<f64>> {
     Gains::Gains(gains).resolve(n_levels).map_err(|e| error::of(&e))
 }
 
+/// Gains or the name of a preset, with nothing, a region's text or weights.
+type PlainLayer<'py> = (Bound<'py, PyAny>, Option<Bound<'py, PyAny>>);
+
+fn weighted_layers(
+    py: Python<'_>,
+    layers: &[PlainLayer<'_>],
+    n_levels: usize,
+    decomposer: &Decomposer,
+    shape: &ShapeData,
+) -> PyResult<Vec<WeightedLayer>> {
+    let mut weighted = Vec::with_capacity(layers.len());
+    for (given, region) in layers {
+        let gains = gains(given, n_levels)?;
+        let weights = match region {
+            None => RegionWeights::Everywhere,
+            Some(region) => {
+                if let Ok(text) = region.extract::<String>() {
+                    weights(py, decomposer, shape, &text)?
+                } else {
+                    let array = region.cast::<PyArray1<f64>>().map_err(PyErr::from)?;
+                    RegionWeights::Vertices(PyArrayMethods::readonly(array).as_slice()?.to_vec())
+                }
+            }
+        };
+        weighted.push(WeightedLayer { gains, weights });
+    }
+    Ok(weighted)
+}
+
+/// The caller's array for a result.
+fn writable<'py>(
+    out: &Bound<'py, PyArray2<f64>>,
+    n: usize,
+    n_channels: usize,
+) -> PyResult<PyReadwriteArray2<'py, f64>> {
+    let given = out.try_readwrite().map_err(|_| value("out: the array cannot be written to"))?;
+    if given.shape() != [n, n_channels] || !given.is_c_contiguous() {
+        let told = "give a C-contiguous array of float64 like the signal";
+        return Err(value(format!("out: shape {:?}; {told}", given.shape())));
+    }
+    Ok(given)
+}
+
+/// The signal with layers, from bands that are there: levels × n × channels in the order of a shape none of whose vertices are welded
+/// or masked. Into `out` where there is one.
+#[pyfunction]
+#[pyo3(signature = (prepared, signal, bands, layers, out=None))]
+fn apply_bands<'py>(
+    py: Python<'py>,
+    prepared: &Bound<'py, Prepared>,
+    signal: Option<PyReadonlyArray2<'py, f64>>,
+    bands: PyReadonlyArray3<'py, f64>,
+    layers: Vec<PlainLayer<'py>>,
+    out: Option<Bound<'py, PyArray2<f64>>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let own = prepared.get();
+    let (signal, n_channels) = own.signal(signal.as_ref())?;
+    let map = own.decomposer.geometry().vertex_map();
+    let n = map.n_vertices();
+    let n_levels = bands.shape()[0].saturating_sub(1);
+    if !bands.is_c_contiguous() || bands.shape()[1..] != [n, n_channels] || map.n_welded() < n {
+        return Err(value(format!("bands: shape {:?} is not that of the signal's bands", bands.shape())));
+    }
+    let layers = weighted_layers(py, &layers, n_levels, &own.decomposer, own.shape.get())?;
+    let sizes = (n_levels, n_channels);
+    let bands = bands.as_slice()?;
+    if let Some(out) = out {
+        let mut given = writable(&out, n, n_channels)?;
+        let rows = given.as_slice_mut()?;
+        run(py, n, None, |_| filter_bands(signal, bands, sizes, &layers, map, rows))?;
+        return Ok(out.into_any());
+    }
+    let edited = run(py, n, None, |_| {
+        let mut edited = vec![0.0; signal.len()];
+        filter_bands(signal, bands, sizes, &layers, map, &mut edited)?;
+        Ok::<_, FilterError>(edited)
+    })?;
+    Ok(arrays::matrix(py, edited, n_channels)?.into_any())
+}
+
 /// Values that a thread copies at a time: a page of 2 MiB is touched by few.
 const COPIED_AT_A_TIME: usize = 1 << 17;
 
@@ -65,84 +152,22 @@ fn copied(from: &[f64]) -> Vec<f64> {
 
 #[pymethods]
 impl EditorData {
-    /// From bands that are there: levels × n × channels, W_1 … W_J and S_J, of a shape none of whose vertices are welded or masked.
-    #[staticmethod]
-    #[pyo3(signature = (prepared, signal, bands, steps))]
-    fn of_bands(
-        py: Python<'_>,
-        prepared: &Bound<'_, Prepared>,
-        signal: Option<PyReadonlyArray2<'_, f64>>,
-        bands: PyReadonlyArray3<'_, f64>,
-        steps: Vec<f64>,
-    ) -> PyResult<Self> {
-        let own = prepared.get();
-        let signal = own.signal(signal.as_ref())?;
-        let schedule = schedule(steps)?;
-        let (n, n_channels) = (own.decomposer.n_vertices(), signal.1);
-        if !bands.is_c_contiguous() || bands.shape() != [schedule.n_levels() + 1, n, n_channels] {
-            return Err(value(format!("bands: shape {:?} is not that of the signal's bands", bands.shape())));
-        }
-        let bands = bands.as_slice()?;
-        let map = own.decomposer.geometry().vertex_map().as_slice();
-        let editor = run(py, n, None, |progress| {
-            let gathered = |band: &[f64]| {
-                let mut level = vec![0.0; band.len()];
-                for (row, &x) in band.chunks_exact(n_channels).zip(map) {
-                    level[x as usize * n_channels..][..n_channels].copy_from_slice(row);
-                }
-                level
-            };
-            let levels = bands.chunks_exact(n * n_channels).take(schedule.n_levels()).map(gathered).collect();
-            let info = BandsInfo {
-                engine: Engine::Auto,
-                degree: 0,
-                products: 0,
-                terms: 0,
-                error_bound: 0.0,
-                bytes: 0,
-            };
-            let sigma = schedule.sigma(own.decomposer.diffusion().step_length());
-            let wavelets = Wavelets { n_channels, steps: schedule.steps_from_zero(), sigma, levels, info };
-            own.request(signal, &schedule, 1e-10, progress).editor_of(wavelets)
-        })?;
-        Ok(Self::new(editor, n_channels, own.shape.clone_ref(py)))
-    }
-
     /// The signal with these layers: gains, or the name of a preset, each with nothing, a region's text or weights. Into `out` where
     /// there is one.
     #[pyo3(signature = (layers, out=None))]
     fn apply<'py>(
         &self,
         py: Python<'py>,
-        layers: Vec<(Bound<'py, PyAny>, Option<Bound<'py, PyAny>>)>,
+        layers: Vec<PlainLayer<'py>>,
         out: Option<Bound<'py, PyArray2<f64>>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut editor = self.editor.lock().unwrap_or_else(PoisonError::into_inner);
         let n_levels = editor.wavelets().n_levels();
-        let mut weighted = Vec::with_capacity(layers.len());
-        for (given, region) in &layers {
-            let gains = gains(given, n_levels)?;
-            let weights = match region {
-                None => RegionWeights::Everywhere,
-                Some(region) => {
-                    if let Ok(text) = region.extract::<String>() {
-                        weights(py, editor.decomposer(), self.shape.get(), &text)?
-                    } else {
-                        let array = region.cast::<PyArray1<f64>>().map_err(PyErr::from)?;
-                        RegionWeights::Vertices(PyArrayMethods::readonly(array).as_slice()?.to_vec())
-                    }
-                }
-            };
-            weighted.push(WeightedLayer { gains, weights });
-        }
+        let weighted = weighted_layers(py, &layers, n_levels, editor.decomposer(), self.shape.get())?;
         let n = editor.decomposer().n_vertices();
         let editor = &mut *editor;
         if let Some(out) = out {
-            let mut given = out.try_readwrite().map_err(|_| value("out: the array cannot be written to"))?;
-            if given.shape() != [n, self.n_channels] || !given.is_c_contiguous() {
-                let told = "give a C-contiguous array of float64 like the signal";
-                return Err(value(format!("out: shape {:?}; {told}", given.shape())));
-            }
+            let mut given = writable(&out, n, self.n_channels)?;
             let rows = given.as_slice_mut()?;
             run(py, n, None, |_| {
                 editor.set_layers(weighted)?;

@@ -33,11 +33,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("InternalError", module.py().get_type::<error::InternalError>())?;
     module.add_class::<shape::ShapeData>()?;
     module.add_class::<prepared::Prepared>()?;
-    module.add_class::<edit::EditorData>()?;
     module.add_function(wrap_pyfunction!(call::threads, module)?)?;
     module.add_function(wrap_pyfunction!(call::asked_threads, module)?)?;
     module.add_function(wrap_pyfunction!(call::set_threads, module)?)?;
     command::add(module)?;
+    edit::add(module)?;
     measures::add(module)?;
     operator::add(module)?;
     picture::add(module)?;

@@ -215,7 +215,7 @@ pub fn write_recipe(path: &Path, recipe: &Recipe) -> Result<(), WriteError> {
 mod tests {
     use super::*;
     use adwave::filter::{Gains, Preset};
-    use adwave::region::{Place, Region};
+    use adwave::region::{BrushStroke, Place, Region};
 
     #[test]
     fn writing_and_reading_is_the_identity() {
@@ -228,8 +228,16 @@ mod tests {
             Region::Not(Box::new(ball)),
             Region::All(vec![
                 Region::Field { name: "thickness".into(), low: 1.0, high: 3.5 },
-                Region::Vertices { indices: vec![1, 2, 9], radius: Length::Units(0.0) },
+                Region::Vertices { indices: vec![1, 2, 9], radius: Length::Units(0.0), falloff: None },
                 Region::Stroke { path: vec![Place::Vertex(7)], radius: Length::Units(0.1), falloff: None },
+                Region::Painted(vec![
+                    BrushStroke::Add(Region::Faded { factor: 0.5, region: Box::new(Region::Everywhere {}) }),
+                    BrushStroke::Subtract(Region::Vertices {
+                        indices: vec![4, 5],
+                        radius: Length::PercentOfDiagonal(2.0),
+                        falloff: Some(Length::Units(0.5)),
+                    }),
+                ]),
             ]),
         ]);
         let recipe = Recipe {

@@ -1,7 +1,7 @@
 //! Laws of the editing object: whatever way led to its layers, the result has the same bits, and it is the filter's.
 
 use adwave::bands::Schedule;
-use adwave::filter::{FilterError, Gains, Layer, Preset, WeightedLayer};
+use adwave::filter::{FilterError, Gains, Layer, Preset, WeightedLayer, filter_bands};
 use adwave::region::{RegionWeights, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons, Shape};
@@ -74,6 +74,39 @@ fn it_gives_what_a_single_filter_gives() {
                 assert!((a - b).abs() < ACCURACY, "{name}: {a} and {b}");
             }
         }
+    }
+}
+
+#[test]
+fn bands_in_the_order_of_the_shape_give_the_same_bits() {
+    for (name, shape) in shapes() {
+        let f = fixture(&shape);
+        let map = f.decomposer.geometry().vertex_map();
+        if map.n_welded() < map.n_vertices() {
+            assert_eq!(name, "soup");
+            continue;
+        }
+        let bands = f.request().bands().unwrap().into_vec();
+        let (signal, n) = (f.points.as_flattened(), f.points.len());
+        let weights: Vec<f64> = (0..n).map(|x| (x % 11) as f64 / 10.0).collect();
+        let by_vertex = WeightedLayer { weights: RegionWeights::Vertices(weights), ..f.layer(0.3, "all") };
+        let ball = f.layer(2.0, "ball:vertex=7,radius=20%");
+        let all = f.layer(0.5, "all");
+        let mut out = vec![f64::NAN; signal.len()];
+        for layers in [
+            vec![],
+            vec![all.clone()],
+            vec![ball.clone()],
+            vec![ball, all, by_vertex.clone()],
+            vec![by_vertex],
+        ] {
+            filter_bands(signal, &bands, (N_LEVELS, 3), &layers, map, &mut out).unwrap();
+            assert_eq!(out, fresh(&f, &layers), "{name}, {} layers", layers.len());
+        }
+        let short = filter_bands(signal, &bands[..9], (N_LEVELS, 3), &[], map, &mut out);
+        assert!(matches!(short, Err(FilterError::Bands(_))));
+        let many = [WeightedLayer::everywhere(vec![1.0; N_LEVELS + 1])];
+        assert!(filter_bands(signal, &bands, (N_LEVELS, 3), &many, map, &mut out).is_err());
     }
 }
 

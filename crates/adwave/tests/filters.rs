@@ -2,7 +2,7 @@
 
 use adwave::bands::Schedule;
 use adwave::filter::{Edit, FilterError, Gains, Layer, Preset, displacement};
-use adwave::region::{Length, Place, Region, RegionError, parse_region};
+use adwave::region::{BrushStroke, Length, Place, Region, RegionError, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape, enclosed_volume, triangulate};
 use adwave::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
@@ -141,12 +141,53 @@ fn a_ball_round_a_vertex_measures_as_the_vertex_itself_does() {
     for vertex in [7, 1000, 3001] {
         let radius = Length::PercentOfDiagonal(6.0);
         let ball = Region::Ball { centre: Place::Vertex(vertex), radius, falloff: Some(radius) };
-        let vertices = Region::Vertices { indices: vec![vertex], radius };
+        let vertices = Region::Vertices { indices: vec![vertex], radius, falloff: None };
         let (ball, vertices) = (weights(&f.decomposer, &ball), weights(&f.decomposer, &vertices));
         let apart = ball.iter().zip(&vertices).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         // The two divide by the radius in another order.
         assert!(apart < 1e-13, "{vertex}: {apart}");
     }
+}
+
+#[test]
+fn strokes_of_a_brush_follow_one_another() {
+    let f = fixture("creature", 3000);
+    let at = |vertex: u32, falloff: f64| Region::Vertices {
+        indices: vec![vertex, vertex + 1],
+        radius: Length::PercentOfDiagonal(12.0),
+        falloff: Some(Length::PercentOfDiagonal(falloff)),
+    };
+    let [a, b, c] = [(7, 6.0), (9, 12.0), (1500, 0.0)].map(|(vertex, falloff)| at(vertex, falloff));
+    let half = Region::Faded { factor: 0.5, region: Box::new(b.clone()) };
+    let strokes = [&a, &half, &c, &a].map(Clone::clone);
+    let painted = Region::Painted(vec![
+        BrushStroke::Add(strokes[0].clone()),
+        BrushStroke::Subtract(strokes[1].clone()),
+        BrushStroke::Add(strokes[2].clone()),
+        BrushStroke::Subtract(Region::Not(Box::new(Region::Everywhere {}))),
+    ]);
+    let [first, second, third] = [&a, &b, &c].map(|region| weights(&f.decomposer, region));
+    let all = weights(&f.decomposer, &painted);
+    for (x, r) in all.iter().enumerate() {
+        assert_eq!(*r, first[x].min(1.0 - 0.5 * second[x]).max(third[x]), "vertex {x}");
+    }
+    assert!(third.iter().all(|&r| r == 0.0 || r == 1.0) && third.contains(&1.0));
+    // Nested regions say the same.
+    let nested = Region::Any(vec![Region::All(vec![a, Region::Not(Box::new(half))]), c]);
+    assert_eq!(weights(&f.decomposer, &nested), all);
+    // With a field of the shape, which may differ within a welded vertex.
+    let mixed = Region::Painted(vec![
+        BrushStroke::Add(strokes[0].clone()),
+        BrushStroke::Add(Region::Field { name: "low".to_owned(), low: 0.0, high: 2.0 }),
+        BrushStroke::Subtract(strokes[2].clone()),
+    ]);
+    let field = |_: &str| Some((1, vec![1.0; f.points.len()]));
+    let mixed = mixed.weights(f.decomposer.metric(), &field, &["low".to_owned()], Progress::none()).unwrap();
+    let mixed = mixed.to_vertices(f.decomposer.geometry().vertex_map());
+    assert!((0..first.len()).all(|x| mixed[x] == first[x].max(0.5).min(1.0 - third[x])));
+    let wrong = Region::Faded { factor: 1.5, region: Box::new(Region::Everywhere {}) };
+    let refused = wrong.weights(f.decomposer.metric(), &|_: &str| None, &[], Progress::none());
+    assert_eq!(refused.unwrap_err().to_string(), "the factor of the region is 1.5; it must be in [0, 1]");
 }
 
 #[test]

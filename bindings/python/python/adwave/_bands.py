@@ -44,7 +44,7 @@ class Bands:
 
     Notes
     -----
-    The first `apply` keeps a second copy of the bands; each costs milliseconds then.
+    `apply` costs milliseconds. Where vertices are welded or masked the first one keeps a second copy of the bands.
 
     Examples
     --------
@@ -58,7 +58,7 @@ class Bands:
     (2024, 3)
     """
 
-    __slots__ = ("__weakref__", "_array", "_editor", "_flat", "_signal", "_steps", "decomposer", "info")
+    __slots__ = ("__weakref__", "_array", "_editor", "_flat", "_plain", "_signal", "_steps", "decomposer", "info")
 
     decomposer: Decomposer
     info: dict[str, float]
@@ -78,7 +78,7 @@ class Bands:
         bands.decomposer, bands._array, bands._steps, bands.info = decomposer, array, steps, info
         # What the caller may change later is kept as it was.
         bands._signal = None if signal is None else np.array(signal)
-        bands._flat, bands._editor = is_flat, None
+        bands._flat, bands._editor, bands._plain = is_flat, None, None
         return bands
 
     @property
@@ -171,29 +171,35 @@ class Bands:
         else:
             layers = [Layer(gains, where)]  # type: ignore[arg-type]
         plain = [(_gains(layer.gains), _where(layer.where, self.decomposer.n_vertices)) for layer in layers]
-        if out is None:
-            edited = self._kept().apply(plain)
-            return edited[:, 0] if self._flat else edited
-        expected = self.array.shape[1:]
-        if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:
-            told = f"{out.dtype}, shape {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
-            raise ValueError(f"out: {told}; give a C-contiguous float64 array of shape {expected}")
-        self._kept().apply(plain, out[:, None] if self._flat else out)
-        return out
+        into = None
+        if out is not None:
+            expected = self.array.shape[1:]
+            if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:
+                told = f"{out.dtype}, shape {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
+                raise ValueError(f"out: {told}; give a C-contiguous float64 array of shape {expected}")
+            into = out[:, None] if self._flat else out
+        if self._is_plain():
+            edited = _native.apply_bands(self.decomposer._data, self._signal, self._array, plain, into)
+        else:
+            edited = self._kept().apply(plain, into)
+        if out is not None:
+            return out
+        return edited[:, 0] if self._flat else edited
 
     def to_shape(self, points: ArrayLike) -> Shape:
         """The shape of these bands at other positions."""
         return self.decomposer.shape.with_points(points)
 
+    def _is_plain(self) -> bool:
+        """Whether no vertices are welded or masked: then an edit needs these bands alone."""
+        if self._plain is None:
+            welded = self.decomposer.welded()
+            self._plain = self.decomposer.mask is None and len(welded) == (int(welded.max()) + 1 if len(welded) else 0)
+        return self._plain
+
     def _kept(self) -> _native.EditorData:
         if self._editor is None:
-            own = self.decomposer
-            welded = own.welded()
-            is_plain = own.mask is None and len(welded) == (int(welded.max()) + 1 if len(welded) else 0)
-            if is_plain:
-                self._editor = _native.EditorData.of_bands(own._data, self._signal, self._array, self._steps)
-            else:
-                self._editor = own._data.editor(self._signal, self._steps, self.info["accuracy"])
+            self._editor = self.decomposer._data.editor(self._signal, self._steps, self.info["accuracy"])
         return self._editor
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:

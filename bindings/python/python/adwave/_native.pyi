@@ -23,6 +23,7 @@ __all__ = [
     "ShapeData",
     "THETA",
     "__version__",
+    "apply_bands",
     "asked_threads",
     "basis_matrices",
     "check_region",
@@ -164,8 +165,6 @@ class Prepared:
 
 @final
 class EditorData:
-    @staticmethod
-    def of_bands(prepared: Prepared, signal: _Floats | None, bands: _Floats, steps: Sequence[float]) -> EditorData: ...
     def apply(
         self, layers: Sequence[tuple[Sequence[float] | str, str | _Floats | None]], out: _Floats | None = None
     ) -> _Floats: ...
@@ -281,6 +280,13 @@ def taubin(shape: ShapeData, signal: _Floats, weights: str, lam: float, mu: floa
 def feature_map(
     shape: ShapeData, signal: _Floats, times: Sequence[float], progress: _Report = None
 ) -> list[tuple[float, _Floats, list[tuple[int, int, int, float]], int]]: ...
+def apply_bands(
+    prepared: Prepared,
+    signal: _Floats | None,
+    bands: _Floats,
+    layers: Sequence[tuple[Sequence[float] | str, str | _Floats | None]],
+    out: _Floats | None = None,
+) -> _Floats: ...
 def differential_coordinates(shape: ShapeData, signal: _Floats, weights: str) -> _Floats: ...
 def from_differential(
     shape: ShapeData,

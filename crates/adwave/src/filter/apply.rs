@@ -3,14 +3,118 @@
 //! Since `f = S_f(J) + Σ_j W_f(j)` this is `S_f(J) + Σ_j Γ(j,x)·W_f(j)`, and exact where nothing is edited: a vertex outside
 //! all regions keeps its value to the last bit.
 
-use super::layers::{LayerSlot, excess_at};
-use crate::bands::Wavelets;
+use super::FilterError;
+use super::layers::{LayerSlot, WeightedLayer, excess_at};
+use crate::bands::{Wavelets, check_buffer};
 use crate::pages::zeros;
 use crate::parallel;
 use crate::shape::VertexMap;
 
 /// Vertices that a thread treats at a time: their rows of one band stay in the first-level cache.
 const VERTICES_AT_A_TIME: usize = 1 << 10;
+
+/// The filter on bands that are there: `out = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18), to the bits of
+/// [`Editor`](crate::Editor), all in the order of the shape.
+///
+/// `bands` are W_f(1) … W_f(J), J = `n_levels`, one after the other, as [`Bands`](crate::bands::Bands) has them; what follows them is not read.
+/// O(n·J·d); reads each band whose gain is not 1 once, and keeps nothing.
+///
+/// ```
+/// use adwave::{Decomposer, bands::Schedule, filter::{WeightedLayer, filter_bands}, shape::{Graph, Shape}};
+/// let path = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)])?);
+/// let (decomposer, f) = (Decomposer::new(&path), [0.0, 4.0, 0.0]);
+/// let bands = decomposer.request(&f, 1, &Schedule::dyadic(1)?).bands()?.into_vec();
+/// let (map, mut out) = (decomposer.geometry().vertex_map(), [0.0; 3]);
+/// filter_bands(&f, &bands, (1, 1), &[WeightedLayer::everywhere(vec![0.0])], map, &mut out)?;
+/// assert_eq!(out, [2.0, 2.0, 2.0]); // W_1 = (−2, 2, −2) taken away
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`FilterError`] when gains, regions or sizes do not fit.
+///
+/// # Panics
+/// When vertices are welded: then the members of one share a band but for its finest.
+pub fn filter_bands(
+    signal: &[f64],
+    bands: &[f64],
+    (n_levels, n_channels): (usize, usize),
+    layers: &[WeightedLayer],
+    vertex_map: &VertexMap,
+    out: &mut [f64],
+) -> Result<(), FilterError> {
+    let len = vertex_map.n_vertices() * n_channels;
+    assert_eq!(vertex_map.n_welded(), vertex_map.n_vertices(), "no vertices are welded");
+    for (k, layer) in layers.iter().enumerate() {
+        layer.check(k + 1, n_levels, vertex_map)?;
+    }
+    check_buffer(signal.len(), len)?;
+    check_buffer(out.len(), len)?;
+    check_buffer(bands.len().min(n_levels * len), n_levels * len)?;
+    let slots: Vec<_> = layers.iter().map(|layer| LayerSlot::in_shape_order(layer, vertex_map)).collect();
+    let levels: Vec<&[f64]> = bands.chunks_exact(len.max(1)).take(n_levels).collect();
+    match n_channels {
+        1 => filter_rows::<1>(signal, &levels, 1, &slots, out),
+        3 => filter_rows::<3>(signal, &levels, 3, &slots, out),
+        d => filter_rows::<0>(signal, &levels, d, &slots, out),
+    }
+    Ok(())
+}
+
+/// [`filter_bands`] for D channels, or `d` of them where D is 0.
+fn filter_rows<const D: usize>(
+    signal: &[f64],
+    levels: &[&[f64]],
+    d: usize,
+    layers: &[LayerSlot],
+    out: &mut [f64],
+) {
+    let d = if D == 0 { d } else { D };
+    let mut same = vec![0.0; levels.len()];
+    let is_same = layers.iter().all(LayerSlot::is_everywhere);
+    if is_same {
+        excess_at(layers, 0, 0, &mut same);
+    }
+    parallel::for_rows(out, d, VERTICES_AT_A_TIME, |first, rows| {
+        let signal = &signal[first * d..][..rows.len()];
+        if is_same {
+            let edited = same.iter().zip(levels).filter(|(e, _)| **e != 0.0);
+            let edited: Vec<(f64, &[f64])> =
+                edited.map(|(e, level)| (*e, &level[first * d..][..rows.len()])).collect();
+            sum_of(&edited, rows);
+        } else {
+            let mut excess = vec![0.0; levels.len()];
+            for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
+                excess_at(layers, x, x, &mut excess);
+                row.fill(0.0);
+                for (e, level) in excess.iter().zip(levels).filter(|(e, _)| **e != 0.0) {
+                    for (sum, w) in row.iter_mut().zip(&level[x * d..][..d]) {
+                        *sum += e * w;
+                    }
+                }
+            }
+        }
+        for (value, f) in rows.iter_mut().zip(signal) {
+            *value = if *value == 0.0 { *f } else { f + *value }; // −0 stays −0
+        }
+    });
+}
+
+/// `Σ_k factor_k·level_k`, four levels for each look at the sum, added one after the other.
+fn sum_of(levels: &[(f64, &[f64])], sum: &mut [f64]) {
+    sum.fill(0.0);
+    let (fours, others) = levels.as_chunks::<4>();
+    for &[(a, v), (b, w), (c, x), (e, y)] in fours {
+        for ((((sum, v), w), x), y) in sum.iter_mut().zip(v).zip(w).zip(x).zip(y) {
+            *sum = *sum + a * v + b * w + c * x + e * y;
+        }
+    }
+    for (factor, level) in others {
+        for (sum, w) in sum.iter_mut().zip(*level) {
+            *sum += factor * w;
+        }
+    }
+}
 
 /// What a filter reads: a signal, its wavelets, and how they belong together.
 #[derive(Clone, Copy)]
@@ -90,22 +194,8 @@ impl<'a> Source<'a> {
         let levels = excess.iter().zip(&self.wavelets.levels).filter(|(e, _)| **e != 0.0);
         let levels: Vec<(f64, &'a [f64])> = levels.map(|(e, level)| (*e, level.as_slice())).collect();
         parallel::for_rows(change, d, VERTICES_AT_A_TIME, |first, change| {
-            change.fill(0.0);
-            let len = change.len();
-            let part = |level: &'a [f64]| &level[first * d..][..len];
-            // Four levels for each look at the sum, added one after the other.
-            let (fours, others) = levels.as_chunks::<4>();
-            for four in fours {
-                let [(a, v), (b, w), (c, x), (e, y)] = four.map(|(excess, level)| (excess, part(level)));
-                for ((((sum, v), w), x), y) in change.iter_mut().zip(v).zip(w).zip(x).zip(y) {
-                    *sum = *sum + a * v + b * w + c * x + e * y;
-                }
-            }
-            for (excess, level) in others {
-                for (sum, w) in change.iter_mut().zip(part(level)) {
-                    *sum += excess * w;
-                }
-            }
+            let part = |&(excess, level): &(f64, &'a [f64])| (excess, &level[first * d..][..change.len()]);
+            sum_of(&levels.iter().map(part).collect::<Vec<_>>(), change);
         });
     }
 

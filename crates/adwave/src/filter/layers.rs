@@ -79,6 +79,17 @@ impl LayerSlot {
         slot
     }
 
+    /// A layer that has been checked, for reading by the vertices of the shape.
+    pub(crate) fn in_shape_order(layer: &WeightedLayer, vertex_map: &VertexMap) -> Self {
+        let weights = match &layer.weights {
+            RegionWeights::Everywhere => Dense::Everywhere,
+            weights => Dense::Vertices(weights.to_vertices(vertex_map)),
+        };
+        let mut slot = Self { excess: Vec::new(), weights, support: None };
+        slot.set_gains(&layer.gains);
+        slot
+    }
+
     pub(crate) fn set_gains(&mut self, gains: &[f64]) {
         self.excess.clear();
         self.excess.extend(gains.iter().map(|g| g - 1.0));

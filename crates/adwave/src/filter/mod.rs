@@ -4,6 +4,7 @@ mod apply;
 mod layers;
 
 pub(crate) use apply::Source;
+pub use apply::filter_bands;
 pub(crate) use layers::LayerSlot;
 pub use layers::WeightedLayer;
 

@@ -158,13 +158,35 @@ pub enum Region {
         /// How far the region extends beyond them, falling to 0 there; 0 by default.
         #[serde(default = "no_length")]
         radius: Length,
+        /// Width of the fall inside the radius; the radius by default.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        falloff: Option<Length>,
     },
+    /// Another region, fainter: factor·r.
+    Faded {
+        /// The factor, in [0, 1].
+        factor: f64,
+        /// The region.
+        region: Box<Region>,
+    },
+    /// Strokes of a brush, one after the other, from 0 everywhere.
+    Painted(Vec<BrushStroke>),
     /// Where another region is not: 1 − r.
     Not(Box<Region>),
     /// Where any of these is: the largest r.
     Any(Vec<Region>),
     /// Where all of these are: the smallest r.
     All(Vec<Region>),
+}
+
+/// One stroke of a brush.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum BrushStroke {
+    /// The larger of what is there and r.
+    Add(Region),
+    /// The smaller of what is there and 1 − r.
+    Subtract(Region),
 }
 
 fn one() -> f64 {

@@ -3,7 +3,7 @@
 //! ```text
 //! region  = term { "|" term }                      any of them
 //! term    = factor { "&" factor }                  all of them
-//! factor  = "!" factor | "(" region ")" | name [ ":" key "=" value { "," key "=" value } ]
+//! factor  = "!" factor | number "*" factor | "(" region ")" | name [ ":" key "=" value { "," key "=" value } ]
 //! ```
 //! Coordinates are separated by blanks, places of a stroke by `;`.
 
@@ -132,6 +132,12 @@ fn factor(rest: &mut &str, depth: usize) -> Parsed {
         *rest = after;
         return Ok(Region::Not(Box::new(factor(rest, depth + 1)?)));
     }
+    let end = rest.find(['*', ':', '&', '|', '(', ')']).unwrap_or(rest.len());
+    if let Some(after) = rest[end..].strip_prefix('*') {
+        let by = number(&rest[..end])?; // in [0, 1]: looked at with the shape
+        *rest = after;
+        return Ok(Region::Faded { factor: by, region: Box::new(factor(rest, depth + 1)?) });
+    }
     if let Some(after) = rest.strip_prefix('(') {
         *rest = after;
         let region = any(rest, depth + 1)?;
@@ -253,7 +259,7 @@ fn primitive(name: &str, text: &str) -> Parsed {
             keys.end(Region::Field { name, low, high })
         }
         "vertices" => {
-            let mut keys = Keys::new("vertices", "indices, radius", text)?;
+            let mut keys = Keys::new("vertices", "indices, radius, falloff", text)?;
             let indices = keys
                 .need("indices")?
                 .split([' ', ';'])
@@ -261,7 +267,8 @@ fn primitive(name: &str, text: &str) -> Parsed {
                 .map(vertex)
                 .collect::<Result<_, _>>()?;
             let radius = keys.length("radius")?.unwrap_or(Length::Units(0.0));
-            keys.end(Region::Vertices { indices, radius })
+            let falloff = keys.length("falloff")?;
+            keys.end(Region::Vertices { indices, radius, falloff })
         }
         other => Err(RegionSyntaxError::NoSuchRegion(other.to_owned())),
     }
@@ -296,6 +303,16 @@ mod tests {
         assert_eq!(parts[0], Region::Everywhere {});
         let Region::All(parts) = &parts[1] else { panic!("not an intersection") };
         assert!(matches!(&parts[1], Region::Not(inner) if matches!(**inner, Region::Any(_))));
+    }
+
+    #[test]
+    fn a_number_and_a_star_fade_what_follows() {
+        let region = parse_region("0.25*all & 1 * !(all | 0.5*all)").unwrap();
+        let Region::All(parts) = region else { panic!("not an intersection") };
+        assert_eq!(parts[0], Region::Faded { factor: 0.25, region: Box::new(Region::Everywhere {}) });
+        assert!(matches!(&parts[1], Region::Faded { region, .. } if matches!(**region, Region::Not(_))));
+        assert_eq!(parse_region(&"1*".repeat(1000)), Err(RegionSyntaxError::TooDeep(MAX_NESTED)));
+        assert_eq!(parse_region("x*all"), Err(RegionSyntaxError::NotANumber("x".to_owned())));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! From a region to its weights on the vertices of a shape.
 
 use super::metric::Within;
-use super::{Length, Place, Region, RegionError, SurfaceMetric, smooth_rise};
+use super::{BrushStroke, Length, Place, Region, RegionError, SurfaceMetric, smooth_rise};
 use crate::shape::VertexMap;
 use crate::{Progress, parallel};
 use nalgebra::Vector3;
@@ -129,12 +129,28 @@ impl Region {
                 check_finite("a bound", [low, high])?;
                 field_weights(metric.n_vertices(), name, (*low, *high), field, field_names)?
             }
-            Self::Vertices { indices, radius } => {
+            Self::Vertices { indices, radius, falloff } => {
                 let source = |&v: &u32| Ok((welded(metric, v)?, 0.0));
                 let sources = indices.iter().map(source).collect::<Result<Vec<_>, RegionError>>()?;
                 let radius = radius.in_units(metric.diagonal());
-                let rise = |d: f64| if d == 0.0 { 1.0 } else { smooth_rise(1.0 - d / radius) };
+                let fall = falloff.map(|falloff| falloff.in_units(metric.diagonal()).min(radius));
+                let rise = |d: f64| match fall {
+                    _ if d == 0.0 => 1.0,
+                    None => smooth_rise(1.0 - d / radius),
+                    Some(0.0) => 1.0,
+                    Some(fall) => smooth_rise((radius - d) / fall),
+                };
                 sparse(metric.within(&sources, radius, progress)?, rise)
+            }
+            Self::Faded { factor, region } => {
+                if !(0.0..=1.0).contains(factor) {
+                    let must = "in [0, 1]";
+                    return Err(RegionError::BadNumber { what: "the factor", value: *factor, must });
+                }
+                faded(region.weights(metric, field, field_names, progress)?, *factor, metric)
+            }
+            Self::Painted(strokes) => {
+                painted(strokes, metric, |r| r.weights(metric, field, field_names, progress))?
             }
             Self::Not(region) => invert(region.weights(metric, field, field_names, progress)?, metric),
             Self::Any(regions) => {
@@ -159,6 +175,59 @@ fn invert(weights: RegionWeights, metric: &SurfaceMetric) -> RegionWeights {
         RegionWeights::Vertices(weights) => RegionWeights::Vertices(less(weights)),
         other => RegionWeights::Welded(less(other.to_welded(metric.geometry().n_vertices()))),
     }
+}
+
+fn faded(weights: RegionWeights, factor: f64, metric: &SurfaceMetric) -> RegionWeights {
+    let times = |mut weights: Vec<f64>| {
+        for weight in &mut weights {
+            *weight *= factor;
+        }
+        weights
+    };
+    match weights {
+        RegionWeights::Everywhere => RegionWeights::Welded(vec![factor; metric.geometry().n_vertices()]),
+        RegionWeights::Sparse { vertices, weights } => {
+            RegionWeights::Sparse { vertices, weights: times(weights) }
+        }
+        RegionWeights::Welded(weights) => RegionWeights::Welded(times(weights)),
+        RegionWeights::Vertices(weights) => RegionWeights::Vertices(times(weights)),
+    }
+}
+
+/// Stroke after stroke, each at the cost of what it covers.
+fn painted(
+    strokes: &[BrushStroke],
+    metric: &SurfaceMetric,
+    weights_of: impl Fn(&Region) -> Result<RegionWeights, RegionError>,
+) -> Result<RegionWeights, RegionError> {
+    let (vertex_map, n_welded) = (metric.geometry().vertex_map(), metric.geometry().n_vertices());
+    let mut welded = vec![0.0; n_welded];
+    // For each vertex of the shape, from the first stroke on that may differ within a welded vertex.
+    let mut by_vertex: Option<Vec<f64>> = None;
+    for stroke in strokes {
+        let (region, join): (_, fn(f64, f64) -> f64) = match stroke {
+            BrushStroke::Add(region) => (region, f64::max),
+            BrushStroke::Subtract(region) => (region, |there, r| there.min(1.0 - r)),
+        };
+        let part = weights_of(region)?;
+        if let (RegionWeights::Sparse { vertices, weights }, None) = (&part, &by_vertex) {
+            for (&x, &r) in vertices.iter().zip(weights) {
+                welded[x as usize] = join(welded[x as usize], r);
+            }
+            continue;
+        }
+        if by_vertex.is_none() && matches!(part, RegionWeights::Vertices(_)) {
+            by_vertex = Some(vertex_map.scatter(&welded, 1));
+        }
+        let (there, part) = match &mut by_vertex {
+            Some(there) => (there, part.to_vertices(vertex_map)),
+            None => (&mut welded, part.to_welded(n_welded)),
+        };
+        for (there, r) in there.iter_mut().zip(part) {
+            *there = join(*there, r);
+        }
+    }
+    Ok(by_vertex.map_or(RegionWeights::Welded(welded), RegionWeights::Vertices))
 }
 
 fn combine(
