@@ -1,10 +1,10 @@
 """The same tasks by adwave and by other Python packages: seconds, and lines that a user writes.
 
-python compare.py [--vertices N] [--repeat K]
+python compare.py [--vertices N] [--mesh FILE] [--repeat K]
 
 Each task is a function whose body is what a user would write after loading points V and faces F; the time is the median of K runs in this
-process, and the lines are those of the body. A package that is not installed, or fails, is listed with the reason. Two shapes:
-the built-in creature, and its points as a graph for the packages that take graphs.
+process, and the lines are those of the body. A package that is not installed, or fails, is listed with the reason. The shape is the built-in
+creature, or that of a file.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def task(title: str, package: str) -> Callable[[Callable[..., Any]], Callable[..
 BANDS = "eight bands of the positions"
 SMOOTH = "smooth a mesh and keep its volume"
 EIGEN = "fifty eigenfunctions of the Laplacian"
-HEAT = "heat from one vertex after one step length"
+SPREAD = "distance along the surface from one vertex"
 
 
 @task(BANDS, "adwave")
@@ -133,12 +133,12 @@ def _(V, F):
     return sla.eigsh(L, 50, M, sigma=-1e-8)
 
 
-@task(HEAT, "adwave")
+@task(SPREAD, "adwave, as a soft region of 30 % of the diagonal")
 def _(V, F):
-    return aw.Decomposer(V, F, operator="surface").functions(0, 8)
+    return aw.region((V, F), "ball:vertex=0,radius=30%,falloff=30%")
 
 
-@task(HEAT, "potpourri3d, heat method")
+@task(SPREAD, "potpourri3d, heat method")
 def _(V, F):
     import potpourri3d as pp3d
 
@@ -156,8 +156,10 @@ def main() -> None:
     parser.add_argument("--vertices", type=int, default=35_000)
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--slowest", type=float, default=60.0, help="seconds after which one run is enough")
+    parser.add_argument("--mesh", help="a file with a mesh, in the place of the creature")
     arguments = parser.parse_args()
-    shape = aw.sample("creature", vertices=arguments.vertices, noise=0.2)
+    made = {"vertices": arguments.vertices, "noise": 0.2}
+    shape = aw.read(arguments.mesh) if arguments.mesh else aw.sample("creature", **made)
     V, F = np.array(shape.points), np.array(shape.faces, dtype=np.int64)
     print(f"{len(V)} vertices, {len(F)} faces, {aw.threads(0).n} threads\n")
     print("| task | package | seconds | against adwave | lines |\n|---|---|---|---|---|")

@@ -5,6 +5,7 @@ mod meshings;
 mod package;
 mod peers;
 mod python;
+mod studio;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -14,14 +15,16 @@ const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
   test      format, lints, unit, property, documentation and command-line tests, the bands of small built-in shapes beside
-            SciPy's and the Python package (needs Python 3.10 or newer with venv), a minute of broken input, licences of dependencies where
-            cargo-deny is installed: all that must pass
+            SciPy's, the Python package (needs Python 3.10 or newer with venv) and the studio in a browser (needs Node 20.19 or newer), a
+            minute of broken input, licences of dependencies where cargo-deny is installed: all that must pass
   fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N] [--file FILE]
             broken input for every reader and parser; what breaks is saved below target/fuzz
   wheel     build the Python package as target/wheels/adwave-….whl, for every Python from 3.10 on
   python [--wheel]
             test the Python package from Python: its tests, the examples of its documentation and its types; of the wheel, or
             else of what the tests have built
+  studio-test
+            the page of the studio: types, laws, the committed bundle against its sources, and all of it in Chromium
   oracle    compare the bands with SciPy's, on larger built-in shapes and on ../shared/data (or $ADWAVE_DATA) where it is
             there
   oracle-baselines
@@ -29,13 +32,13 @@ usage: cargo xtask COMMAND
   bench-peers [--models DIR] [--only PART]
             time other programs and ours on the same operators and write docs/PERFORMANCE.md; the part `denoise` runs
             denoisers on pairs of noisy and clean meshes and writes docs/DENOISING.md
-  bench-python [--vertices N] [--repeat K]
+  bench-python [--vertices N] [--mesh FILE] [--repeat K]
             the same tasks by the Python package and by other packages: seconds and lines, as a table
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps of several meshings of the same surfaces and write docs/MESHINGS.md
 
-Python packages go into an environment of their own below target/. A C++ compiler is installed from the packages of Debian where there
-is none; nothing else is installed.";
+Python packages go into an environment of their own below target/. A C++ compiler and Chromium are installed from the packages of Debian
+where there is none; nothing else is installed.";
 
 /// Seconds that every test run feeds all readers and parsers with broken input.
 const FUZZED_SECONDS: &str = "60";
@@ -51,6 +54,7 @@ fn main() -> ExitCode {
         ["oracle-baselines"] => oracle_baselines(),
         ["wheel"] => package::wheel().map(|_| ()),
         ["bench-python", ref rest @ ..] => package::bench(rest),
+        ["studio-test"] => studio_test(),
         ["python", ref rest @ ..] => package::test_package(rest),
         ["fuzz", ref rest @ ..] => fuzz(rest),
         ["bench-peers", ref rest @ ..] if rest.contains(&denoise::PART) => denoise::bench_denoise(rest),
@@ -69,6 +73,12 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn studio_test() -> Outcome {
+    compiler()?;
+    cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
+    studio::test()
 }
 
 /// What `--models` and `--only` say; the folder of models is `models` where the first is missing.
@@ -101,6 +111,7 @@ fn test() -> Outcome {
     // With the tests, so that the libraries are those that the tests have built, with the same features.
     cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
     package::test_package(&[])?;
+    studio::test()?;
     compare_with_scipy(&target().join("debug/adwave"), "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
     let fuzz = target().join("debug/adwave-fuzz");
     run(Command::new(&fuzz).current_dir(root()).args(["--seconds", FUZZED_SECONDS]))?;

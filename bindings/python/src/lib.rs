@@ -23,6 +23,7 @@ mod prepared;
 mod register;
 mod repeatability;
 mod shape;
+mod studio;
 
 use pyo3::prelude::*;
 
@@ -44,5 +45,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     register::add(module)?;
     baselines::add(module)?;
     frames::add(module)?;
-    repeatability::add(module)
+    repeatability::add(module)?;
+    studio::add(module)
 }

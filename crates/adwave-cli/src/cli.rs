@@ -20,6 +20,7 @@ use crate::commands::{
     sample::SampleArgs,
     shell::{CompletionsArgs, ManArgs},
     simplify::SimplifyArgs,
+    studio::StudioArgs,
     transform::TransformArgs,
 };
 use clap::error::{ContextKind, ContextValue};
@@ -40,6 +41,7 @@ Examples:
   adwave filter bunny.obj -o smooth.obj --preset smooth
   adwave filter bunny.obj -o crisp.obj --preset enhance --region 'ball:vertex=120,radius=10%'
   adwave region bunny.obj --region 'ball:vertex=120,radius=10%' -o mask.ply
+  adwave studio bunny.obj                             a slider for each band, in the browser
 
 A SHAPE is a file, '-' for the standard input, or sample:NAME for a built-in shape (see 'adwave sample').
 Exit codes: 0 done, 1 the machine failed (disk, permissions), 2 bad usage or input, 130 stopped by Ctrl-C."
@@ -60,7 +62,7 @@ pub(crate) fn command() -> clap::Command {
 }
 
 /// Words that people try as a command or an option, and what does that here.
-const MEANT: [(&[&str], &str); 8] = [
+const MEANT: [(&[&str], &str); 9] = [
     (&["smooth", "laplacian", "taubin", "suppress"], "adwave filter SHAPE -o OUT --preset smooth"),
     (&["sharpen", "enhance"], "adwave filter SHAPE -o OUT --preset enhance"),
     (&["decimate", "reduce", "lod", "remesh"], "adwave simplify SHAPE -o OUT --error 0.1%"),
@@ -71,6 +73,7 @@ const MEANT: [(&[&str], &str); 8] = [
     (&["keypoints", "detect", "descriptors"], "adwave features SHAPE -o keypoints.csv"),
     (&["view", "show", "plot", "picture", "screenshot"], "adwave render SHAPE -o picture.png"),
     (&["distance", "hausdorff", "difference"], "adwave diff SHAPE OTHER"),
+    (&["gui", "edit", "equaliser", "equalizer", "ui"], "adwave studio SHAPE"),
     (&["decompose", "bands", "wavelets", "split"], "adwave transform SHAPE -o bands.npz"),
 ];
 
@@ -126,6 +129,8 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Write one page about a shape: health, bands, saliency, features, presets, as pictures and tables
     Report(ReportArgs),
+    /// Open an equaliser for the shape in the browser: a slider for each band, a brush, layers
+    Studio(StudioArgs),
     /// Write a built-in shape
     Sample(SampleArgs),
     /// Decompose, filter and edit a built-in creature, and show what happened

@@ -93,6 +93,7 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Render(args) => commands::render::run(args, global),
         Command::Region(args) => commands::region::run(args, global),
         Command::Report(args) => commands::report::run(args, global),
+        Command::Studio(args) => commands::studio::run(args, global),
         Command::Sample(args) => commands::sample::run(args, global),
         Command::Demo(args) => commands::demo::run(args, global),
         Command::Reproduce(args) => commands::reproduce::run(args, global),

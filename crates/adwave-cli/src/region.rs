@@ -15,8 +15,8 @@ Regions (0 outside, rising smoothly to 1 inside; lengths in model units or in % 
   stroke:path=X Y Z;X Y Z;…,radius=R        within R of a line over the surface (or vertices=V V …)
   box:min=X Y Z,max=X Y Z[,falloff=F]       half-space:point=X Y Z,normal=X Y Z[,falloff=F]
   field:name=NAME[,low=A][,high=B]          0 where the field is A, 1 where it is B
-  vertices:indices=V V …[,radius=R]         all
-  !REGION not   REGION & REGION both   REGION | REGION either   ( … )
+  vertices:indices=V V …[,radius=R]         within R of one of them[,falloff=F]; all
+  !REGION not   REGION & REGION both   REGION | REGION either   0.5*REGION fainter   ( … )
 "
     };
 }

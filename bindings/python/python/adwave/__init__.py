@@ -58,6 +58,8 @@ _PLACES = {
     "simplify": "_register",
     "Picture": "_picture",
     "render": "_picture",
+    "Edited": "_studio",
+    "studio": "_studio",
     "show_versions": "_environment",
     "threads": "_environment",
     "InternalError": "_native",
@@ -70,6 +72,7 @@ __all__ = [
     "Decomposer",
     "Denoised",
     "Distances",
+    "Edited",
     "Features",
     "Info",
     "InternalError",
@@ -107,6 +110,7 @@ __all__ = [
     "show_versions",
     "signal",
     "simplify",
+    "studio",
     "threads",
 ]
 

@@ -96,6 +96,8 @@ from adwave._shape import (
 from adwave._shape import (
     sample as sample,
 )
+from adwave._studio import Edited as Edited
+from adwave._studio import studio as studio
 
 __all__ = [
     "Bands",
@@ -103,6 +105,7 @@ __all__ = [
     "Decomposer",
     "Denoised",
     "Distances",
+    "Edited",
     "Features",
     "Info",
     "InternalError",
@@ -140,6 +143,7 @@ __all__ = [
     "show_versions",
     "signal",
     "simplify",
+    "studio",
     "threads",
 ]
 __version__: str

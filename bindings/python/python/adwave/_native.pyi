@@ -49,6 +49,7 @@ __all__ = [
     "set_threads",
     "signature",
     "simplified",
+    "studio",
     "taubin",
     "threads",
 ]
@@ -276,6 +277,7 @@ def signature(
     shape: ShapeData, kind: str, k: int, n_scales: int, progress: _Report = None
 ) -> tuple[_Floats, _Floats]: ...
 def lee(shape: ShapeData, progress: _Report = None) -> tuple[_Floats, _Floats]: ...
+def studio(shape: ShapeData, port: int, ready: Callable[[str], object]) -> tuple[str, _Floats]: ...
 def taubin(shape: ShapeData, signal: _Floats, weights: str, lam: float, mu: float, iterations: int) -> _Floats: ...
 def feature_map(
     shape: ShapeData, signal: _Floats, times: Sequence[float], progress: _Report = None

@@ -18,4 +18,5 @@ pub(crate) mod saliency;
 pub(crate) mod sample;
 pub(crate) mod shell;
 pub(crate) mod simplify;
+pub(crate) mod studio;
 pub(crate) mod transform;

@@ -1,0 +1,75 @@
+//! The studio, served by a thread beside the interpreter's.
+
+use crate::error;
+use crate::shape::ShapeData;
+use adwave::Progress;
+use adwave_studio::{Opened, StudioParams, serve};
+use pyo3::prelude::*;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(studio, module)?)
+}
+
+/// Between two looks at signals.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Serves the studio until the page is done or a signal raises, which ends it too; `ready` is called with the address. The edit as a recipe
+/// and the positions after it.
+#[pyfunction]
+fn studio<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    port: u16,
+    ready: &Bound<'py, PyAny>,
+) -> PyResult<(String, Bound<'py, PyAny>)> {
+    let content = shape.get();
+    let path = Path::new(&content.name);
+    let path = path.is_file().then(|| path.to_path_buf());
+    let name = path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+    let opened = Opened {
+        name: name.unwrap_or_else(|| content.name.clone()),
+        path,
+        file: content.file.clone(),
+        shape: content.shape(py)?.clone(),
+    };
+    let params = StudioParams { port, ..StudioParams::default() };
+    let stop = AtomicBool::new(false);
+    let (send, receive) = mpsc::channel();
+    let mut raised = None;
+    let outcome = std::thread::scope(|scope| {
+        let stop = &stop;
+        let server = scope.spawn(move || {
+            let progress = Progress::none().with_cancel(stop);
+            // Who started it waits for this.
+            serve(opened, &params, progress, |served| drop(send.send(served.address.clone())))
+        });
+        while !server.is_finished() {
+            py.detach(|| std::thread::sleep(LOOK));
+            let asked = py.check_signals().and_then(|()| match receive.try_recv() {
+                Ok(address) => ready.call1((address,)).map(|_| ()),
+                Err(_) => Ok(()),
+            });
+            if let Err(error) = asked {
+                stop.store(true, Ordering::Relaxed);
+                if !error.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py) {
+                    raised = Some(error);
+                }
+                break;
+            }
+        }
+        py.detach(|| server.join())
+    });
+    if let Some(raised) = raised {
+        return Err(raised);
+    }
+    let finished = outcome
+        .map_err(|_| {
+            error::InternalError::new_err("the studio broke one of its own rules; please report it")
+        })?
+        .map_err(|e| error::of(&e))?;
+    Ok((finished.recipe, crate::arrays::point_rows(py, finished.points)?.into_any()))
+}

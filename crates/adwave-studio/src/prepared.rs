@@ -1,0 +1,258 @@
+//! The bands of a shape, kept for edit after edit.
+
+use crate::StudioError;
+use crate::answer::{Refused, rows};
+use crate::document::Document;
+use adwave::bands::Schedule;
+use adwave::filter::{FilterError, WeightedLayer, displacement};
+use adwave::operator::{OperatorKind, OperatorParams};
+use adwave::positions::settle;
+use adwave::region::{Length, Region, RegionWeights};
+use adwave::shape::{Health, Shape, enclosed_volume};
+use adwave::{Decomposer, Editor, Progress};
+use adwave_io::{Levels, ShapeFile};
+use serde::{Deserialize, Serialize};
+use std::sync::{Arc, OnceLock};
+
+/// Levels where none are asked for, fewer on shapes that are small.
+const N_LEVELS: usize = 8;
+/// How wide the widest of these may be, in parts of the diagonal.
+const WIDEST: f64 = 0.25;
+
+/// Which levels, as the page asks for them.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LevelsAsked {
+    levels: Option<usize>,
+    voices: Option<usize>,
+    lengths: Option<Vec<Length>>,
+}
+
+impl LevelsAsked {
+    /// The same as a recipe says it, and the operator that goes with it.
+    fn of(&self, decomposer: impl FnOnce() -> Result<Decomposer, StudioError>) -> Result<Levels, Refused> {
+        Ok(match self {
+            Self { lengths: Some(lengths), levels: None, voices: None } => Levels::Lengths(lengths.clone()),
+            Self { lengths: Some(_), .. } => return Err(Refused::wrong("give either levels or lengths")),
+            Self { voices: Some(voices), levels, .. } => {
+                let n = levels.unwrap_or(N_LEVELS);
+                let schedule = Schedule::voices(n, *voices).map_err(|e| Refused::of(&e))?;
+                Levels::Steps(schedule.steps().to_vec())
+            }
+            Self { levels: Some(levels), .. } => Levels::Dyadic(*levels),
+            Self { .. } => Levels::Dyadic(default_levels(&decomposer()?)),
+        })
+    }
+}
+
+/// So many that the widest is a good part of the shape, and eight at the most.
+fn default_levels(decomposer: &Decomposer) -> usize {
+    decomposer.levels_reaching(WIDEST).0.clamp(3, N_LEVELS)
+}
+
+/// What an edit does.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Moved {
+    pub(crate) revision: u64,
+    greatest: f64,
+    rms: f64,
+    volume: Option<[f64; 2]>,
+}
+
+/// A level, as the page is told of it.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct LevelInfo {
+    level: usize,
+    steps: f64,
+    sigma: f64,
+    fwhm: f64,
+}
+
+/// The bands, the edit that is kept, and the positions after it.
+pub(crate) struct Prepared {
+    pub(crate) decomposer: Decomposer,
+    pub(crate) levels: Levels,
+    pub(crate) schedule: Schedule,
+    pub(crate) editor: Editor,
+    pub(crate) document: Document,
+    pub(crate) points: Arc<Vec<[f64; 3]>>,
+    moved: Moved,
+    health: OnceLock<Health>,
+    /// Weights of regions that were asked for before.
+    regions: Vec<(Region, RegionWeights)>,
+}
+
+/// The operator that goes with levels: by heat where they are given by width, as for the command.
+fn operator_of(levels: &Levels) -> OperatorKind {
+    if matches!(levels, Levels::Lengths(_)) { OperatorKind::Surface } else { OperatorKind::Walk }
+}
+
+/// A shape with its diffusion.
+pub(crate) fn decomposer(
+    shape: &Shape,
+    kind: OperatorKind,
+    progress: Progress<'_>,
+) -> Result<Decomposer, StudioError> {
+    let params = OperatorParams { kind, ..OperatorParams::default() };
+    Decomposer::with_params(shape, &params, progress).map_err(|e| StudioError::of(&e))
+}
+
+impl Prepared {
+    /// With the levels that are asked for, and nothing edited.
+    pub(crate) fn new(shape: &Shape, walk: &Decomposer, levels: Levels) -> Result<Self, StudioError> {
+        let kind = operator_of(&levels);
+        let decomposer = if kind == OperatorKind::Walk {
+            walk.clone()
+        } else {
+            decomposer(shape, kind, Progress::none())?
+        };
+        let schedule = schedule(&levels, &decomposer)?;
+        let points = shape.points().unwrap_or_default();
+        let request = decomposer.request(points.as_flattened(), 3, &schedule);
+        let editor = request.editor().map_err(|e| StudioError::of(&e))?;
+        Ok(Self {
+            levels,
+            schedule,
+            editor,
+            document: Document::default(),
+            points: Arc::new(points.to_vec()),
+            moved: Moved::default(),
+            health: OnceLock::new(),
+            regions: Vec::new(),
+            decomposer,
+        })
+    }
+
+    /// With as many levels as fit.
+    pub(crate) fn with_default_levels(shape: &Shape, walk: &Decomposer) -> Result<Self, StudioError> {
+        Self::new(shape, walk, Levels::Dyadic(default_levels(walk)))
+    }
+
+    /// With the levels that the page asks for.
+    pub(crate) fn asked(shape: &Shape, walk: &Decomposer, asked: &LevelsAsked) -> Result<Self, Refused> {
+        let levels = asked.of(|| Ok(walk.clone()))?;
+        Ok(Self::new(shape, walk, levels)?)
+    }
+
+    /// What the shape consists of, counted once.
+    pub(crate) fn health(&self) -> &Health {
+        self.health.get_or_init(|| self.decomposer.health())
+    }
+
+    pub(crate) fn n_levels(&self) -> usize {
+        self.schedule.n_levels()
+    }
+
+    /// What the page is told of the levels.
+    pub(crate) fn level_list(&self) -> Vec<LevelInfo> {
+        let sigma = self.schedule.sigma(self.decomposer.diffusion().step_length());
+        let one = |(j, (&steps, &sigma)): (usize, (&f64, &f64))| LevelInfo {
+            level: j + 1,
+            steps,
+            sigma,
+            fwhm: adwave::bands::FWHM * sigma,
+        };
+        self.schedule.steps().iter().zip(&sigma[1..]).enumerate().map(one).collect()
+    }
+
+    /// The weights of a region.
+    pub(crate) fn weights(
+        &mut self,
+        region: &Region,
+        file: &ShapeFile,
+    ) -> Result<RegionWeights, FilterError> {
+        if let Some((_, weights)) = self.regions.iter().find(|(known, _)| known == region) {
+            return Ok(weights.clone());
+        }
+        let field = |name: &str| file.field(name).map(|field| (field.n_channels, field.to_f64()));
+        let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
+        let weights = region.weights(self.decomposer.metric(), &field, &names, Progress::none());
+        weights.map_err(|source| FilterError::Region { layer: 1, source })
+    }
+
+    /// Makes `document` the edit that is kept. When it does not fit, nothing changes.
+    pub(crate) fn edit(&mut self, document: Document, file: &ShapeFile) -> Result<Moved, Refused> {
+        document.check(self.n_levels())?;
+        let (mut weighted, mut regions) = (Vec::new(), Vec::new());
+        for (k, layer) in document.layers().into_iter().enumerate() {
+            let gains = layer.gains.resolve(self.n_levels()).map_err(|e| Refused::of(&e))?;
+            let weights = self.weights(&layer.region, file).map_err(|e| {
+                let FilterError::Region { source, .. } = e else { return Refused::of(&e) };
+                Refused::of(&FilterError::Region { layer: k + 1, source })
+            })?;
+            regions.push((layer.region, weights.clone()));
+            weighted.push(WeightedLayer { gains, weights });
+        }
+        let before = self.editor_layers(weighted)?;
+        let file_points = file.points();
+        let edited = self.editor.edited().as_chunks().0.to_vec();
+        let points = settle(&self.decomposer, file_points, edited, &document.positions(), Progress::none());
+        let points = match points {
+            Ok(points) => points,
+            Err(error) => {
+                self.editor.set_layers(before).map_err(|e| Refused::of(&e))?;
+                return Err(Refused::of(&error));
+            }
+        };
+        let far = displacement(file_points, &points);
+        let moved = Moved {
+            revision: document.revision,
+            greatest: far.max,
+            rms: far.rms,
+            volume: self.volumes(&points),
+        };
+        (self.document, self.points, self.moved, self.regions) = (document, Arc::new(points), moved, regions);
+        Ok(moved)
+    }
+
+    /// Puts layers into the editor, and gives those of the document that is kept.
+    fn editor_layers(&mut self, layers: Vec<WeightedLayer>) -> Result<Vec<WeightedLayer>, Refused> {
+        let kept = self.document.layers();
+        self.editor.set_layers(layers).map_err(|e| Refused::of(&e))?;
+        let old = kept.into_iter().zip(&self.regions).filter_map(|(layer, (_, weights))| {
+            let gains = layer.gains.resolve(self.n_levels()).ok()?;
+            Some(WeightedLayer { gains, weights: weights.clone() })
+        });
+        Ok(old.collect())
+    }
+
+    /// The volume before and after, where the surface encloses one.
+    fn volumes(&self, points: &[[f64; 3]]) -> Option<[f64; 2]> {
+        let geometry = self.decomposer.geometry();
+        self.health().volume.map(|before| {
+            [before, enclosed_volume(&geometry.vertex_map().positions(points), geometry.triangles())]
+        })
+    }
+
+    /// W_j at all vertices of the shape, as integers: scale and `i16 × 4 × n`.
+    pub(crate) fn band(&self, level: usize) -> (f32, Vec<u8>) {
+        let map = self.decomposer.geometry().vertex_map();
+        let values = &self.editor.wavelets().levels[level - 1];
+        let most = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let scale = most / f64::from(i16::MAX);
+        let per_unit = if scale > 0.0 { 1.0 / scale } else { 0.0 };
+        let bytes = rows(map.n_vertices(), 8, |vertex, row| {
+            let x = map.welded(vertex);
+            for c in 0..3 {
+                let value = (values[3 * x + c] * per_unit).round() as i16;
+                row[2 * c..][..2].copy_from_slice(&value.to_le_bytes());
+            }
+        });
+        (scale as f32, bytes)
+    }
+}
+
+/// The schedule of levels on a shape.
+fn schedule(levels: &Levels, decomposer: &Decomposer) -> Result<Schedule, StudioError> {
+    let step = decomposer.diffusion().step_length();
+    let schedule = match levels {
+        Levels::Default => Schedule::dyadic(decomposer.default_levels().0),
+        Levels::Dyadic(n) => Schedule::dyadic(*n),
+        Levels::Steps(steps) => Schedule::real(steps.clone()),
+        Levels::Lengths(lengths) => {
+            let diagonal = decomposer.diagonal();
+            Schedule::lengths(&lengths.iter().map(|l| l.in_units(diagonal)).collect::<Vec<_>>(), step)
+        }
+    };
+    schedule.map_err(|e| StudioError::of(&e))
+}

@@ -1,0 +1,152 @@
+//! A studio that a test asks, by requests as a browser writes them.
+
+use adwave::Progress;
+use adwave_io::{ReadLimits, read_path};
+use adwave_studio::{Finished, Opened, StudioError, StudioParams, serve};
+use serde_json::Value;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+pub(crate) struct Studio {
+    pub(crate) host: String,
+    pub(crate) token: String,
+    stop: &'static AtomicBool,
+    thread: Option<JoinHandle<Result<Finished, StudioError>>>,
+}
+
+pub(crate) struct Answer {
+    pub(crate) status: u16,
+    pub(crate) head: String,
+    pub(crate) body: Vec<u8>,
+}
+
+impl Answer {
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap_or_else(|e| panic!("{e}: {}", self.text()))
+    }
+
+    pub(crate) fn text(&self) -> String {
+        String::from_utf8_lossy(&self.body).into_owned()
+    }
+
+    /// The one line of a refusal.
+    pub(crate) fn error(&self) -> String {
+        let error = self.json()["error"].as_str().unwrap_or_default().to_owned();
+        assert!(!error.is_empty() && !error.contains('\n'), "{}", self.text());
+        error
+    }
+
+    pub(crate) fn floats(&self) -> Vec<f32> {
+        self.body.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect()
+    }
+}
+
+/// What `path` holds, as the command opens it.
+pub(crate) fn opened(path: &Path) -> Opened {
+    let file = read_path(path, &ReadLimits::default()).unwrap();
+    let shape = file.to_shape().unwrap();
+    let name = path.file_name().unwrap().to_string_lossy().into_owned();
+    Opened { name, path: Some(path.to_path_buf()), file, shape }
+}
+
+impl Studio {
+    /// A studio on a file, whose edits are kept in `kept_in`.
+    pub(crate) fn on(path: &Path, kept_in: &Path) -> Self {
+        Self::of(opened(path), kept_in)
+    }
+
+    pub(crate) fn of(opened: Opened, kept_in: &Path) -> Self {
+        // For as long as the process runs: a server must not outlive its flag.
+        let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
+        let (send, receive) = mpsc::channel();
+        let params = StudioParams { kept_in: Some(kept_in.to_path_buf()), ..StudioParams::default() };
+        let thread = std::thread::spawn(move || {
+            serve(opened, &params, Progress::none().with_cancel(stop), |served| {
+                send.send(served.address.clone()).unwrap();
+            })
+        });
+        let address = receive.recv_timeout(Duration::from_mins(1)).expect("the studio is served");
+        let (host, token) =
+            address.strip_prefix("http://").and_then(|rest| rest.split_once("/#")).expect("an address");
+        Self { host: host.to_owned(), token: token.to_owned(), stop, thread: Some(thread) }
+    }
+
+    /// A request with these headers and no others but those that HTTP needs.
+    pub(crate) fn bare(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        stream.set_read_timeout(Some(Duration::from_mins(2))).unwrap();
+        let mut head =
+            format!("{method} {path} HTTP/1.1\r\nConnection: close\r\nContent-Length: {}\r\n", body.len());
+        if !headers.iter().any(|(name, _)| *name == "Host") {
+            head += &format!("Host: {}\r\n", self.host);
+        }
+        for (name, value) in headers {
+            head += &format!("{name}: {value}\r\n");
+        }
+        stream.write_all((head + "\r\n").as_bytes()).unwrap();
+        // A refusal may come before all was read.
+        let _ = stream.write_all(body);
+        let mut all = Vec::new();
+        let _ = stream.read_to_end(&mut all);
+        let end = all.windows(4).position(|w| w == b"\r\n\r\n").expect("an answer") + 4;
+        let head = String::from_utf8_lossy(&all[..end]).to_lowercase();
+        let status = head.split(' ').nth(1).unwrap().parse().unwrap();
+        let body = all.split_off(end);
+        let body = if head.contains("transfer-encoding: chunked") { joined(&body) } else { body };
+        Answer { status, head, body }
+    }
+
+    pub(crate) fn ask(&self, method: &str, path: &str, body: &[u8]) -> Answer {
+        self.bare(method, path, &[("Authorization", &format!("Bearer {}", self.token))], body)
+    }
+
+    pub(crate) fn get(&self, path: &str) -> Answer {
+        let answer = self.ask("GET", path, b"");
+        assert_eq!(answer.status, 200, "{path}: {}", answer.text());
+        answer
+    }
+
+    pub(crate) fn put(&self, path: &str, content: &Value) -> Answer {
+        self.ask("PUT", path, content.to_string().as_bytes())
+    }
+
+    pub(crate) fn post(&self, path: &str, content: &Value) -> Answer {
+        self.ask("POST", path, content.to_string().as_bytes())
+    }
+
+    /// Stops it as Ctrl-C does.
+    pub(crate) fn end(mut self) -> Finished {
+        self.stop.store(true, Ordering::Relaxed);
+        self.thread.take().unwrap().join().unwrap().unwrap()
+    }
+
+    /// Waits until it ends by itself.
+    pub(crate) fn finished(mut self) -> Finished {
+        self.thread.take().unwrap().join().unwrap().unwrap()
+    }
+}
+
+impl Drop for Studio {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A body that came in chunks.
+fn joined(mut body: &[u8]) -> Vec<u8> {
+    let mut all = Vec::new();
+    while let Some(at) = body.windows(2).position(|w| w == b"\r\n") {
+        let n = usize::from_str_radix(std::str::from_utf8(&body[..at]).unwrap().trim(), 16).unwrap();
+        all.extend_from_slice(&body[at + 2..][..n]);
+        body = &body[at + 2 + n + 2..];
+        if n == 0 {
+            break;
+        }
+    }
+    all
+}

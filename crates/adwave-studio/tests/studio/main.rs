@@ -1,0 +1,5 @@
+//! The server of the studio, asked as a browser asks it.
+
+mod client;
+mod guard;
+mod server;

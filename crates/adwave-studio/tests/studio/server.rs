@@ -1,0 +1,273 @@
+//! What the page is given, against the library; the saved file against the recipe replayed.
+
+use crate::client::{Studio, opened};
+use adwave::bands::Schedule;
+use adwave::filter::Edit;
+use adwave::positions::settle;
+use adwave::sample::Sample;
+use adwave::shape::Shape;
+use adwave::{Decomposer, Progress};
+use adwave_io::{Levels, ReadLimits, ShapeFile, parse_recipe, read_path, write_bytes, write_path};
+use adwave_studio::Opened;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// A creature in a folder of its own.
+fn creature(folder: &TempDir, n_vertices: usize) -> PathBuf {
+    let sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
+    let path = folder.path().join("creature.ply");
+    write_path(&ShapeFile::from_mesh(sample.points, sample.faces), &path, None).unwrap();
+    path
+}
+
+fn layer(gains: &[f64], region: &Value) -> Value {
+    json!({"name": "a layer", "on": true, "opacity": 1.0, "gains": gains, "region": region})
+}
+
+fn edit(revision: u64, layers: &[Value]) -> Value {
+    json!({"revision": revision, "layers": layers, "along": null, "border": "natural", "volume": "free"})
+}
+
+/// The file that a recipe makes of another, as `adwave filter --recipe` does it.
+fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
+    let recipe = parse_recipe(recipe).unwrap();
+    let Opened { mut file, shape, .. } = opened(path);
+    let decomposer = Decomposer::new(&shape);
+    let Levels::Dyadic(n_levels) = recipe.levels else { panic!("{:?}", recipe.levels) };
+    let points = shape.points().unwrap();
+    let schedule = Schedule::dyadic(n_levels).unwrap();
+    let mut editor = decomposer.request(points.as_flattened(), 3, &schedule).editor().unwrap();
+    editor.set_edit(&Edit::new(&recipe.layers)).unwrap();
+    let edited = editor.into_edited().as_chunks().0.to_vec();
+    file.set_points(settle(&decomposer, points, edited, &recipe.positions, Progress::none()).unwrap())
+        .unwrap();
+    let mut bytes = Vec::new();
+    write_bytes(&file, file.format().unwrap(), &mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn a_saved_shape_has_the_bytes_of_its_recipe_replayed() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 6000);
+    let studio = Studio::on(&path, folder.path());
+    let stroke = json!({"painted": [
+        {"add": {"vertices": {"indices": [5, 9, 300], "radius": 0.3, "falloff": 0.1}}},
+        {"subtract": {"faded": {"factor": 0.5, "region": {"vertices": {"indices": [9], "radius": "4%"}}}}},
+    ]});
+    let gains = [2.0, 1.5, 1.25, 1.0, 1.0, 0.5, 1.0, 1.0];
+    let layers = [
+        layer(&gains, &Value::Null),
+        json!({"name": "brush", "on": true, "opacity": 0.3, "gains": [0, 0, 0, 1, 1, 1, 1, 1], "region": stroke}),
+        json!({"name": "off", "on": false, "opacity": 1.0, "gains": [9, 9, 9, 9, 9, 9, 9, 9], "region": null}),
+    ];
+    let moved = studio.put("/api/shapes/1/edit", &edit(1, &layers)).json();
+    assert_eq!(moved["revision"], 1);
+    assert!(moved["greatest"].as_f64().unwrap() > 0.0 && moved["volume"][1].as_f64().unwrap() > 0.0);
+    let recipe = studio.get("/api/shapes/1/recipe").text();
+    let saved = studio.post("/api/shapes/1/save", &json!({})).json();
+    let saved = Path::new(saved["path"].as_str().unwrap());
+    assert_eq!(saved, folder.path().join("creature-edited.ply"));
+    let bytes = std::fs::read(saved).unwrap();
+    assert_eq!(bytes, replayed(&path, &recipe));
+    assert_eq!(studio.get("/api/shapes/1/download?format=ply").body, bytes);
+    // The page's own numbers: positions, the sum of the bands, the exact result.
+    let info = studio.get("/api/shapes/1").json();
+    let (n, centre) = (info["n_vertices"].as_u64().unwrap() as usize, &info["centre"]);
+    let exact = read_path(saved, &ReadLimits::default()).unwrap();
+    let shown = studio.get("/api/shapes/1/exact").floats();
+    for (x, p) in exact.points().iter().enumerate() {
+        for c in 0..3 {
+            assert_eq!(shown[3 * x + c], (p[c] - centre[c].as_f64().unwrap()) as f32, "vertex {x}");
+        }
+    }
+    let finished = studio.end();
+    assert_eq!((finished.recipe, finished.points.len(), finished.done), (recipe, n, false));
+}
+
+#[test]
+fn bands_come_coarse_first_and_say_what_a_gain_does() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 4000);
+    let studio = Studio::on(&path, folder.path());
+    let n = opened(&path).file.n_vertices();
+    let before = studio.get("/api/shapes/1/positions").floats();
+    assert_eq!(before.len(), 3 * n);
+    let triangles = studio.get("/api/shapes/1/triangles").body;
+    assert!(triangles.as_chunks().0.iter().all(|b| (u32::from_le_bytes(*b) as usize) < n));
+    let levels = studio.put("/api/shapes/1/levels", &json!({"levels": 5})).json();
+    assert_eq!(levels["levels"].as_array().unwrap().len(), 5);
+    let bands = studio.get("/api/shapes/1/bands").body;
+    let size = 8 + 8 * n;
+    assert_eq!(bands.len(), 5 * size);
+    for (k, level) in (1..=5_u32).rev().enumerate() {
+        let band = &bands[k * size..][..size];
+        assert_eq!(u32::from_le_bytes(band[..4].try_into().unwrap()), level);
+        let scale = f32::from_le_bytes(band[4..8].try_into().unwrap());
+        let mut gains = vec![1.0; 5];
+        gains[level as usize - 1] = 2.0;
+        let revision = u64::from(6 - level);
+        studio.put("/api/shapes/1/edit", &edit(revision, &[layer(&gains, &Value::Null)]));
+        let after = studio.get("/api/shapes/1/exact").floats();
+        for x in 0..n {
+            for c in 0..3 {
+                let at = 8 + 8 * x + 2 * c;
+                let w = scale * f32::from(i16::from_le_bytes(band[at..at + 2].try_into().unwrap()));
+                let moved = after[3 * x + c] - before[3 * x + c];
+                assert!(
+                    (moved - w).abs() <= 0.6 * scale + 3e-7,
+                    "level {level}, vertex {x}: {moved}, not {w}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_edit_is_there_again_on_the_next_visit() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 2000);
+    let kept = folder.path().join("kept/here");
+    let studio = Studio::on(&path, &kept);
+    assert_eq!(studio.get("/api/shapes/1").json()["resumed"], false);
+    let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
+    let document = edit(3, &[layer(&vec![0.25; n_levels], &Value::Null)]);
+    assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+    // An edit that is not newer is refused, with the one that is kept; the same again is not.
+    let stale = studio.put("/api/shapes/1/edit", &edit(3, &[]));
+    assert_eq!((stale.status, &stale.json()["edit"]), (409, &document));
+    assert!(stale.error().contains("revision 3"));
+    assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+    let exact = studio.get("/api/shapes/1/exact").body;
+    studio.end();
+    let again = Studio::on(&path, &kept);
+    assert_eq!(again.get("/api/shapes/1").json()["resumed"], true);
+    assert_eq!(again.get("/api/shapes/1/edit").json(), document);
+    assert_eq!(again.get("/api/shapes/1/exact").body, exact);
+    again.end();
+    // Another shape in the same place is another one.
+    creature(&folder, 2500);
+    let other = Studio::on(&path, &kept);
+    assert_eq!(other.get("/api/shapes/1").json()["resumed"], false);
+}
+
+#[test]
+fn recipes_weights_fields_features_and_other_shapes() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 3000);
+    let studio = Studio::on(&path, folder.path());
+    let n = opened(&path).file.n_vertices();
+    let text = "lengths = [0.05, '3%']\n[[layer]]\ngains = [2.0, 0.5]\nregion = 'ball:vertex=7,radius=10%'\n";
+    let told = studio.ask("PUT", "/api/shapes/1/recipe", text.as_bytes()).json();
+    assert_eq!(told["levels"].as_array().unwrap().len(), 2, "{told}");
+    assert_eq!(told["edit"]["layers"][0]["gains"], json!([2.0, 0.5]));
+    let again = parse_recipe(&studio.get("/api/shapes/1/recipe").text()).unwrap();
+    assert_eq!(again.layers, parse_recipe(text).unwrap().layers);
+    let region = json!({"vertices": {"indices": [7], "radius": "10%"}});
+    let weights = studio.post("/api/shapes/1/weights", &region).body;
+    assert_eq!((weights.len(), weights[7]), (n, 255));
+    assert!(weights.iter().filter(|&&w| w > 0).count() > 5);
+    studio.put("/api/shapes/1/levels", &json!({"levels": 6}));
+    for name in ["change", "saliency", "mean-curvature", "band-3"] {
+        let field = studio.get(&format!("/api/shapes/1/field?name={name}"));
+        assert!(field.head.contains("x-field: {"), "{}", field.head);
+        let values = field.floats();
+        assert!(values.len() == n && values.iter().all(|v| v.is_finite()), "{name}");
+    }
+    let features = studio.get("/api/shapes/1/features?theta=1.2").json();
+    assert!(!features.as_array().unwrap().is_empty());
+    let clean = studio.post("/api/shapes/1/denoise", &json!({"strength": 1.0})).json();
+    assert!(clean["noise"].as_f64().unwrap() >= 0.0);
+    let dropped =
+        studio.ask("POST", "/api/shapes?name=a%2Fb.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").json();
+    let list = studio.get("/api/shapes").json();
+    assert_eq!(list["shapes"].as_array().unwrap().len(), 3);
+    let id = dropped["id"].as_u64().unwrap();
+    assert_eq!(studio.get(&format!("/api/shapes/{id}")).json()["n_triangles"], 1);
+    assert_eq!(studio.ask("DELETE", &format!("/api/shapes/{id}"), b"").status, 200);
+    assert_eq!(studio.ask("GET", &format!("/api/shapes/{id}"), b"").status, 404);
+    assert_eq!(studio.post("/api/done", &json!({})).status, 200);
+    assert!(studio.finished().done);
+}
+
+#[test]
+fn clouds_and_shapes_of_a_few_vertices_open_too() {
+    let folder = TempDir::new().unwrap();
+    for (name, text) in [("one.xyz", "1 2 3\n"), ("three.xyz", "0 0 0\n1 0 0\n0 1 0\n")] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let studio = Studio::on(&path, folder.path());
+        let info = studio.get("/api/shapes/1").json();
+        assert_eq!((&info["kind"], &info["n_triangles"]), (&json!("cloud"), &json!(0)), "{name}");
+        let n_levels = info["levels"].as_array().unwrap().len();
+        let document = edit(1, &[layer(&vec![0.0; n_levels], &Value::Null)]);
+        assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200, "{name}");
+        assert!(studio.get("/api/shapes/1/exact").floats().iter().all(|v| v.is_finite()));
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 2000);
+    let studio = Studio::on(&path, folder.path());
+    let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
+    let ones = vec![1.0; n_levels];
+    let bad_layer = |layer: Value| edit(9, &[layer]);
+    let mut long = ones.clone();
+    long.push(1.0);
+    for (document, said) in [
+        (json!({"revision": 9, "layer": []}), "unknown field"),
+        (bad_layer(layer(&long, &Value::Null)), "gains for"),
+        (
+            bad_layer(layer(&ones, &json!({"ball": {"centre": {"vertex": 99999}, "radius": 1}}))),
+            "vertex 99999",
+        ),
+        (bad_layer(layer(&ones, &json!({"field": {"name": "nothing"}}))), "'nothing'"),
+        (bad_layer(json!({"name": "", "on": true, "opacity": 7.0, "gains": ones})), "opacity 7"),
+        (bad_layer(layer(&vec![1e308; n_levels], &json!({"balloon": {}}))), "unknown variant"),
+    ] {
+        let refused = studio.put("/api/shapes/1/edit", &document);
+        assert_eq!(refused.status, 400, "{}", refused.text());
+        assert!(refused.error().contains(said), "{said}: {}", refused.error());
+    }
+    assert_eq!(studio.get("/api/shapes/1/edit").json()["revision"], 0);
+    for (method, at, body, status, said) in [
+        ("PUT", "levels", "{\"levels\": 0}", 400, "level"),
+        ("PUT", "levels", "{\"lengths\": [-1]}", 400, "length"),
+        ("PUT", "recipe", "layer = 3", 400, "line"),
+        ("PUT", "recipe", "field = 'colour'", 400, "colour"),
+        ("POST", "weights", "[", 400, "no region"),
+        ("POST", "save", "{\"name\": \"../up.ply\"}", 400, "without folders"),
+        ("POST", "save", "{\"name\": \"/etc/up.ply\"}", 400, "without folders"),
+        ("POST", "save", "{\"name\": \"creature.ply\"}", 400, "is the file that was opened"),
+        ("POST", "save", "{\"name\": \"creature.doc\"}", 400, "known format"),
+        ("POST", "denoise", "{\"strength\": -3}", 400, "strength"),
+        ("GET", "field?name=../secret", "", 400, "no field"),
+        ("GET", "field?name=other.npy", "", 400, "no field"),
+        ("GET", "features?theta=much", "", 400, "theta"),
+        ("GET", "download?format=doc", "", 400, "'doc'"),
+        ("GET", "nothing", "", 404, "there is no"),
+    ] {
+        let refused = studio.ask(method, &format!("/api/shapes/1/{at}"), body.as_bytes());
+        assert_eq!(refused.status, status, "{at}: {}", refused.text());
+        assert!(refused.error().contains(said), "{at}: {}", refused.error());
+    }
+    let there = folder.path().join("there.ply");
+    std::fs::write(&there, "mine").unwrap();
+    let refused = studio.post("/api/shapes/1/save", &json!({"name": "there.ply"}));
+    assert_eq!((refused.status, &refused.json()["exists"]), (409, &json!(true)));
+    assert_eq!(std::fs::read(&there).unwrap(), b"mine");
+    assert_eq!(studio.post("/api/shapes/1/save", &json!({"name": "there.ply", "replace": true})).status, 200);
+    for (name, body, said) in [
+        ("a.obj", &b""[..], "a.obj"),
+        ("graph.mtx", b"%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 2\n", "no positions"),
+    ] {
+        let refused = studio.ask("POST", &format!("/api/shapes?name={name}"), body);
+        assert_eq!(refused.status, 400, "{name}");
+        assert!(refused.error().contains(said), "{}", refused.error());
+    }
+    let shape = opened(&path);
+    assert!(matches!(shape.shape, Shape::Mesh(_)));
+}

@@ -1,0 +1,147 @@
+/** Requests to the server. Whatever goes wrong is an `ApiError` whose message is a sentence for people. */
+
+import type { Edit, Feature, FieldInfo, Level, Moved, Region, Shape, ShapeList } from './protocol';
+import { text } from './text';
+
+export class ApiError extends Error {
+  constructor(
+    message: string,
+    /** 0 where there was no answer at all. */
+    readonly status: number,
+    readonly body: unknown = null,
+  ) {
+    super(message);
+  }
+}
+
+const TOKEN = 'adwave-token';
+
+/** The token is in the fragment of the page's address once; from then on this tab remembers it. */
+export function takeToken(): string {
+  const fragment = location.hash.slice(1);
+  if (fragment) {
+    sessionStorage.setItem(TOKEN, fragment);
+    history.replaceState(null, '', location.pathname + location.search);
+    return fragment;
+  }
+  return sessionStorage.getItem(TOKEN) ?? '';
+}
+
+export class Api {
+  constructor(
+    readonly token: string,
+    /** Where the page is, with a slash at the end. */
+    readonly root: string = new URL('.', location.href).href,
+  ) {}
+
+  async fetch(path: string, init: RequestInit = {}): Promise<Response> {
+    const headers: Record<string, string> = { Authorization: `Bearer ${this.token}` };
+    if (typeof init.body === 'string') headers['Content-Type'] = 'application/json';
+    let response: Response;
+    try {
+      response = await fetch(`${this.root}api/${path}`, { ...init, headers, cache: 'no-store' });
+    } catch {
+      throw new ApiError(text.noServer, 0);
+    }
+    if (response.ok) return response;
+    const body = await response.text();
+    let sentence = body.length < 400 ? body : '';
+    let parsed: unknown = null;
+    try {
+      parsed = JSON.parse(body);
+      sentence = (parsed as { error?: string }).error ?? '';
+    } catch {
+      // Not JSON: the text itself is shown.
+    }
+    if (response.status === 401) sentence ||= text.oldToken;
+    throw new ApiError(sentence || text.badAnswer(response.status), response.status, parsed);
+  }
+
+  private async json<T>(path: string, init?: RequestInit): Promise<T> {
+    return (await (await this.fetch(path, init)).json()) as T;
+  }
+
+  shapes(): Promise<ShapeList> {
+    return this.json('shapes');
+  }
+
+  open(file: Blob, name: string): Promise<{ id: number; name: string }> {
+    return this.json(`shapes?name=${encodeURIComponent(name)}`, { method: 'POST', body: file });
+  }
+
+  async close(id: number): Promise<void> {
+    await this.fetch(`shapes/${id}`, { method: 'DELETE' });
+  }
+
+  shape(id: number): Promise<Shape> {
+    return this.json(`shapes/${id}`);
+  }
+
+  async floats(path: string): Promise<Float32Array<ArrayBuffer>> {
+    return new Float32Array(await (await this.fetch(path)).arrayBuffer());
+  }
+
+  async indices(path: string): Promise<Uint32Array<ArrayBuffer>> {
+    return new Uint32Array(await (await this.fetch(path)).arrayBuffer());
+  }
+
+  levels(id: number, what: unknown): Promise<Level[]> {
+    return this.json<Level[] | { levels: Level[] }>(`shapes/${id}/levels`, {
+      method: 'PUT',
+      body: JSON.stringify(what),
+    }).then((answer) => (Array.isArray(answer) ? answer : answer.levels));
+  }
+
+  edit(id: number): Promise<Edit> {
+    return this.json(`shapes/${id}/edit`);
+  }
+
+  putEdit(id: number, edit: Edit, keepalive = false): Promise<Moved> {
+    return this.json(`shapes/${id}/edit`, { method: 'PUT', body: JSON.stringify(edit), keepalive });
+  }
+
+  async weights(id: number, region: Region): Promise<Uint8Array> {
+    const response = await this.fetch(`shapes/${id}/weights`, {
+      method: 'POST',
+      body: JSON.stringify(region),
+    });
+    return new Uint8Array(await response.arrayBuffer());
+  }
+
+  async field(id: number, name: string): Promise<{ values: Float32Array; info: FieldInfo }> {
+    const response = await this.fetch(`shapes/${id}/field?name=${encodeURIComponent(name)}`);
+    const header = response.headers.get('X-Field');
+    const info = header ? (JSON.parse(header) as FieldInfo) : { label: name, unit: '', diverging: false };
+    return { values: new Float32Array(await response.arrayBuffer()), info };
+  }
+
+  features(id: number): Promise<Feature[]> {
+    return this.json(`shapes/${id}/features`);
+  }
+
+  async recipe(id: number): Promise<string> {
+    return (await this.fetch(`shapes/${id}/recipe`)).text();
+  }
+
+  putRecipe(id: number, recipe: string): Promise<{ levels: Level[]; edit: Edit }> {
+    return this.json(`shapes/${id}/recipe`, { method: 'PUT', body: recipe });
+  }
+
+  save(id: number, name: string | null): Promise<{ path: string; notes: string[] }> {
+    return this.json(`shapes/${id}/save`, { method: 'POST', body: JSON.stringify(name ? { name } : {}) });
+  }
+
+  async download(id: number, format: string): Promise<Blob> {
+    return (
+      await this.fetch(`shapes/${id}/download?format=${encodeURIComponent(format.toLowerCase())}`)
+    ).blob();
+  }
+
+  denoise(id: number, strength: number): Promise<{ id: number; name: string; noise: number }> {
+    return this.json(`shapes/${id}/denoise`, { method: 'POST', body: JSON.stringify({ strength }) });
+  }
+
+  async done(): Promise<void> {
+    await this.fetch('done', { method: 'POST' });
+  }
+}

@@ -1,0 +1,173 @@
+/** The camera: turns about a pivot, pans with it, zooms to the cursor. */
+
+import { Matrix4, PerspectiveCamera, Quaternion, Vector3 } from 'three';
+import type { Ray } from './compute/pick';
+
+export type ViewName = 'front' | 'back' | 'right' | 'left' | 'top' | 'bottom';
+
+const DIRECTIONS: Record<ViewName, [number, number, number]> = {
+  front: [0, 0, 1],
+  back: [0, 0, -1],
+  right: [1, 0, 0],
+  left: [-1, 0, 0],
+  top: [0, 1, 0],
+  bottom: [0, -1, 0],
+};
+
+const FIELD_OF_VIEW = 30;
+
+export class Camera {
+  readonly three = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
+  readonly pivot = new Vector3();
+  distance = 1;
+  trackball = false;
+  /** The axis that stands upright. */
+  up: 'y' | 'z' = 'y';
+  private readonly centre = new Vector3();
+  private radius = 1;
+  private width = 1;
+  private height = 1;
+
+  setBounds(centre: readonly number[], radius: number): void {
+    this.centre.set(centre[0]!, centre[1]!, centre[2]!);
+    this.radius = radius || 1;
+  }
+
+  resize(width: number, height: number): void {
+    this.width = Math.max(1, width);
+    this.height = Math.max(1, height);
+    this.three.aspect = this.width / this.height;
+    this.update();
+  }
+
+  private upVector(): Vector3 {
+    return this.up === 'y' ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
+  }
+
+  frame(): void {
+    this.pivot.copy(this.centre);
+    const half = (FIELD_OF_VIEW * Math.PI) / 360;
+    const narrow = Math.min(1, this.three.aspect);
+    this.distance = this.radius / Math.sin(Math.atan(Math.tan(half) * narrow));
+    this.update();
+  }
+
+  look(name: ViewName): void {
+    const direction = new Vector3(...DIRECTIONS[name]);
+    if (this.up === 'z') direction.set(direction.x, -direction.z, direction.y);
+    this.lookFrom(direction);
+  }
+
+  /** Looks at the pivot from a direction. */
+  lookFrom(direction: Vector3): void {
+    const up = this.upVector();
+    if (Math.abs(direction.clone().normalize().dot(up)) > 0.999)
+      up.set(0, this.up === 'y' ? 0 : 1, this.up === 'y' ? -1 : 0);
+    const matrix = new Matrix4().lookAt(direction, new Vector3(), up);
+    this.three.quaternion.setFromRotationMatrix(matrix);
+    this.update();
+  }
+
+  /** From in front, a little from above and from the side. */
+  start(): void {
+    const direction = new Vector3(0.45, 0.28, 1);
+    if (this.up === 'z') direction.set(direction.x, -direction.z, direction.y);
+    this.lookFrom(direction);
+    this.frame();
+  }
+
+  level(): void {
+    this.lookFrom(new Vector3(0, 0, 1).applyQuaternion(this.three.quaternion));
+  }
+
+  /** Turns by a movement of the pointer in pixels. */
+  turn(dx: number, dy: number): void {
+    const q = this.three.quaternion;
+    const speed = Math.PI / Math.min(this.width, this.height);
+    const pitch = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), -dy * speed);
+    if (this.trackball) {
+      const yaw = new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), -dx * speed);
+      q.multiply(yaw).multiply(pitch);
+    } else {
+      const up = this.upVector();
+      const yaw = new Quaternion().setFromAxisAngle(up, -dx * speed);
+      const turned = yaw.multiply(q.clone().multiply(pitch));
+      // Never over the pole, where the turntable would flip.
+      const above = new Vector3(0, 1, 0).applyQuaternion(turned).dot(up);
+      if (above > 0.01 || above > new Vector3(0, 1, 0).applyQuaternion(q).dot(up)) q.copy(turned);
+      else q.premultiply(new Quaternion().setFromAxisAngle(up, -dx * speed));
+    }
+    q.normalize();
+    this.update();
+  }
+
+  roll(angle: number): void {
+    if (!this.trackball) return;
+    this.three.quaternion.multiply(new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), angle));
+    this.update();
+  }
+
+  /** Length of a pixel at the pivot. */
+  get pixel(): number {
+    return (2 * this.distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / this.height;
+  }
+
+  pan(dx: number, dy: number): void {
+    const move = new Vector3(-dx, dy, 0).multiplyScalar(this.pixel).applyQuaternion(this.three.quaternion);
+    this.pivot.add(move);
+    this.update();
+  }
+
+  /** Makes the distance `factor` times what it is and keeps the place under (x, y) of the canvas where it is. */
+  zoom(factor: number, x: number, y: number): void {
+    const next = Math.min(this.radius * 50, Math.max(this.radius * 1e-3, this.distance * factor));
+    const f = next / this.distance;
+    const place = new Vector3((x - this.width / 2) * this.pixel, (this.height / 2 - y) * this.pixel, 0)
+      .applyQuaternion(this.three.quaternion)
+      .multiplyScalar(1 - f);
+    this.pivot.add(place);
+    this.distance = next;
+    this.update();
+  }
+
+  setPivot(point: readonly number[]): void {
+    this.pivot.set(point[0]!, point[1]!, point[2]!);
+    this.update();
+  }
+
+  update(): void {
+    const back = new Vector3(0, 0, this.distance).applyQuaternion(this.three.quaternion);
+    this.three.position.copy(this.pivot).add(back);
+    const away = this.three.position.distanceTo(this.centre);
+    this.three.near = Math.max(away - 2 * this.radius, this.distance * 0.01, this.radius * 1e-4);
+    this.three.far = away + 3 * this.radius;
+    this.three.updateProjectionMatrix();
+    this.three.updateMatrixWorld();
+  }
+
+  /** The ray through a place of the canvas. */
+  ray(x: number, y: number): Ray {
+    const through = new Vector3((2 * x) / this.width - 1, 1 - (2 * y) / this.height, 0.5).unproject(
+      this.three,
+    );
+    const from = this.three.position;
+    const direction = through.sub(from).normalize();
+    return {
+      origin: [from.x, from.y, from.z],
+      direction: [direction.x, direction.y, direction.z],
+      pixel: this.pixel / this.distance,
+    };
+  }
+
+  /** Where a point is on the canvas, and pixels a unit there. */
+  project(point: readonly number[]): { x: number; y: number; scale: number } {
+    const p = new Vector3(point[0]!, point[1]!, point[2]!);
+    const depth = p.clone().sub(this.three.position).dot(this.three.getWorldDirection(new Vector3()));
+    p.project(this.three);
+    return {
+      x: ((p.x + 1) / 2) * this.width,
+      y: ((1 - p.y) / 2) * this.height,
+      scale: this.height / (2 * depth * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)),
+    };
+  }
+}

@@ -1,0 +1,378 @@
+import { describe, expect, test } from 'vitest';
+import type { Region } from '../protocol';
+import { neighboursOfCloud, neighboursOfMesh, trianglesOfVertices, weld } from './adjacency';
+import { coarseTriangles, edgePairs } from './coarse';
+import { applyDelta, packDelta } from './delta';
+import { cloudNormals, meshNormals } from './normals';
+import { Painter } from './painter';
+import { nearestVertex, pickMesh } from './pick';
+import { displacement, editedPositions, volume } from './positions';
+import { type Ground, smoothstep, toBytes, weights } from './regions';
+import { SurfaceSearch } from './search';
+import { readBands } from './stream';
+
+/** A grid of (k + 1)² vertices in the unit square, bumpy in z, with a fixed pattern of diagonals. */
+function sheet(k: number, bump = 0): { positions: Float32Array; triangles: Uint32Array; n: number } {
+  const n = (k + 1) ** 2;
+  const positions = new Float32Array(3 * n);
+  for (let i = 0; i <= k; i++) {
+    for (let j = 0; j <= k; j++) {
+      positions.set([i / k, j / k, bump * Math.sin(7 * i + 3 * j)], 3 * (i * (k + 1) + j));
+    }
+  }
+  const triangles: number[] = [];
+  for (let i = 0; i < k; i++) {
+    for (let j = 0; j < k; j++) {
+      const a = i * (k + 1) + j;
+      const b = a + k + 1;
+      if ((i * 5 + j * 3) % 4 < 2) triangles.push(a, b, b + 1, a, b + 1, a + 1);
+      else triangles.push(a, b, a + 1, b, b + 1, a + 1);
+    }
+  }
+  return { positions, triangles: Uint32Array.from(triangles), n };
+}
+
+function rows(s: { triangles: Uint32Array; n: number }) {
+  const around = trianglesOfVertices(s.triangles, s.n);
+  return { around, neighbours: neighboursOfMesh(s.triangles, s.n, around) };
+}
+
+/** Dijkstra with the straight line over two edges, as the server has it, literally: the queue is searched through. */
+function literalDistances(
+  neighbours: { offsets: Uint32Array; entries: Uint32Array },
+  p: Float32Array,
+  sources: number[],
+  radius: number,
+): number[] {
+  const n = p.length / 3;
+  const far = (a: number, b: number) =>
+    Math.sqrt(
+      (p[3 * a]! - p[3 * b]!) ** 2 +
+        (p[3 * a + 1]! - p[3 * b + 1]!) ** 2 +
+        (p[3 * a + 2]! - p[3 * b + 2]!) ** 2,
+    );
+  const distance = new Array<number>(n).fill(Infinity);
+  const before = new Array<number>(n).fill(-1);
+  const queue: [number, number][] = [];
+  for (const s of sources) {
+    if (distance[s]! <= 0) continue;
+    distance[s] = 0;
+    queue.push([0, s]);
+  }
+  while (queue.length) {
+    queue.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    const [key, x] = queue.shift()!;
+    if (key > distance[x]!) continue;
+    for (let e = neighbours.offsets[x]!; e < neighbours.offsets[x + 1]!; e++) {
+      const y = neighbours.entries[e]!;
+      let there = distance[x]! + far(x, y);
+      if (before[x]! >= 0) there = Math.min(there, distance[before[x]!]! + far(before[x]!, y));
+      if (there < distance[y]! && there <= radius) {
+        distance[y] = there;
+        before[y] = x;
+        queue.push([there, y]);
+      }
+    }
+  }
+  return distance;
+}
+
+function ground(s: ReturnType<typeof sheet>): Ground {
+  const { neighbours } = rows(s);
+  return {
+    n: s.n,
+    positions: s.positions,
+    centre: [0, 0, 0],
+    diagonal: Math.SQRT2,
+    search: new SurfaceSearch(neighbours, s.positions),
+    local: true,
+    ask: () => Promise.reject(new Error('asked')),
+  };
+}
+
+/** Numbers in [0, 1), the same each time. */
+function random(seed: number): () => number {
+  let x = seed;
+  return () => {
+    x = (Math.imul(x, 1664525) + 1013904223) >>> 0;
+    return x / 2 ** 32;
+  };
+}
+
+describe('distance along the surface', () => {
+  test('equals the literal rule on random strokes', () => {
+    const s = sheet(17, 0.02);
+    const { neighbours } = rows(s);
+    const search = new SurfaceSearch(neighbours, s.positions);
+    const next = random(1);
+    for (let stroke = 0; stroke < 40; stroke++) {
+      const sources = Array.from({ length: 1 + Math.floor(4 * next()) }, () => Math.floor(next() * s.n));
+      const radius = 0.05 + 0.5 * next();
+      search.run(sources, radius);
+      const expected = literalDistances(neighbours, s.positions, sources, radius);
+      expect(Array.from({ length: s.n }, (_, v) => search.distance(v))).toEqual(expected);
+      expect(search.nReached).toBe(expected.filter(Number.isFinite).length);
+    }
+  });
+
+  test('does not stop at a seam of vertices at one place', () => {
+    const s = sheet(8);
+    // The same sheet as loose triangles.
+    const positions = new Float32Array(3 * s.triangles.length);
+    for (const [i, v] of s.triangles.entries()) positions.set(s.positions.subarray(3 * v, 3 * v + 3), 3 * i);
+    const welded = weld(positions)!;
+    const triangles = Uint32Array.from(s.triangles, (_, i) => welded.first[i]!);
+    const { neighbours } = rows({ triangles, n: s.triangles.length });
+    const loose = new SurfaceSearch(neighbours, positions, welded);
+    loose.run([s.triangles.indexOf(40)], 0.5);
+    const whole = new SurfaceSearch(rows(s).neighbours, s.positions);
+    whole.run([40], 0.5);
+    for (const [i, v] of s.triangles.entries()) expect(loose.distance(i)).toBeCloseTo(whole.distance(v), 1);
+    expect(weld(s.positions)).toBeNull();
+  });
+});
+
+describe('positions', () => {
+  const base = Float32Array.from([0, 0, 0, 1, 0, 0]);
+  const band = { scale: 0.5, values: Int16Array.from([2, 0, 0, 0, 0, 4, 0, 0]) };
+  const other = { scale: 0.25, values: Int16Array.from([0, 0, 4, 0, 0, 0, 8, 0]) };
+
+  test('are f + Σ (Γ − 1) W with the product over layers', () => {
+    const out = new Float32Array(6);
+    const mask = Uint8Array.from([0, 255]);
+    const half = Uint8Array.from([0, 51]);
+    const layers = [
+      { opacity: 1, gains: [3, 1], mask: null },
+      { opacity: 0.5, gains: [2, 0], mask },
+      { opacity: 1, gains: [1, 2], mask: half },
+    ];
+    editedPositions(base, [band, other], layers, out);
+    // Vertex 0: Γ = (3, 1). Vertex 1: Γ = (3 · 1.5, 0.5 · 1.2).
+    expect(Array.from(out)).toEqual([
+      2,
+      0,
+      0,
+      1,
+      Math.fround((4.5 - 1) * 2),
+      Math.fround((0.5 * 1.2 - 1) * 2),
+    ]);
+  });
+
+  test('of a neutral edit are those of the shape, to the bit', () => {
+    const s = sheet(9, 0.1);
+    const w = { scale: 1e-3, values: new Int16Array(4 * s.n).fill(1000) };
+    const out = new Float32Array(3 * s.n);
+    editedPositions(
+      s.positions,
+      [w, null],
+      [{ opacity: 1, gains: [1, 1], mask: new Uint8Array(s.n).fill(99) }],
+      out,
+    );
+    expect(out).toEqual(s.positions);
+  });
+
+  test('outside a mask stay to the bit', () => {
+    const s = sheet(9, 0.1);
+    const w = { scale: 1e-3, values: new Int16Array(4 * s.n).fill(1000) };
+    const mask = new Uint8Array(s.n).map((_, v) => (v < 10 ? 0 : 200));
+    const out = new Float32Array(3 * s.n);
+    editedPositions(s.positions, [w], [{ opacity: 1, gains: [0], mask }], out);
+    expect(out.subarray(0, 30)).toEqual(s.positions.subarray(0, 30));
+    expect(out[30]).not.toBe(s.positions[30]);
+  });
+
+  test('displacement and volume are those of a box', () => {
+    expect(displacement(base, Float32Array.from([0, 3, 4, 1, 0, 0]))).toEqual({
+      greatest: 5,
+      rms: Math.sqrt(12.5),
+    });
+    const tetrahedron = Float32Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]);
+    expect(volume(tetrahedron, Uint32Array.from([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]))).toBeCloseTo(
+      1 / 6,
+      12,
+    );
+  });
+});
+
+test('normals of a plane are its normal, for a mesh and a cloud', () => {
+  const s = sheet(6);
+  const normals = new Int8Array(4 * s.n);
+  meshNormals(s.positions, s.triangles, new Float32Array(3 * s.n), normals);
+  for (let v = 0; v < s.n; v++)
+    expect(Array.from(normals.subarray(4 * v, 4 * v + 4))).toEqual([0, 0, 127, 0]);
+  const near = neighboursOfCloud(s.positions, 6);
+  cloudNormals(s.positions, near.offsets, near.entries, normals);
+  for (let v = 0; v < s.n; v++) expect(Math.abs(normals[4 * v + 2]!)).toBeGreaterThan(125);
+});
+
+test('neighbours in a cloud are the nearest', () => {
+  const next = random(5);
+  // A surface, as scans are.
+  const p = Float32Array.from({ length: 600 }, (_, i) => (i % 3 === 2 ? 0.1 : 1) * next());
+  const k = 5;
+  const { offsets, entries } = neighboursOfCloud(p, k);
+  let right = 0;
+  for (let v = 0; v < 200; v++) {
+    const far = (w: number) =>
+      Math.hypot(p[3 * v]! - p[3 * w]!, p[3 * v + 1]! - p[3 * w + 1]!, p[3 * v + 2]! - p[3 * w + 2]!);
+    const order = Array.from({ length: 200 }, (_, w) => w)
+      .filter((w) => w !== v)
+      .sort((a, b) => far(a) - far(b));
+    const found = new Set(entries.subarray(offsets[v]!, offsets[v + 1]!));
+    right += order.slice(0, k).filter((w) => found.has(w)).length;
+  }
+  expect(right).toBe(200 * k);
+});
+
+describe('regions and strokes', () => {
+  const stamp = (indices: number[], radius: number, factor = 1): Region => {
+    const stamps: Region = { vertices: { indices, radius } };
+    return factor < 1 ? { faded: { factor, region: stamps } } : stamps;
+  };
+
+  test('the rise is 0 and 1 with flat ends, and symmetric', () => {
+    expect([smoothstep(-1), smoothstep(0), smoothstep(0.5), smoothstep(1), smoothstep(2)]).toEqual([
+      0, 0, 0.5, 1, 1,
+    ]);
+    expect(smoothstep(0.3) + smoothstep(0.7)).toBeCloseTo(1, 12);
+  });
+
+  test('painted, not, any, all are largest and smallest', async () => {
+    const g = ground(sheet(12));
+    const a = stamp([20], 0.4);
+    const b = stamp([90], 0.5, 0.5);
+    const [wa, wb] = [await weights(a, g), await weights(b, g)];
+    const both = await weights({ painted: [{ add: a }, { subtract: b }] }, g);
+    const any = await weights({ any: [a, b] }, g);
+    const all = await weights({ all: [a, { not: b }] }, g);
+    for (let v = 0; v < g.n; v++) {
+      expect(any[v]).toBe(Math.max(wa[v]!, wb[v]!));
+      expect(both[v]).toBeCloseTo(Math.min(wa[v]!, 1 - wb[v]!), 6);
+      expect(all[v]).toBeCloseTo(both[v]!, 6);
+    }
+    expect(wa[20]).toBe(1);
+    expect(Math.max(...wb)).toBe(0.5);
+  });
+
+  test('what is not known here is asked for', async () => {
+    await expect(weights({ field: { name: 'x', low: 0, high: 1 } }, ground(sheet(3)))).rejects.toThrow(
+      'asked',
+    );
+  });
+
+  test('a mask after strokes equals the region from scratch; undo and redo give back every byte', async () => {
+    const s = sheet(24, 0.01);
+    const g = ground(s);
+    const next = random(3);
+    const painter = new Painter(g, () => {});
+    painter.learn([[0, { painted: [] }]]);
+    await painter.show(7, 0);
+    const strokes: ({ add: Region } | { subtract: Region })[] = [];
+    const masks = [painter.mask(7)!.slice()];
+    for (let id = 1; id <= 30; id++) {
+      const subtract = id % 3 === 0;
+      const radius = 0.05 + 0.2 * next();
+      const strength = id % 4 ? 1 : 0.6;
+      const brush = { radius, falloff: radius, strength, subtract, mirror: null };
+      const at = Math.floor(next() * s.n);
+      painter.stamp(7, [at, (at + 3) % s.n, (at + 40) % s.n], brush);
+      painter.stamp(7, [(at + 60) % s.n], brush);
+      const region = stamp(painter.end(id), radius, strength);
+      strokes.push(subtract ? { subtract: region } : { add: region });
+      painter.learn([[id, { painted: [...strokes] }]]);
+      await painter.show(7, id);
+      masks.push(painter.mask(7)!.slice());
+      expect(painter.mask(7)).toEqual(toBytes(await weights({ painted: strokes }, g)));
+    }
+    for (let id = 29; id >= 0; id--) {
+      await painter.show(7, id);
+      expect(painter.mask(7)).toEqual(masks[id]);
+    }
+    for (let id = 1; id <= 30; id++) await painter.show(7, id);
+    expect(painter.mask(7)).toEqual(masks[30]);
+  });
+
+  test('a stroke that is given up leaves nothing', async () => {
+    const painter = new Painter(ground(sheet(12)), () => {});
+    painter.learn([[0, { painted: [] }]]);
+    await painter.show(1, 0);
+    painter.stamp(1, [5, 6], { radius: 0.3, falloff: 0.1, strength: 1, subtract: false, mirror: null });
+    expect(Math.max(...painter.mask(1)!)).toBe(255);
+    painter.cancel();
+    expect(Math.max(...painter.mask(1)!)).toBe(0);
+  });
+
+  test('a delta takes two bytes a vertex, and works over long gaps', () => {
+    const before = new Uint8Array(2000);
+    const after = before.slice();
+    const touched = Uint32Array.from([0, 1, 255, 256, 511, 1500, 1999]);
+    for (const v of touched) after[v] = (v % 250) | 1;
+    const delta = packDelta(touched, (v) => before[v]!, after);
+    expect(delta.changes.length).toBe(touched.length);
+    const there = before.slice();
+    expect(applyDelta(there, delta)).toEqual([0, 2000]);
+    expect(there).toEqual(after);
+    applyDelta(there, delta);
+    expect(there).toEqual(before);
+  });
+});
+
+test('a pick finds the triangle under the ray, and the nearest of its corners', () => {
+  const s = sheet(20);
+  const { around } = rows(s);
+  const ray = { origin: [0.51, 0.26, 2] as const, direction: [0, 0, -1] as const, pixel: 1e-4 };
+  const hit = pickMesh(s.positions, s.triangles, around, 1 / 20, ray)!;
+  expect(hit.point[0]).toBeCloseTo(0.51, 6);
+  expect(hit.point[2]).toBeCloseTo(0, 6);
+  expect(hit.normal).toEqual([0, 0, 1]);
+  expect(hit.vertex).toBe(nearestVertex(s.positions, 0.51, 0.26, 0));
+  expect(pickMesh(s.positions, s.triangles, around, 1 / 20, { ...ray, origin: [3, 0, 2] })).toBeNull();
+});
+
+test('fewer triangles over the same vertices', () => {
+  const s = sheet(200);
+  const coarse = coarseTriangles(s.positions, s.triangles, 8000);
+  expect(coarse.length / 3).toBeGreaterThan(3000);
+  expect(coarse.length / 3).toBeLessThan(16_000);
+  expect(Math.max(...coarse)).toBeLessThan(s.n);
+});
+
+test('edges are there once', () => {
+  const s = sheet(3);
+  const { neighbours } = rows(s);
+  // Euler: V − E + F = 1 for a disc.
+  expect(edgePairs(neighbours.offsets, neighbours.entries).length / 2).toBe(s.n + s.triangles.length / 3 - 1);
+});
+
+test('bands are read whatever the pieces they come in', async () => {
+  const n = 5;
+  const bytes = new Uint8Array(2 * (8 + 8 * n));
+  const view = new DataView(bytes.buffer);
+  for (const [k, level] of [2, 1].entries()) {
+    const at = k * (8 + 8 * n);
+    view.setUint32(at, level, true);
+    view.setFloat32(at + 4, level / 4, true);
+    for (let i = 0; i < 4 * n; i++) view.setInt16(at + 8 + 2 * i, 100 * level + i, true);
+  }
+  for (const piece of [1, 7, 48, 1000]) {
+    const stream = new ReadableStream<Uint8Array>({
+      start(controller) {
+        for (let k = 0; k < bytes.length; k += piece) controller.enqueue(bytes.slice(k, k + piece));
+        controller.close();
+      },
+    });
+    const seen: [number, number, number][] = [];
+    await readBands(stream, n, 2, false, (level, band) => seen.push([level, band.scale, band.values[19]!]));
+    expect(seen).toEqual([
+      [2, 0.5, 219],
+      [1, 0.25, 119],
+    ]);
+  }
+  const cut = new ReadableStream<Uint8Array>({
+    start(controller) {
+      controller.enqueue(bytes.slice(0, 60));
+      controller.close();
+    },
+  });
+  await expect(readBands(cut, n, 2, false, () => {})).rejects.toThrow('ended too early');
+});

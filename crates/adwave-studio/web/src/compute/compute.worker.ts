@@ -1,0 +1,339 @@
+/** Computes all that depends on the number of vertices: positions, normals, masks, what is under the cursor. */
+
+import { neighboursOfCloud, neighboursOfMesh, type Rows, trianglesOfVertices, weld } from './adjacency';
+import { coarseTriangles, edgePairs } from './coarse';
+import type { Call, Calls, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
+import { cloudNormals, meshNormals } from './normals';
+import { Painter } from './painter';
+import { type Hit, pickCloud, pickMesh, type Ray } from './pick';
+import { type Band, displacement, editedPositions, type LayerTerm, volume } from './positions';
+import type { Ground } from './regions';
+import { contour } from './ring';
+import { SurfaceSearch } from './search';
+import { readBands } from './stream';
+
+const post = self.postMessage.bind(self) as (message: FromWorker, transfer?: Transferable[]) => void;
+
+/** Vertices within the brush up to which its circle is drawn along the surface. */
+const RING_MOST = 60_000;
+const CLOUD_NEIGHBOURS = 8;
+
+class Shape {
+  readonly n: number;
+  readonly edited: Float32Array;
+  readonly ground: Ground;
+  readonly painter: Painter;
+  bands: (Band | null)[] = [];
+  private readonly sums: Float32Array;
+  private aroundRows: Rows | null = null;
+  private neighbourRows: Rows | null = null;
+  private surfaceSearch: SurfaceSearch | null = null;
+  private weldedOnce: ReturnType<typeof weld> | undefined;
+  private bandsAbort: AbortController | null = null;
+
+  constructor(readonly given: Calls['shape'][0]) {
+    this.n = given.n;
+    this.edited = given.positions.slice();
+    this.sums = given.cloud ? new Float32Array(0) : new Float32Array(3 * this.n);
+    const search = () => this.search;
+    this.ground = {
+      n: this.n,
+      positions: given.positions,
+      centre: given.centre,
+      diagonal: given.diagonal,
+      local: !given.cloud,
+      get search() {
+        return search();
+      },
+      ask: async (region) => {
+        const response = await this.fetch('weights', { method: 'POST', body: JSON.stringify(region) });
+        return new Uint8Array(await response.arrayBuffer());
+      },
+    };
+    this.painter = new Painter(this.ground, (key, from, bytes) => {
+      post({ news: 'mask', key, from, bytes }, [bytes.buffer]);
+    });
+  }
+
+  get around(): Rows {
+    this.aroundRows ??= trianglesOfVertices(this.given.triangles, this.n);
+    return this.aroundRows;
+  }
+
+  private get weldedTriangles(): Uint32Array {
+    return this.given.triangles.map((v) => this.welded!.first[v]!);
+  }
+
+  private get welded(): ReturnType<typeof weld> {
+    if (this.weldedOnce === undefined) this.weldedOnce = this.given.cloud ? null : weld(this.given.positions);
+    return this.weldedOnce;
+  }
+
+  get neighbours(): Rows {
+    this.neighbourRows ??= this.given.cloud
+      ? neighboursOfCloud(this.given.positions, CLOUD_NEIGHBOURS)
+      : this.welded
+        ? neighboursOfMesh(this.weldedTriangles, this.n, trianglesOfVertices(this.weldedTriangles, this.n))
+        : neighboursOfMesh(this.given.triangles, this.n, this.around);
+    return this.neighbourRows;
+  }
+
+  get search(): SurfaceSearch {
+    this.surfaceSearch ??= new SurfaceSearch(this.neighbours, this.given.positions, this.welded);
+    return this.surfaceSearch;
+  }
+
+  normals(positions: Float32Array): Int8Array<ArrayBuffer> {
+    const out = new Int8Array(4 * this.n);
+    if (this.given.cloud) cloudNormals(positions, this.neighbours.offsets, this.neighbours.entries, out);
+    else meshNormals(positions, this.given.triangles, this.sums, out);
+    return out;
+  }
+
+  async fetch(path: string, init: RequestInit = {}): Promise<Response> {
+    const response = await fetch(this.given.url + path, {
+      ...init,
+      headers: { Authorization: `Bearer ${this.given.token}`, 'Content-Type': 'application/json' },
+    });
+    if (!response.ok) {
+      const text = await response.text();
+      let sentence = text;
+      try {
+        sentence = (JSON.parse(text) as { error: string }).error;
+      } catch {
+        // Not JSON: the text itself.
+      }
+      throw new Error(sentence || `The server answered ${response.status}.`);
+    }
+    return response;
+  }
+
+  async readBands(nLevels: number, shared: boolean): Promise<void> {
+    this.bandsAbort?.abort();
+    const abort = new AbortController();
+    this.bandsAbort = abort;
+    this.bands = Array.from({ length: nLevels }, () => null);
+    const bands = this.bands;
+    const response = await this.fetch('bands', { signal: abort.signal });
+    if (!response.body) throw new Error('The server sent no bands. Load the page again.');
+    await readBands(response.body, this.n, nLevels, shared, (level, band) => {
+      bands[level - 1] = band;
+      post({
+        news: 'band',
+        level,
+        scale: band.scale,
+        values: band.values,
+        at: performance.timeOrigin + performance.now(),
+      });
+    });
+  }
+
+  terms(layers: readonly WorkerLayer[]): LayerTerm[] {
+    return layers
+      .filter((l) => l.on)
+      .map((l) => ({
+        opacity: l.opacity,
+        gains: l.gains,
+        mask: l.region === null ? null : this.painter.mask(l.key),
+      }));
+  }
+
+  hit(ray: Ray): Hit | null {
+    const { triangles, meanLength, cloud } = this.given;
+    return cloud
+      ? pickCloud(this.edited, meanLength, ray)
+      : pickMesh(this.edited, triangles, this.around, meanLength, ray);
+  }
+
+  spectrum(v: number): number[] {
+    return this.bands.map((b) =>
+      b ? b.scale * Math.hypot(b.values[4 * v]!, b.values[4 * v + 1]!, b.values[4 * v + 2]!) : 0,
+    );
+  }
+
+  answerPick(hit: Hit | null, radius: number | null, half: number, started: number): PickAnswer {
+    const answer: PickAnswer = {
+      hit,
+      spectrum: hit ? this.spectrum(hit.vertex) : [],
+      outer: null,
+      inner: null,
+      took: 0,
+    };
+    if (hit && radius && !this.given.cloud) {
+      // A little beyond the radius, so that the triangles it crosses are known.
+      if (this.search.run([hit.vertex], radius + 2 * this.given.meanLength, RING_MOST)) {
+        const { triangles } = this.given;
+        answer.outer = contour(this.search, this.edited, triangles, this.around, radius);
+        answer.inner = contour(this.search, this.edited, triangles, this.around, half);
+      }
+    }
+    answer.took = performance.now() - started;
+    return answer;
+  }
+
+  rms(weight: (see: (v: number, w: number) => void) => void): number[] {
+    const sums = this.bands.map(() => 0);
+    let total = 0;
+    weight((v, w) => {
+      total += w;
+      for (let j = 0; j < sums.length; j++) {
+        const b = this.bands[j];
+        if (!b) continue;
+        const x = b.values[4 * v]!;
+        const y = b.values[4 * v + 1]!;
+        const z = b.values[4 * v + 2]!;
+        sums[j]! += w * b.scale * b.scale * (x * x + y * y + z * z);
+      }
+    });
+    return sums.map((s) => (total > 0 ? Math.sqrt(s / total) : 0));
+  }
+}
+
+let current: Shape | null = null;
+
+function shape(): Shape {
+  if (!current) throw new Error('No shape is open.');
+  return current;
+}
+
+const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls[C][1]> } = {
+  shape(what) {
+    current = new Shape(what);
+    return { normals: current.normals(what.positions) };
+  },
+  coarse({ target }) {
+    return { triangles: coarseTriangles(shape().given.positions, shape().given.triangles, target) };
+  },
+  edges() {
+    const { offsets, entries } = shape().neighbours;
+    return { pairs: edgePairs(offsets, entries) };
+  },
+  async bands({ nLevels, shared }) {
+    const started = performance.now();
+    await shape().readBands(nLevels, shared);
+    return { seconds: (performance.now() - started) / 1000 };
+  },
+  async edit({ layers, regions, exact }) {
+    const s = shape();
+    s.painter.learn(regions);
+    s.painter.keepOnly(new Set(layers.map((l) => l.key)));
+    for (const l of layers) if (l.region !== null) await s.painter.show(l.key, l.region);
+    const started = performance.now();
+    if (exact) {
+      const response = await s.fetch('exact');
+      s.edited.set(new Float32Array(await response.arrayBuffer()));
+    } else {
+      editedPositions(s.given.positions, s.bands, s.terms(layers), s.edited);
+    }
+    const normals = s.normals(s.edited);
+    const took = performance.now() - started;
+    const moved = displacement(s.given.positions, s.edited);
+    return {
+      positions: s.edited.slice(),
+      normals,
+      ...moved,
+      volume: s.given.cloud ? null : volume(s.edited, s.given.triangles),
+      took,
+    };
+  },
+  warm() {
+    // Touching them builds them.
+    void shape().search;
+    return {};
+  },
+  async mask({ key, id, region }) {
+    shape().painter.learn([[id, region]]);
+    await shape().painter.show(key, id);
+    return {};
+  },
+  pick({ ray, ring }) {
+    const started = performance.now();
+    const s = shape();
+    return s.answerPick(s.hit(ray), ring?.radius ?? null, ring?.half ?? 0, started);
+  },
+  paint({ key, rays, brush, ring }) {
+    const started = performance.now();
+    const s = shape();
+    const vertices: number[] = [];
+    let hit: Hit | null = null;
+    for (const ray of rays) {
+      const h = s.hit(ray);
+      if (!h) continue;
+      hit = h;
+      vertices.push(h.vertex);
+    }
+    const before = performance.now();
+    const stamped = s.painter.stamp(key, vertices, brush);
+    const stampTook = (performance.now() - before) / Math.max(1, stamped);
+    return { ...s.answerPick(hit, brush.radius, ring, started), stamped, stampTook };
+  },
+  paintEnd({ keep, child }) {
+    const s = shape();
+    if (keep) return { indices: s.painter.end(child) };
+    s.painter.cancel();
+    return { indices: [] };
+  },
+  scalar(what) {
+    const s = shape();
+    const values = new Float32Array(s.n);
+    if (what === 'change') {
+      const a = s.given.positions;
+      const b = s.edited;
+      for (let v = 0, i = 0; v < s.n; v++, i += 3) {
+        values[v] = Math.hypot(b[i]! - a[i]!, b[i + 1]! - a[i + 1]!, b[i + 2]! - a[i + 2]!);
+      }
+    } else {
+      const band = s.bands[what.band - 1];
+      if (band) {
+        const w = band.values;
+        for (let v = 0, i = 0; v < s.n; v++, i += 4) {
+          values[v] = band.scale * Math.hypot(w[i]!, w[i + 1]!, w[i + 2]!);
+        }
+      }
+    }
+    return { values };
+  },
+  energy({ key, vertex, radius }) {
+    const s = shape();
+    return {
+      rms: s.rms((see) => {
+        if (vertex !== null) {
+          s.search.run([vertex], radius);
+          for (let i = 0; i < s.search.nReached; i++) see(s.search.reached[i]!, 1);
+          return;
+        }
+        const mask = key === null ? null : s.painter.mask(key);
+        for (let v = 0; v < s.n; v++) {
+          const w = mask ? mask[v]! : 255;
+          if (w > 0) see(v, w);
+        }
+      }),
+    };
+  },
+  positions() {
+    return { positions: shape().edited.slice() };
+  },
+};
+
+/** Requests are answered one after the other, but for the bands, whose stream goes on beside them. */
+let queue: Promise<void> = Promise.resolve();
+
+async function answer(message: ToWorker): Promise<void> {
+  try {
+    const answering = answers[message.call] as (what: unknown) => unknown;
+    const result = (await answering(message.with)) as Record<string, unknown>;
+    const buffers = Object.values(result)
+      .filter((v): v is ArrayBufferView => ArrayBuffer.isView(v))
+      .map((v) => v.buffer as ArrayBuffer);
+    post({ id: message.id, answer: result }, buffers);
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') return;
+    post({ id: message.id, error: error instanceof Error ? error.message : String(error) });
+  }
+}
+
+self.onmessage = (event: MessageEvent<ToWorker>) => {
+  const message = event.data;
+  if (message.call === 'bands') void answer(message);
+  else queue = queue.then(() => answer(message));
+};

@@ -1,0 +1,151 @@
+/** Positions of an edit: f′ = f + Σ_j (Γ_j(x) − 1) W_j(x), Γ_j(x) = Π_l (1 + opacity_l r_l(x) (g_lj − 1)). */
+
+/** One band as it came over the wire: W = scale · (x, y, z), four numbers a vertex of which the last is 0. */
+export interface Band {
+  scale: number;
+  values: Int16Array;
+}
+
+/** A layer as the sum needs it: `mask` is null where the layer acts everywhere, else 255 r(x). */
+export interface LayerTerm {
+  opacity: number;
+  gains: readonly number[];
+  mask: Uint8Array | null;
+}
+
+/** Π_l (1 + opacity_l (g_lj − 1)) over the layers that act everywhere, for each of `nLevels` bands. */
+export function globalGains(layers: readonly LayerTerm[], nLevels: number): Float64Array {
+  const gains = new Float64Array(nLevels).fill(1);
+  for (const layer of layers) {
+    if (layer.mask) continue;
+    for (let j = 0; j < nLevels; j++) gains[j]! *= 1 + layer.opacity * ((layer.gains[j] ?? 1) - 1);
+  }
+  return gains;
+}
+
+/** Layers that change something, with a mask. */
+export function maskedTerms(layers: readonly LayerTerm[]): LayerTerm[] {
+  return layers.filter((l) => l.mask && l.opacity !== 0 && l.gains.some((g) => g !== 1));
+}
+
+/**
+ * Writes the positions after an edit into `out` (3 n). `bands[j]` is the band of level j + 1, null while it has not
+ * come. Without masks a pass a band; with masks a pass over the vertices, in which those outside all masks cost
+ * no more than without.
+ */
+export function editedPositions(
+  base: Float32Array,
+  bands: readonly (Band | null)[],
+  layers: readonly LayerTerm[],
+  out: Float32Array,
+): void {
+  const nLevels = bands.length;
+  const gains = globalGains(layers, nLevels);
+  const masked = maskedTerms(layers);
+  out.set(base);
+  const n = base.length / 3;
+  for (let j = 0; j < nLevels; j++) {
+    const band = bands[j];
+    if (!band) continue;
+    // What the masks multiply at band j: (mask, opacity (g − 1) / 255).
+    const terms = masked
+      .map((l) => ({ mask: l.mask!, slope: (l.opacity * ((l.gains[j] ?? 1) - 1)) / 255 }))
+      .filter((t) => t.slope !== 0);
+    const global = gains[j]!;
+    if (terms.length === 0) addBand(out, band, global - 1);
+    else if (terms.length === 1) addBandMasked(out, band, global, terms[0]!.mask, terms[0]!.slope, n);
+    else addBandManyMasks(out, band, global, terms, n);
+  }
+}
+
+function addBand(out: Float32Array, band: Band, factor: number): void {
+  const c = factor * band.scale;
+  if (c === 0) return;
+  const w = band.values;
+  for (let i = 0, k = 0; i < out.length; i += 3, k += 4) {
+    out[i]! += c * w[k]!;
+    out[i + 1]! += c * w[k + 1]!;
+    out[i + 2]! += c * w[k + 2]!;
+  }
+}
+
+function addBandMasked(
+  out: Float32Array,
+  band: Band,
+  global: number,
+  mask: Uint8Array,
+  slope: number,
+  n: number,
+): void {
+  const { values: w, scale } = band;
+  const outside = (global - 1) * scale;
+  const inside = global * slope * scale;
+  for (let v = 0; v < n; v++) {
+    const m = mask[v]!;
+    if (m === 0 && outside === 0) continue;
+    const c = outside + inside * m;
+    const i = 3 * v;
+    const k = 4 * v;
+    out[i]! += c * w[k]!;
+    out[i + 1]! += c * w[k + 1]!;
+    out[i + 2]! += c * w[k + 2]!;
+  }
+}
+
+function addBandManyMasks(
+  out: Float32Array,
+  band: Band,
+  global: number,
+  terms: readonly { mask: Uint8Array; slope: number }[],
+  n: number,
+): void {
+  const { values: w, scale } = band;
+  for (let v = 0; v < n; v++) {
+    let g = global;
+    for (const t of terms) g *= 1 + t.slope * t.mask[v]!;
+    const c = (g - 1) * scale;
+    if (c === 0) continue;
+    const i = 3 * v;
+    const k = 4 * v;
+    out[i]! += c * w[k]!;
+    out[i + 1]! += c * w[k + 1]!;
+    out[i + 2]! += c * w[k + 2]!;
+  }
+}
+
+/** How far an edit moves the vertices: greatest and root mean square, in model units. */
+export function displacement(base: Float32Array, edited: Float32Array): { greatest: number; rms: number } {
+  let greatest = 0;
+  let sum = 0;
+  for (let i = 0; i < base.length; i += 3) {
+    const x = edited[i]! - base[i]!;
+    const y = edited[i + 1]! - base[i + 1]!;
+    const z = edited[i + 2]! - base[i + 2]!;
+    const d = x * x + y * y + z * z;
+    sum += d;
+    if (d > greatest) greatest = d;
+  }
+  const n = Math.max(1, base.length / 3);
+  return { greatest: Math.sqrt(greatest), rms: Math.sqrt(sum / n) };
+}
+
+/** Volume enclosed by a closed mesh: Σ det(a, b, c) / 6 over its triangles. */
+export function volume(positions: Float32Array, triangles: Uint32Array): number {
+  let six = 0;
+  for (let t = 0; t < triangles.length; t += 3) {
+    const a = 3 * triangles[t]!;
+    const b = 3 * triangles[t + 1]!;
+    const c = 3 * triangles[t + 2]!;
+    const bx = positions[b]!;
+    const by = positions[b + 1]!;
+    const bz = positions[b + 2]!;
+    const cx = positions[c]!;
+    const cy = positions[c + 1]!;
+    const cz = positions[c + 2]!;
+    six +=
+      positions[a]! * (by * cz - bz * cy) +
+      positions[a + 1]! * (bz * cx - bx * cz) +
+      positions[a + 2]! * (bx * cy - by * cx);
+  }
+  return six / 6;
+}

@@ -1,0 +1,34 @@
+/** A dialogue of the browser, with a title and a way out. */
+
+import { h, iconButton } from './dom';
+import { text } from './text';
+
+export function dialog(title: string, ...content: (Node | null)[]): HTMLDialogElement {
+  const box = h('dialog', { 'aria-label': title });
+  box.append(
+    h(
+      'header',
+      {},
+      h('h2', {}, title),
+      iconButton('close', text.close, () => box.close()),
+    ),
+    h('div', { class: 'content' }, ...content),
+  );
+  box.addEventListener('close', () => box.remove());
+  // A click beside it closes it.
+  box.addEventListener('pointerdown', (event) => {
+    if (event.target !== box) return;
+    const r = box.getBoundingClientRect();
+    if (
+      event.clientX < r.left ||
+      event.clientX > r.right ||
+      event.clientY < r.top ||
+      event.clientY > r.bottom
+    ) {
+      box.close();
+    }
+  });
+  document.body.append(box);
+  box.showModal();
+  return box;
+}

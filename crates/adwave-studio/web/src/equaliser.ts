@@ -1,0 +1,285 @@
+/** The equaliser: one native slider a band, upright, with its width, its gain, solo and mute. */
+
+import { h } from './dom';
+import { GREATEST_TYPED, gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
+import { short } from './lengths';
+import { openLevels } from './levels';
+import { fitted, withGain } from './state';
+import type { Studio } from './studio';
+import { text } from './text';
+
+interface Column {
+  root: HTMLElement;
+  input: HTMLInputElement;
+  number: HTMLInputElement;
+  meter: HTMLElement;
+  solo: HTMLButtonElement;
+  mute: HTMLButtonElement;
+}
+
+export function equaliser(studio: Studio): HTMLElement {
+  let columns: Column[] = [];
+  /** Gains before solo or mute, to go back to: by layer and band (0: all). */
+  const kept = new Map<string, number[]>();
+  const bands = h('div', { class: 'bands', role: 'group', 'aria-label': text.equaliser });
+  const presets = h('select', { 'aria-label': text.presets });
+  const drawButton = h(
+    'button',
+    { type: 'button', 'aria-pressed': 'false', title: text.drawHint },
+    text.draw,
+  );
+  const whose = h('span', { class: 'whose' });
+  let drawing = false;
+
+  drawButton.addEventListener('click', () => {
+    drawing = !drawing;
+    drawButton.setAttribute('aria-pressed', String(drawing));
+    bands.classList.toggle('drawing', drawing);
+  });
+  presets.addEventListener('change', () => {
+    const preset = studio.shape?.presets[Number(presets.value)];
+    if (preset) studio.changeLayer({ gains: fitted(preset.gains, studio.nLevels) }, true);
+    presets.value = '';
+  });
+
+  const setGain = (level: number, gain: number, step: boolean) => {
+    studio.sliderTouched();
+    studio.view.touch();
+    const doc = withGain(studio.doc, studio.layer.key, level, gain);
+    if (step) {
+      studio.history.preview(doc);
+      studio.history.end();
+    } else studio.history.preview(doc);
+  };
+
+  const solo = (level: number) => {
+    const { gains, key } = studio.layer;
+    const alone = gains.every((g, j) => j === level - 1 || g === 0) && gains.length > 1;
+    const before = kept.get(`${key}.0`);
+    if (alone) studio.changeLayer({ gains: before ?? fitted([], gains.length) }, true);
+    else {
+      const someAlone = gains.filter((g) => g !== 0).length === 1 && before !== undefined;
+      if (!someAlone) kept.set(`${key}.0`, gains);
+      const own = (someAlone ? before[level - 1]! : gains[level - 1]!) || 1;
+      studio.changeLayer({ gains: gains.map((_, j) => (j === level - 1 ? own : 0)) }, true);
+    }
+  };
+
+  const mute = (level: number) => {
+    const { gains, key } = studio.layer;
+    const name = `${key}.${level}`;
+    if (gains[level - 1] === 0)
+      studio.changeLayer({ gains: gains.with(level - 1, kept.get(name)?.[0] || 1) }, true);
+    else {
+      kept.set(name, [gains[level - 1]!]);
+      studio.changeLayer({ gains: gains.with(level - 1, 0) }, true);
+    }
+  };
+
+  function column(level: number, sigma: number): Column {
+    const size = short(sigma);
+    const name = text.band(level, size);
+    const input = h('input', {
+      type: 'range',
+      class: 'gain',
+      min: '0',
+      max: String(SLIDER_MAX),
+      step: '1',
+      'aria-label': name,
+      'aria-orientation': 'vertical',
+      title: text.sliderHint,
+      disabled: true,
+      oninput: () => setGain(level, gainOf(input.valueAsNumber), false),
+      onchange: () => studio.history.end(),
+      ondblclick: () => setGain(level, 1, true),
+    });
+    const number = h('input', {
+      class: 'number',
+      type: 'text',
+      inputMode: 'decimal',
+      'aria-label': text.gainOf(name),
+      disabled: true,
+      onchange: () => {
+        const gain = Number(number.value.replace(',', '.'));
+        if (number.value.trim() !== '' && gain >= 0 && gain <= GREATEST_TYPED) setGain(level, gain, true);
+        else studio.say(text.badGain(GREATEST_TYPED), 'error');
+        refresh();
+      },
+    });
+    const meter = h('i', { class: 'meter' });
+    const soloButton = h(
+      'button',
+      {
+        type: 'button',
+        'aria-label': text.solo(name),
+        title: text.solo(name),
+        'aria-pressed': 'false',
+        onclick: () => solo(level),
+      },
+      'S',
+    );
+    const muteButton = h(
+      'button',
+      {
+        type: 'button',
+        'aria-label': text.mute(name),
+        title: text.mute(name),
+        'aria-pressed': 'false',
+        onclick: () => mute(level),
+      },
+      'M',
+    );
+    const root = h(
+      'div',
+      { class: 'band', 'data-level': String(level) },
+      number,
+      h('div', { class: 'track' }, h('div', { class: 'rail' }, meter, h('i', { class: 'fill' })), input),
+      h('div', { class: 'sm' }, soloButton, muteButton),
+      h('span', { class: 'sigma', title: text.sigma(size) }, size),
+    );
+    return { root, input, number, meter, solo: soloButton, mute: muteButton };
+  }
+
+  function rebuild(): void {
+    const levels = studio.shape?.levels ?? [];
+    columns = levels.map((l) => column(l.level, l.sigma));
+    bands.replaceChildren(...columns.map((c) => c.root));
+    bands.classList.toggle('many', columns.length > 10);
+    presets.replaceChildren(
+      h('option', { value: '' }, text.presets),
+      ...(studio.shape?.presets ?? []).map((p, i) =>
+        h('option', { value: String(i) }, text.presetNames[p.name] ?? p.name),
+      ),
+    );
+    enable();
+    refresh();
+  }
+
+  function enable(): void {
+    for (const [j, c] of columns.entries()) {
+      const there = studio.arrived.has(j + 1);
+      c.input.disabled = !there;
+      c.number.disabled = !there;
+      c.root.classList.toggle('waiting', !there);
+    }
+  }
+
+  function refresh(): void {
+    const { gains } = studio.layer;
+    const alone = gains.filter((g) => g !== 0).length === 1 && gains.length > 1;
+    for (const [j, c] of columns.entries()) {
+      const gain = gains[j] ?? 1;
+      const position = String(positionOf(gain));
+      if (c.input.value !== position && gainOf(c.input.valueAsNumber) !== gain) c.input.value = position;
+      c.input.setAttribute('aria-valuetext', text.times(gainText(gain)));
+      c.root.style.setProperty('--at', String(Number(position) / SLIDER_MAX));
+      if (document.activeElement !== c.number) c.number.value = gainText(gain);
+      c.root.classList.toggle('changed', gain !== 1);
+      c.mute.setAttribute('aria-pressed', String(gain === 0 && !alone));
+      c.solo.setAttribute('aria-pressed', String(alone && gain !== 0));
+    }
+    const layer = studio.layer;
+    const index = studio.doc.layers.indexOf(layer);
+    whose.textContent = studio.doc.layers.length > 1 ? layer.name || text.layerName(index + 1) : '';
+  }
+
+  /** Bars of |W_j| under the cursor, beside each other on a scale of the largest. */
+  function meters(): void {
+    const most = Math.max(...studio.spectrum, 0);
+    for (const [j, c] of columns.entries()) {
+      const x = studio.spectrum[j] ?? 0;
+      c.meter.style.height = most > 0 ? `${(100 * x) / most}%` : '0';
+      c.root.title = x > 0 ? text.detailHere(short(x)) : '';
+    }
+  }
+
+  // A curve drawn over the bands: every column under the pointer takes its height.
+  let last: { level: number; position: number } | null = null;
+  const drawAt = (event: PointerEvent) => {
+    const hit = columns.findIndex((c) => {
+      const r = c.root.getBoundingClientRect();
+      return event.clientX >= r.left && event.clientX < r.right;
+    });
+    if (hit < 0 || !studio.arrived.has(hit + 1)) return;
+    const track = columns[hit]!.input.getBoundingClientRect();
+    const position = Math.round(
+      SLIDER_MAX * Math.min(1, Math.max(0, (track.bottom - 8 - event.clientY) / (track.height - 16))),
+    );
+    // Near the middle it is the middle that is meant.
+    const at = Math.abs(position - 100) < 4 ? 100 : position;
+    const from = last ?? { level: hit + 1, position: at };
+    let doc = studio.doc;
+    const n = Math.abs(hit + 1 - from.level);
+    for (let k = 0; k <= n; k++) {
+      const level = from.level + (n ? k * Math.sign(hit + 1 - from.level) : 0);
+      const p = n ? from.position + ((at - from.position) * k) / n : at;
+      if (studio.arrived.has(level)) doc = withGain(doc, studio.layer.key, level, gainOf(Math.round(p)));
+    }
+    last = { level: hit + 1, position: at };
+    studio.sliderTouched();
+    studio.view.touch();
+    studio.history.preview(doc);
+  };
+  bands.addEventListener('pointerdown', (event) => {
+    if (!drawing || (event.target as Element).closest('button, .number')) return;
+    event.preventDefault();
+    bands.setPointerCapture(event.pointerId);
+    last = null;
+    drawAt(event);
+  });
+  bands.addEventListener('pointermove', (event) => {
+    if (bands.hasPointerCapture(event.pointerId)) drawAt(event);
+  });
+  for (const end of ['pointerup', 'pointercancel'] as const) {
+    bands.addEventListener(end, (event) => {
+      if (!bands.hasPointerCapture(event.pointerId)) return;
+      bands.releasePointerCapture(event.pointerId);
+      studio.history.end();
+    });
+  }
+
+  studio.on('levels', rebuild);
+  studio.on('band', enable);
+  studio.on(['doc', 'selected'], refresh);
+  studio.on('spectrum', meters);
+
+  return h(
+    'section',
+    { class: 'equaliser', id: 'equaliser', 'aria-label': text.equaliser },
+    h(
+      'header',
+      {},
+      h('h2', {}, text.equaliser),
+      whose,
+      h('span', { class: 'space' }),
+      drawButton,
+      presets,
+      h(
+        'button',
+        {
+          type: 'button',
+          onclick: () => studio.changeLayer({ gains: fitted([], studio.nLevels) }, true),
+        },
+        text.reset,
+      ),
+      h('button', { type: 'button', onclick: () => openLevels(studio) }, text.levels),
+    ),
+    h(
+      'div',
+      { class: 'desk' },
+      h(
+        'div',
+        { class: 'scale', 'aria-hidden': 'true' },
+        ...['4', '2', '1', '½', '0'].map((t) => h('span', {}, t)),
+      ),
+      bands,
+    ),
+    h(
+      'footer',
+      {},
+      h('span', {}, text.fine),
+      h('span', { class: 'axis' }, text.axis),
+      h('span', {}, text.coarse),
+    ),
+  );
+}

@@ -1,0 +1,234 @@
+/** Files: open, save, download, recipe, picture; tabs for several shapes. */
+
+import type { fetchShape as FetchShape } from './boot';
+import { dialog } from './dialog';
+import { chooseFile, download, h, iconButton } from './dom';
+import type { Studio } from './studio';
+import { text } from './text';
+
+export class Files {
+  constructor(
+    private readonly studio: Studio,
+    private readonly fetchShape: typeof FetchShape,
+  ) {}
+
+  async go(id: number): Promise<void> {
+    try {
+      await this.studio.open(this.fetchShape(this.studio.api, id));
+    } catch (error) {
+      this.studio.say((error as Error).message, 'error');
+    }
+  }
+
+  async list(): Promise<void> {
+    this.studio.shapes = await this.studio.api.shapes();
+    this.studio.emit('shapes');
+  }
+
+  async openFile(file: File): Promise<void> {
+    const { studio } = this;
+    if (/\.toml$/i.test(file.name)) {
+      await this.try(async () => studio.takeRecipe(await file.text()));
+      return;
+    }
+    studio.say(text.reading(file.name));
+    await this.try(async () => {
+      const { id } = await studio.api.open(file, file.name);
+      await this.list();
+      await this.go(id);
+    });
+  }
+
+  async close(id: number): Promise<void> {
+    const { studio } = this;
+    await this.try(async () => {
+      const next = studio.shapes.shapes.find((s) => s.id !== id);
+      if (!next) {
+        studio.say(text.lastShape);
+        return;
+      }
+      if (studio.shape?.id === id) await this.go(next.id);
+      await studio.api.close(id);
+      await this.list();
+    });
+  }
+
+  private async try(what: () => Promise<void>): Promise<void> {
+    try {
+      await what();
+    } catch (error) {
+      this.studio.say((error as Error).message, 'error');
+    }
+  }
+
+  choose(): void {
+    chooseFile('', (file) => void this.openFile(file));
+  }
+
+  async save(name: string | null = null): Promise<void> {
+    const { studio } = this;
+    if (!studio.shape) return;
+    await this.try(async () => {
+      await studio.saver?.send();
+      const { path, notes } = await studio.api.save(studio.shape!.id, name);
+      studio.say([text.saved(path), ...notes].join(' '));
+    });
+  }
+
+  async picture(): Promise<void> {
+    await this.try(async () =>
+      download(await this.studio.view.picture(), `${stem(this.studio.shape!.name)}.png`),
+    );
+  }
+
+  /** All that leaves the studio, in one dialogue. */
+  menu(): void {
+    const { studio } = this;
+    const { shape } = studio;
+    if (!shape) return;
+    const name = h('input', { type: 'text', placeholder: text.saveNameHint, 'aria-label': text.saveName });
+    const format = h(
+      'select',
+      { 'aria-label': text.format },
+      ...shape.formats.map((f) => h('option', { value: f }, f)),
+    );
+    if (shape.formats.includes(shape.format)) format.value = shape.format;
+    const strength = h('input', {
+      type: 'number',
+      min: '0.1',
+      max: '10',
+      step: '0.1',
+      value: '1',
+      'aria-label': text.strength,
+    });
+    const button = (label: string, act: () => void, kind = '') =>
+      h('button', { type: 'button', class: kind, onclick: act }, label);
+    const box = dialog(
+      text.file,
+      h('h3', {}, text.save),
+      h('p', {}, text.saveNote),
+      h(
+        'div',
+        { class: 'row' },
+        name,
+        button(
+          text.save,
+          () => {
+            box.close();
+            void this.save(name.value.trim() || null);
+          },
+          'primary',
+        ),
+      ),
+      h('h3', {}, text.downloads),
+      h(
+        'div',
+        { class: 'row' },
+        format,
+        button(
+          text.download,
+          () =>
+            void this.try(async () => {
+              await studio.saver?.send();
+              const ending = format.value.toLowerCase();
+              download(await studio.api.download(shape.id, ending), `${stem(shape.name)}-edited.${ending}`);
+            }),
+        ),
+        button(text.picture, () => void this.picture()),
+      ),
+      h('h3', {}, text.recipe),
+      h('p', {}, text.recipeNote),
+      h(
+        'div',
+        { class: 'row' },
+        button(
+          text.recipeSave,
+          () =>
+            void this.try(async () => {
+              await studio.saver?.send();
+              const recipe = await studio.api.recipe(shape.id);
+              download(new Blob([recipe], { type: 'application/toml' }), `${stem(shape.name)}.toml`);
+            }),
+        ),
+        button(text.recipeOpen, () =>
+          chooseFile('.toml', (file) => {
+            box.close();
+            void this.try(async () => studio.takeRecipe(await file.text()));
+          }),
+        ),
+      ),
+      h('h3', {}, text.denoise),
+      h('p', {}, text.denoiseNote),
+      h(
+        'div',
+        { class: 'row' },
+        strength,
+        button(text.denoiseGo, () => {
+          box.close();
+          studio.say(text.working);
+          void this.try(async () => {
+            const made = await studio.api.denoise(shape.id, strength.valueAsNumber || 1);
+            await this.list();
+            await this.go(made.id);
+            studio.say(text.denoised(made.noise));
+          });
+        }),
+      ),
+      shape.notes.length ? h('h3', {}, text.notes) : null,
+      shape.notes.length ? h('ul', {}, ...shape.notes.map((n) => h('li', {}, n))) : null,
+    );
+  }
+
+  /** The shapes that are open, as tabs. */
+  tabs(): HTMLElement {
+    const { studio } = this;
+    const nav = h('nav', { class: 'tabs', 'aria-label': text.shapes });
+    const rebuild = () => {
+      nav.replaceChildren(
+        ...studio.shapes.shapes.map((s) => {
+          const here = s.id === studio.shape?.id;
+          return h(
+            'span',
+            { class: here ? 'tab here' : 'tab' },
+            h(
+              'button',
+              {
+                type: 'button',
+                'aria-current': here ? 'page' : undefined,
+                title: s.name,
+                onclick: () => void this.go(s.id),
+              },
+              s.name,
+            ),
+            studio.shapes.shapes.length > 1
+              ? iconButton('close', text.closeShape(s.name), () => void this.close(s.id))
+              : null,
+          );
+        }),
+        iconButton('plus', text.open, () => this.choose()),
+      );
+    };
+    studio.on(['shapes', 'shape'], rebuild);
+    return nav;
+  }
+
+  /** Files may be dropped anywhere. */
+  acceptDrops(target: HTMLElement): void {
+    target.addEventListener('dragover', (e) => {
+      e.preventDefault();
+      target.classList.add('dropping');
+    });
+    target.addEventListener('dragleave', (e) => {
+      if (!e.relatedTarget) target.classList.remove('dropping');
+    });
+    target.addEventListener('drop', (e) => {
+      e.preventDefault();
+      target.classList.remove('dropping');
+      for (const file of e.dataTransfer?.files ?? []) void this.openFile(file);
+    });
+  }
+}
+
+function stem(name: string): string {
+  return name.replace(/(\.gz)?$/i, '').replace(/\.[^.]*$/, '') || 'shape';
+}

@@ -1,0 +1,93 @@
+/** The keyboard. */
+
+import { brush } from './brush';
+import { dialog } from './dialog';
+import { h } from './dom';
+import type { Files } from './files';
+import type { Look } from './look';
+import type { Stage } from './stage';
+import type { Studio } from './studio';
+import { text } from './text';
+
+export function showKeys(): void {
+  dialog(
+    text.keys,
+    h(
+      'dl',
+      { class: 'keys' },
+      ...text.keyList.flatMap(([keys, what]) => [
+        h('dt', {}, ...keys.split(' ').map((k) => h('kbd', {}, k))),
+        h('dd', {}, what),
+      ]),
+    ),
+  );
+}
+
+export function listenToKeys(studio: Studio, stage: Stage, look: Look, files: Files): void {
+  const { view } = studio;
+  const views = { '1': ['front', 'back'], '3': ['right', 'left'], '7': ['top', 'bottom'] } as const;
+
+  window.addEventListener('keydown', (e) => {
+    const target = e.target instanceof HTMLElement ? e.target : document.body;
+    const typing =
+      target.matches('textarea, select, [contenteditable]') ||
+      (target instanceof HTMLInputElement && target.type !== 'range' && target.type !== 'checkbox');
+    const command = e.ctrlKey || e.metaKey;
+    const key = e.key.length === 1 ? e.key.toLowerCase() : e.key;
+    if (command && !e.altKey) {
+      if (key === 'z' && !typing) e.shiftKey ? studio.redo() : studio.undo();
+      else if (key === 'y' && !typing) studio.redo();
+      else if (key === 's') void files.save();
+      else if (key === 'o') files.choose();
+      else return;
+      e.preventDefault();
+      return;
+    }
+    if (typing || e.altKey || document.querySelector('dialog[open]')) return;
+    const number = (e.code.match(/^(?:Digit|Numpad)([137])$/) ?? [])[1] as keyof typeof views | undefined;
+    if (number) {
+      view.camera.look(views[number][e.shiftKey ? 1 : 0]);
+      view.touch();
+    } else if (e.key === '?') showKeys();
+    else if (e.key === '\\') studio.setBefore(true);
+    else if (key === 'b') studio.setBrush(!studio.brushOn);
+    else if (key === 'n') {
+      brush.subtract = !brush.subtract;
+      studio.emit('tool');
+    } else if (key === '[') stage.resizeBrush(1 / 1.15);
+    else if (key === ']') stage.resizeBrush(1.15);
+    else if (key === 's') look.toggleSplit();
+    else if (key === 'm') look.cycleStyle();
+    else if (key === 'c') look.toggleChange();
+    else if (key === 'f' || key === 'Home') {
+      if (key === 'Home' && target instanceof HTMLInputElement) return;
+      view.camera.frame();
+      view.touch();
+    } else if (key === 'l') studio.addLayer(text.layerName(studio.doc.layers.length + 1), null);
+    else if (key === 'e')
+      document.querySelector<HTMLInputElement>('.band input.gain:not(:disabled)')?.focus();
+    else if (key === ',' || key === '.') {
+      const { layers } = studio.doc;
+      const i = layers.indexOf(studio.layer) + (key === '.' ? 1 : -1);
+      if (layers[i]) studio.select(layers[i].key);
+    } else if (key === 'Escape') {
+      if (!stage.escape() && studio.brushOn) studio.setBrush(false);
+    } else if (target === view.canvas && e.key.startsWith('Arrow')) {
+      const [dx, dy] = { ArrowLeft: [-24, 0], ArrowRight: [24, 0], ArrowUp: [0, -24], ArrowDown: [0, 24] }[
+        e.key
+      ] as [number, number];
+      if (e.shiftKey) view.camera.pan(dx, dy);
+      else view.camera.turn(dx, dy);
+      view.touch();
+    } else if (target === view.canvas && (key === '+' || key === '-' || key === '=')) {
+      const r = view.canvas.getBoundingClientRect();
+      view.camera.zoom(key === '-' ? 1.15 : 1 / 1.15, r.width / 2, r.height / 2);
+      view.touch();
+    } else return;
+    e.preventDefault();
+  });
+  window.addEventListener('keyup', (e) => {
+    if (e.key === '\\') studio.setBefore(false);
+  });
+  window.addEventListener('blur', () => studio.setBefore(false));
+}

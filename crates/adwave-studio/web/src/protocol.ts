@@ -1,0 +1,102 @@
+/** What the page and the server say to each other, as PROTOCOL.md has it. */
+
+export type Place = { vertex: number } | { point: number[] };
+export type Length = number | string;
+
+export type Region =
+  | { vertices: { indices: number[]; radius: Length; falloff?: Length } }
+  | { stroke: { path: Place[]; radius: Length; falloff?: Length } }
+  | { ball: { centre: Place; radius: Length; falloff?: Length } }
+  | { box: { min: number[]; max: number[]; falloff?: Length } }
+  | { 'half-space': { point: number[]; normal: number[]; falloff?: Length } }
+  | { field: { name: string; low: number; high: number } }
+  | { faded: { factor: number; region: Region } }
+  | { painted: BrushStroke[] }
+  | { not: Region }
+  | { any: Region[] }
+  | { all: Region[] };
+
+/** One stroke of a brush: the larger of what is there and r, or the smaller of what is there and 1 − r. */
+export type BrushStroke = { add: Region } | { subtract: Region };
+
+export interface Layer {
+  name: string;
+  on: boolean;
+  opacity: number;
+  gains: number[];
+  region: Region | null;
+}
+
+export type Along = 'free' | 'normal' | 'surface' | 'x' | 'y' | 'z';
+export type Border = 'natural' | 'keep' | 'free';
+export type VolumeRule = 'free' | 'keep';
+
+export interface Edit {
+  revision: number;
+  layers: Layer[];
+  along: Along | null;
+  border: Border | null;
+  volume: VolumeRule | null;
+}
+
+export interface Level {
+  level: number;
+  steps: number;
+  sigma: number;
+  fwhm: number;
+}
+
+export interface FieldName {
+  name: string;
+  label: string;
+  unit: string;
+  edited: boolean;
+}
+
+export interface Shape {
+  id: number;
+  name: string;
+  format: string;
+  formats: string[];
+  kind: string;
+  n_vertices: number;
+  n_triangles: number;
+  centre: [number, number, number];
+  diagonal: number;
+  mean_length: number;
+  closed: boolean;
+  volume: number | null;
+  components: number;
+  notes: string[];
+  levels: Level[];
+  fields: FieldName[];
+  presets: { name: string; gains: number[] }[];
+  resumed: boolean;
+}
+
+export interface Moved {
+  revision: number;
+  greatest: number;
+  rms: number;
+  volume: [number, number] | null;
+}
+
+export interface Feature {
+  vertex: number;
+  position: [number, number, number];
+  level: number;
+  sigma: number;
+  strength: number;
+  sign: number;
+}
+
+export interface FieldInfo {
+  label: string;
+  unit: string;
+  diverging: boolean;
+}
+
+export interface ShapeList {
+  version: string;
+  shapes: { id: number; name: string }[];
+}

@@ -1,0 +1,147 @@
+/** Shaders of the shape: bands as vertex attributes, so that moving a slider is changing a uniform. */
+
+/** Attributes of a vertex that WebGL 2 promises. */
+const MOST_ATTRIBUTES = 16;
+
+/** How many packs of four masks fit beside `nLevels` bands, or null where the worker has to do it all. */
+export function maskPacks(nLevels: number, nMasks: number): number | null {
+  const packs = Math.ceil(nMasks / 4);
+  // Position, normal and scalar are always there.
+  return packs <= 2 && 3 + nLevels + packs <= MOST_ATTRIBUTES ? packs : null;
+}
+
+/** What a shader is written for. Each gets its own: without a graphics processor a branch costs even where it is not taken. */
+export interface Variant {
+  /** Bands that are summed: 0 where the positions are those to be drawn. */
+  nLevels: number;
+  /** Packs of four masks that the sum needs. */
+  packs: number;
+  cloud: boolean;
+  clay: boolean;
+  /** Normals by derivatives in place of those of the vertices. */
+  flat: boolean;
+  scalar: boolean;
+  tint: boolean;
+}
+
+export function vertexShader({ nLevels, packs, cloud, flat, scalar, tint }: Variant): string {
+  const levels = Array.from({ length: nLevels }, (_, j) => j);
+  const components = ['x', 'y', 'z', 'w'];
+  const nMasks = 4 * packs;
+  const masks = Array.from({ length: nMasks }, (_, m) => `masks${m >> 2}.${components[m & 3]}`);
+  const sum = levels.map((j) => {
+    const product = masks.map((r, m) => `(1.0 + ${r} * slopes[${j * nMasks + m}])`).join(' * ');
+    const gain = product ? `gains[${j}] * ${product}` : `gains[${j}]`;
+    return `  p += ((${gain} - 1.0) * scales[${j}]) * band${j}.xyz;`;
+  });
+  return `precision highp float;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform mat3 normalMatrix;
+${tint ? 'uniform vec4 tint;\nuniform vec4 tint1;\nout float vTint;' : ''}
+${cloud ? 'uniform float pointSize;' : ''}
+${nLevels ? `uniform float gains[${nLevels}];\nuniform float scales[${nLevels}];` : ''}
+${nLevels && nMasks ? `uniform float slopes[${nLevels * nMasks}];` : ''}
+in vec3 position;
+in vec4 normal;
+${scalar ? 'in float scalar;\nout float vScalar;' : ''}
+${tint || packs > 0 ? 'in vec4 masks0;' : ''}
+${tint || packs > 1 ? 'in vec4 masks1;' : ''}
+${levels.map((j) => `in vec4 band${j};`).join('\n')}
+${flat && !cloud ? '' : 'out vec3 vNormal;'}
+out vec3 vPlace;
+void main() {
+  vec3 p = position;
+${sum.join('\n')}
+  vec4 place = modelViewMatrix * vec4(p, 1.0);
+  vPlace = place.xyz;
+${flat && !cloud ? '' : '  vNormal = normalMatrix * normal.xyz;'}
+${scalar ? '  vScalar = scalar;' : ''}
+${tint ? '  vTint = dot(masks0, tint) + dot(masks1, tint1);' : ''}
+  gl_Position = projectionMatrix * place;
+${cloud ? '  gl_PointSize = clamp(pointSize / gl_Position.w, 1.5, 64.0);' : ''}
+}`;
+}
+
+const CLAY = `  // Fired clay: a broad highlight from above, a dark edge.
+  float rim = 1.0 - n.z;
+  float top = smoothstep(-0.6, 1.0, dot(n, vec3(-0.35, 0.76, 0.55)));
+  float shine = max(0.0, dot(n, vec3(-0.3, 0.55, 0.78)));
+  shine *= shine; shine *= shine; shine *= shine; shine *= shine;
+  vec3 light = base * (0.32 + 0.85 * top) * (1.0 - 0.55 * rim * rim) + vec3(0.2 * shine);`;
+
+const SHADED = `  float key = max(0.0, dot(n, vec3(-0.42, 0.56, 0.71)));
+  float fill = max(0.0, dot(n, vec3(0.88, -0.12, 0.46)));
+  vec3 light = base * (0.33 + 0.62 * key + 0.16 * fill + 0.06 * n.y);`;
+
+export function fragmentShader({ cloud, clay, flat, scalar, tint }: Variant): string {
+  const round = `  vec2 q = 2.0 * gl_PointCoord - 1.0;
+  if (dot(q, q) > 1.0) discard;
+  vec3 n = dot(vNormal, vNormal) > 1e-6 ? normalize(vNormal) : vec3(0.0, 0.0, 1.0);
+  if (n.z < 0.0) n = -n;`;
+  // What is turned away is seen from within: darker, and lit as if it faced the viewer.
+  const facing = flat
+    ? '  vec3 n = normalize(cross(dFdx(vPlace), dFdy(vPlace)));\n  float side = gl_FrontFacing ? 1.0 : 0.62;'
+    : '  float side = gl_FrontFacing ? 1.0 : 0.62;\n  vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);';
+  return `precision highp float;
+uniform vec3 surface;
+${tint ? 'uniform vec3 accent;\nin float vTint;' : ''}
+${scalar ? 'uniform vec2 range;\nuniform sampler2D colours;\nin float vScalar;' : ''}
+${flat && !cloud ? '' : 'in vec3 vNormal;'}
+in vec3 vPlace;
+out vec4 colour;
+void main() {
+${cloud ? round : facing}
+  vec3 base = surface;
+${scalar ? '  base = vScalar == vScalar ? texture(colours, vec2((vScalar - range.x) / (range.y - range.x), 0.5)).rgb : vec3(0.5);' : ''}
+${tint ? '  base = mix(base, accent, 0.72 * min(vTint, 1.0));' : ''}
+${cloud ? '' : '  base *= side;'}
+${clay ? CLAY : SHADED}
+  colour = vec4(light, 1.0);
+}`;
+}
+
+export const lineVertex = `precision highp float;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform float bias;
+in vec3 position;
+void main() {
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  gl_Position.z -= bias * gl_Position.w;
+}`;
+
+export const lineFragment = `precision highp float;
+uniform vec4 ink;
+out vec4 colour;
+void main() { colour = ink; }`;
+
+/** Balls of a width in model units, shaded as if they were round. */
+export const ballVertex = `precision highp float;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform float pixels; // pixels a unit at distance 1
+in vec3 position;
+in float size;
+in float sign;
+out float vSign;
+void main() {
+  vSign = sign;
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  gl_PointSize = clamp(size * pixels / gl_Position.w, 8.0, 48.0);
+  gl_Position.z -= 0.002 * gl_Position.w;
+}`;
+
+export const ballFragment = `precision highp float;
+uniform vec3 high;
+uniform vec3 low;
+in float vSign;
+out vec4 colour;
+void main() {
+  vec2 q = 2.0 * gl_PointCoord - 1.0;
+  float r = dot(q, q);
+  if (r > 1.0) discard;
+  vec3 n = vec3(q.x, -q.y, sqrt(1.0 - r));
+  float key = max(0.0, dot(n, normalize(vec3(-0.45, 0.6, 0.75))));
+  colour = vec4((vSign > 0.0 ? high : low) * (0.45 + 0.6 * key), 1.0);
+}`;

@@ -1,0 +1,388 @@
+/** The pointer over the picture: camera, brush, what is under the cursor. */
+
+import { brush, brushShape, halfRadius, painted, SPACING } from './brush';
+import type { BrushShape, PickAnswer } from './compute/messages';
+import type { Ray } from './compute/pick';
+import type { Studio } from './studio';
+import { text } from './text';
+
+interface Stroke {
+  pointer: number;
+  key: number;
+  shape: BrushShape;
+  /** Where the last stamp was, on the canvas. */
+  x: number;
+  y: number;
+  /** Distance of stamps on the canvas. */
+  spacing: number;
+  rays: Ray[];
+  busy: boolean;
+  ended: 'keep' | 'drop' | null;
+  stamped: number;
+}
+
+/** Pixels that a click may move. */
+const CLICK = 4;
+
+export class Stage {
+  private readonly pointers = new Map<number, { x: number; y: number }>();
+  private stroke: Stroke | null = null;
+  private hovering = false;
+  private hoverNext: { x: number; y: number } | null = null;
+  private turning: 'turn' | 'pan' | null = null;
+  private moved = 0;
+  private pinch = { distance: 0, angle: 0, x: 0, y: 0 };
+  /** The place under the cursor, on the surface. */
+  private over: PickAnswer | null = null;
+  private deciding: { id: number; x: number; y: number; invert: boolean; pressure: number } | null = null;
+  clicked: ((answer: PickAnswer, x: number, y: number) => void) | null = null;
+
+  constructor(
+    private readonly studio: Studio,
+    private readonly canvas: HTMLCanvasElement,
+  ) {
+    canvas.addEventListener('pointerdown', (e) => this.down(e));
+    canvas.addEventListener('pointermove', (e) => this.move(e));
+    canvas.addEventListener('pointerup', (e) => this.up(e));
+    canvas.addEventListener('pointercancel', (e) => this.up(e));
+    canvas.addEventListener('pointerleave', () => this.leave());
+    canvas.addEventListener('contextmenu', (e) => e.preventDefault());
+    canvas.addEventListener('dblclick', (e) => void this.setPivot(e));
+    canvas.addEventListener('wheel', (e) => this.wheel(e), { passive: false });
+    studio.on('tool', () => {
+      if (!studio.brushOn) studio.view.showRing(null, null);
+      canvas.classList.toggle('brushing', studio.brushOn);
+    });
+  }
+
+  private at(e: MouseEvent): { x: number; y: number } {
+    const r = this.canvas.getBoundingClientRect();
+    return { x: e.clientX - r.left, y: e.clientY - r.top };
+  }
+
+  private down(e: PointerEvent): void {
+    if (!this.studio.shape) return;
+    this.canvas.focus({ preventScroll: true });
+    this.canvas.setPointerCapture(e.pointerId);
+    const place = this.at(e);
+    this.pointers.set(e.pointerId, place);
+    this.moved = 0;
+    if (this.pointers.size === 2) {
+      // A second finger: what was begun is a turn, not a stroke.
+      this.deciding = null;
+      if (this.stroke) this.end('drop');
+      this.turning = null;
+      this.startPinch();
+      return;
+    }
+    const pans = e.button === 1 || e.button === 2 || e.shiftKey;
+    if (this.studio.brushOn && !pans && e.button === 0 && !this.studio.pickNext) {
+      const pressure = e.pointerType === 'pen' && e.pressure > 0 ? 0.3 + 0.7 * e.pressure : 1;
+      this.deciding = { id: e.pointerId, ...place, invert: e.ctrlKey || e.metaKey, pressure };
+      void this.decide(this.deciding);
+      return;
+    }
+    this.turning = pans ? 'pan' : 'turn';
+  }
+
+  /** On the surface the brush paints; beside it the pointer turns the shape. */
+  private async decide(begun: NonNullable<Stage['deciding']>): Promise<void> {
+    const { studio } = this;
+    const shape = brushShape(studio, begun.pressure, begun.invert);
+    const ray = studio.view.camera.ray(begun.x, begun.y);
+    const answer = await studio.engine.call('pick', { ray, ring: null });
+    if (this.deciding !== begun) {
+      return;
+    }
+    this.deciding = null;
+    if (!answer.hit) {
+      if (this.pointers.has(begun.id)) this.turning = 'turn';
+      return;
+    }
+    if (!studio.layer.region) {
+      // Painting on what acts everywhere makes a layer of its own; both are one step.
+      studio.addLayer(text.layerName(studio.doc.layers.length + 1), { painted: [] }, false);
+      studio.say(text.paintedLayer);
+    }
+    await studio.showMask(studio.layer);
+    const scale = studio.view.camera.project(answer.hit.point).scale;
+    this.stroke = {
+      pointer: begun.id,
+      key: studio.layer.key,
+      shape,
+      x: begun.x,
+      y: begun.y,
+      spacing: Math.max(2, SPACING * shape.radius * scale),
+      rays: [ray],
+      busy: false,
+      ended: this.pointers.has(begun.id) ? null : 'keep',
+      stamped: 0,
+    };
+    void this.paint();
+  }
+
+  private async paint(): Promise<void> {
+    const { stroke, studio } = this;
+    if (!stroke || stroke.busy) return;
+    if (stroke.rays.length === 0) {
+      if (stroke.ended) await this.finish(stroke);
+      return;
+    }
+    stroke.busy = true;
+    const rays = stroke.rays.splice(0);
+    try {
+      const answer = await studio.engine.call('paint', {
+        key: stroke.key,
+        rays,
+        brush: stroke.shape,
+        ring: halfRadius(stroke.shape),
+      });
+      stroke.stamped += answer.stamped;
+      if (answer.stamped) studio.timings.stamp.push(answer.stampTook);
+      studio.view.showRing(answer.outer, answer.inner);
+      studio.showSpectrum(answer.spectrum);
+      if (answer.stamped) {
+        studio.view.touch();
+        studio.show(false);
+      }
+    } catch (error) {
+      studio.say((error as Error).message, 'error');
+      stroke.ended = 'drop';
+    }
+    stroke.busy = false;
+    void this.paint();
+  }
+
+  private end(how: 'keep' | 'drop'): void {
+    if (!this.stroke) return;
+    this.stroke.ended = how;
+    if (how === 'drop') this.stroke.rays = [];
+    void this.paint();
+  }
+
+  private async finish(stroke: Stroke): Promise<void> {
+    const { studio } = this;
+    this.stroke = null;
+    const keep = stroke.ended === 'keep' && stroke.stamped > 0;
+    const layer = studio.doc.layers.find((l) => l.key === stroke.key);
+    const region = layer ? painted(layer.region, [], stroke.shape) : null;
+    const child = region ? studio.regionId(region) : -1;
+    const { indices } = await studio.engine.call('paintEnd', {
+      key: stroke.key,
+      keep: keep && region !== null,
+      child,
+      brush: stroke.shape,
+    });
+    if (!keep || !region) {
+      studio.history.cancel();
+      studio.settle();
+      return;
+    }
+    stampsOf(region).push(...indices);
+    studio.changeLayer({ region }, false, stroke.key);
+    studio.history.end();
+  }
+
+  private move(e: PointerEvent): void {
+    const place = this.at(e);
+    const before = this.pointers.get(e.pointerId);
+    if (!before) {
+      this.hover(place);
+      return;
+    }
+    const dx = place.x - before.x;
+    const dy = place.y - before.y;
+    this.moved += Math.abs(dx) + Math.abs(dy);
+    this.pointers.set(e.pointerId, place);
+    const { camera } = this.studio.view;
+    if (this.pointers.size === 2) {
+      this.movePinch();
+    } else if (this.stroke?.pointer === e.pointerId) {
+      // Browsers merge samples of a frame; a stroke follows all of them.
+      const samples = e.getCoalescedEvents?.() ?? [];
+      for (const sample of samples.length ? samples : [e]) this.along(this.at(sample));
+      void this.paint();
+      return;
+    } else if (this.turning === 'turn') camera.turn(dx, dy);
+    else if (this.turning === 'pan') camera.pan(dx, dy);
+    else return;
+    this.studio.view.touch();
+  }
+
+  /** Rays at even distances from the last stamp to here. */
+  private along(place: { x: number; y: number }): void {
+    const stroke = this.stroke!;
+    let length = Math.hypot(place.x - stroke.x, place.y - stroke.y);
+    while (length >= stroke.spacing) {
+      const t = stroke.spacing / length;
+      stroke.x += (place.x - stroke.x) * t;
+      stroke.y += (place.y - stroke.y) * t;
+      stroke.rays.push(this.studio.view.camera.ray(stroke.x, stroke.y));
+      length = Math.hypot(place.x - stroke.x, place.y - stroke.y);
+    }
+  }
+
+  private up(e: PointerEvent): void {
+    if (!this.pointers.delete(e.pointerId)) return;
+    if (this.stroke?.pointer === e.pointerId) {
+      this.end(e.type === 'pointercancel' ? 'drop' : 'keep');
+      return;
+    }
+    const clicked = this.moved < CLICK && this.turning === 'turn' && e.button === 0;
+    if (this.pointers.size === 0) this.turning = null;
+    else this.turning = 'turn';
+    if (clicked) void this.click(this.at(e));
+  }
+
+  private async click(place: { x: number; y: number }): Promise<void> {
+    const { studio } = this;
+    const ray = studio.view.camera.ray(place.x, place.y);
+    const answer = await studio.engine.call('pick', { ray, ring: null });
+    if (answer.hit) studio.lastVertex = answer.hit.vertex;
+    if (studio.pickNext) {
+      if (!answer.hit) {
+        studio.say(text.missed);
+        return;
+      }
+      const next = studio.pickNext;
+      studio.pickNext = null;
+      next(answer.hit.vertex);
+      return;
+    }
+    this.clicked?.(answer, place.x, place.y);
+  }
+
+  /** Gives up the stroke that is going on, or a pick that was asked for. */
+  escape(): boolean {
+    if (this.studio.pickNext) {
+      this.studio.pickNext = null;
+      return true;
+    }
+    if (!this.stroke) return false;
+    this.end('drop');
+    return true;
+  }
+
+  private hover(place: { x: number; y: number }): void {
+    this.hoverNext = place;
+    if (this.hovering || !this.studio.shape) return;
+    this.hovering = true;
+    void this.hoverLoop().finally(() => {
+      this.hovering = false;
+    });
+  }
+
+  private async hoverLoop(): Promise<void> {
+    const { studio } = this;
+    while (this.hoverNext) {
+      const place = this.hoverNext;
+      this.hoverNext = null;
+      const shape = brushShape(studio, 1, false);
+      const ring = studio.brushOn ? { radius: shape.radius, half: halfRadius(shape) } : null;
+      const answer = await studio.engine.call('pick', {
+        ray: studio.view.camera.ray(place.x, place.y),
+        ring,
+      });
+      studio.timings.pick.push(answer.took);
+      this.over = answer;
+      if (studio.brushOn && !this.stroke) {
+        const flat = answer.hit && !answer.outer ? flatRing(answer, shape.radius) : null;
+        studio.view.showRing(answer.outer ?? flat, answer.inner);
+      }
+      studio.showSpectrum(answer.spectrum);
+      // One pick a frame is all that can be seen.
+      await new Promise((done) => requestAnimationFrame(done));
+    }
+  }
+
+  private leave(): void {
+    this.hoverNext = null;
+    this.over = null;
+    if (!this.stroke) this.studio.view.showRing(null, null);
+  }
+
+  get hovered(): PickAnswer | null {
+    return this.over;
+  }
+
+  private wheel(e: WheelEvent): void {
+    e.preventDefault();
+    const { x, y } = this.at(e);
+    const lines = e.deltaMode === 1 ? 16 : 1;
+    if (this.studio.brushOn && e.altKey) {
+      this.resizeBrush(e.deltaY > 0 ? 1 / 1.1 : 1.1);
+      return;
+    }
+    this.studio.view.camera.zoom(Math.exp(Math.max(-60, Math.min(60, e.deltaY * lines)) * 0.0025), x, y);
+    this.studio.view.touch();
+  }
+
+  resizeBrush(factor: number): void {
+    brush.radius =
+      Math.round(2 * Math.min(30, Math.max(0.5, brush.radius * factor + (factor > 1 ? 0.25 : -0.25)))) / 2;
+    this.studio.emit('tool');
+  }
+
+  private async setPivot(e: MouseEvent): Promise<void> {
+    const { x, y } = this.at(e);
+    const answer = await this.studio.engine.call('pick', {
+      ray: this.studio.view.camera.ray(x, y),
+      ring: null,
+    });
+    if (!answer.hit) return;
+    this.studio.view.camera.setPivot(answer.hit.point);
+    this.studio.view.touch();
+  }
+
+  private startPinch(): void {
+    const [a, b] = [...this.pointers.values()] as [{ x: number; y: number }, { x: number; y: number }];
+    this.pinch = {
+      distance: Math.hypot(a.x - b.x, a.y - b.y),
+      angle: Math.atan2(b.y - a.y, b.x - a.x),
+      x: (a.x + b.x) / 2,
+      y: (a.y + b.y) / 2,
+    };
+  }
+
+  /** Two fingers: the distance zooms; together they turn where one finger paints, else pan. */
+  private movePinch(): void {
+    const { camera } = this.studio.view;
+    const before = this.pinch;
+    this.startPinch();
+    const now = this.pinch;
+    if (before.distance > 0 && now.distance > 0) camera.zoom(before.distance / now.distance, now.x, now.y);
+    if (this.studio.brushOn) camera.turn(now.x - before.x, now.y - before.y);
+    else camera.pan(now.x - before.x, now.y - before.y);
+    camera.roll(now.angle - before.angle);
+  }
+}
+
+/** The list of vertices within the last stroke of a region, which is filled once the worker has said it. */
+function stampsOf(region: ReturnType<typeof painted>): number[] {
+  if (!('painted' in region)) return [];
+  const stroke = region.painted.at(-1)!;
+  let inner = 'add' in stroke ? stroke.add : stroke.subtract;
+  if ('faded' in inner) inner = inner.faded.region;
+  return 'vertices' in inner ? inner.vertices.indices : [];
+}
+
+/** A circle in the tangent plane, where distances along the surface are not drawn. */
+function flatRing(answer: PickAnswer, radius: number): Float32Array {
+  const { point, normal } = answer.hit!;
+  const [nx, ny, nz] = normal;
+  const a = Math.abs(nx) < 0.8 ? [0, -nz, ny] : [nz, 0, -nx];
+  const length = Math.hypot(...a);
+  const u = a.map((x) => x / length) as [number, number, number];
+  const v = [ny * u[2] - nz * u[1], nz * u[0] - nx * u[2], nx * u[1] - ny * u[0]];
+  const n = 64;
+  const out = new Float32Array(6 * n);
+  for (let i = 0; i < n; i++) {
+    for (const end of [0, 1]) {
+      const t = (2 * Math.PI * (i + end)) / n;
+      for (let c = 0; c < 3; c++) {
+        out[6 * i + 3 * end + c] = point[c]! + radius * (Math.cos(t) * u[c]! + Math.sin(t) * v[c]!);
+      }
+    }
+  }
+  return out;
+}

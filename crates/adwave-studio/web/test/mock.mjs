@@ -1,0 +1,303 @@
+/**
+ * A small server that speaks PROTOCOL.md, for trials of the page without the real one: a bumpy sphere of any size, whose
+ * bands are waves along its normals. `node test/mock.mjs [VERTICES] [--port N] [--cloud]` prints the address.
+ */
+
+import { readFile } from 'node:fs/promises';
+import { createServer } from 'node:http';
+import { extname, join, normalize } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+const POLICY =
+  "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob: data:; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css' };
+const TOKEN = 'mock-token';
+
+/** A closed grid of rings between two poles, wavy along its normals: what each wave adds is a band. */
+export function bumpySphere(wanted, nLevels = 8) {
+  const rings = Math.max(3, Math.round(Math.sqrt(wanted / 2)));
+  const around = Math.max(4, Math.round((wanted - 2) / rings));
+  const n = rings * around + 2;
+  const sphere = new Float64Array(3 * n);
+  const at = (r, a) => 1 + r * around + (a % around);
+  for (let r = 0; r < rings; r++) {
+    const theta = (Math.PI * (r + 1)) / (rings + 1);
+    for (let a = 0; a < around; a++) {
+      const phi = (2 * Math.PI * a) / around;
+      sphere.set(
+        [Math.sin(theta) * Math.cos(phi), Math.cos(theta), -Math.sin(theta) * Math.sin(phi)],
+        3 * at(r, a),
+      );
+    }
+  }
+  sphere.set([0, 1, 0], 0);
+  sphere.set([0, -1, 0], 3 * (n - 1));
+  const triangles = new Uint32Array(6 * rings * around);
+  let k = 0;
+  for (let a = 0; a < around; a++) {
+    triangles.set([0, at(0, a), at(0, a + 1)], k);
+    k += 3;
+    triangles.set([n - 1, at(rings - 1, a + 1), at(rings - 1, a)], k);
+    k += 3;
+    for (let r = 0; r + 1 < rings; r++) {
+      triangles.set([at(r, a), at(r + 1, a), at(r + 1, a + 1), at(r, a), at(r + 1, a + 1), at(r, a + 1)], k);
+      k += 6;
+    }
+  }
+  const positions = Float32Array.from(sphere);
+  const bands = [];
+  for (let j = 1; j <= nLevels; j++) {
+    const frequency = 60 / 1.6 ** (j - 1);
+    const amplitude = 0.006 * 1.45 ** (j - 1);
+    const scale = amplitude / 32767;
+    const values = new Int16Array(4 * n);
+    for (let v = 0; v < n; v++) {
+      const [x, y, z] = sphere.subarray(3 * v, 3 * v + 3);
+      const wave = Math.sin(frequency * x + j) * Math.sin(frequency * y + 2 * j) * Math.sin(frequency * z);
+      // Fine detail on one side only, so that places differ.
+      const w = wave * (j < 4 ? 0.5 + 0.5 * y : 1);
+      for (let c = 0; c < 3; c++) {
+        const q = Math.round(32767 * w * sphere[3 * v + c]);
+        values[4 * v + c] = q;
+        positions[3 * v + c] += q * scale;
+      }
+    }
+    bands.push({ level: j, scale, values, sigma: 0.01 * 1.6 ** (j - 1) });
+  }
+  return { n, positions, triangles, bands };
+}
+
+function gainAt(layers, j) {
+  let gain = 1;
+  for (const l of layers) if (l.on && !l.region) gain *= 1 + l.opacity * ((l.gains[j] ?? 1) - 1);
+  return gain;
+}
+
+/** Regions are 1 everywhere here: good enough for trials of the page, whose own masks are what is looked at. */
+export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, levels = 8 } = {}) {
+  const model = bumpySphere(vertices, levels);
+  const name = cloud ? 'bumpy.pts' : 'bumpy.ply';
+  let edit = {
+    revision: 0,
+    layers: [{ name: '', on: true, opacity: 1, gains: Array(levels).fill(1), region: null }],
+    along: null,
+    border: 'natural',
+    volume: 'free',
+  };
+  const shapes = [{ id: 1, name }];
+  const describe = (id) => ({
+    id,
+    name: shapes.find((s) => s.id === id)?.name ?? name,
+    format: 'PLY',
+    formats: ['PLY', 'OBJ', 'STL'],
+    kind: cloud ? 'cloud' : 'mesh',
+    n_vertices: model.n,
+    n_triangles: cloud ? 0 : model.triangles.length / 3,
+    centre: [0, 0, 0],
+    diagonal: 3.5,
+    mean_length: 3.5 / Math.sqrt(model.n),
+    closed: !cloud,
+    volume: cloud ? null : 4.19,
+    components: 1,
+    notes: ['made by the mock server'],
+    levels: model.bands.map((b) => ({
+      level: b.level,
+      steps: 2 ** (b.level - 1),
+      sigma: b.sigma,
+      fwhm: 1.665 * b.sigma,
+    })),
+    fields: [
+      { name: 'mean-curvature', label: 'mean curvature', unit: '1/unit', edited: true },
+      { name: 'saliency', label: 'saliency', unit: '', edited: true },
+    ],
+    presets: [
+      { name: 'smooth', gains: Array.from({ length: levels }, (_, j) => (j < 3 ? 0 : 1)) },
+      { name: 'enhance', gains: Array.from({ length: levels }, (_, j) => (j < 4 ? 2 : 1)) },
+    ],
+    resumed: edit.revision > 0,
+  });
+  const edited = () => {
+    const out = model.positions.slice();
+    for (const [j, b] of model.bands.entries()) {
+      const c = (gainAt(edit.layers, j) - 1) * b.scale;
+      if (c === 0) continue;
+      for (let v = 0; v < model.n; v++) {
+        for (let d = 0; d < 3; d++) out[3 * v + d] += c * b.values[4 * v + d];
+      }
+    }
+    return out;
+  };
+  const moved = () => {
+    const a = model.positions;
+    const b = edited();
+    let most = 0;
+    let sum = 0;
+    for (let i = 0; i < a.length; i += 3) {
+      const d = (b[i] - a[i]) ** 2 + (b[i + 1] - a[i + 1]) ** 2 + (b[i + 2] - a[i + 2]) ** 2;
+      sum += d;
+      most = Math.max(most, d);
+    }
+    return {
+      revision: edit.revision,
+      greatest: Math.sqrt(most),
+      rms: Math.sqrt(sum / model.n),
+      volume: cloud ? null : [4.19, 4.19],
+    };
+  };
+
+  const bytes = (array) => Buffer.from(array.buffer, array.byteOffset, array.byteLength);
+  async function answer(request, response, url, body) {
+    const json = (value, status = 200) => {
+      response.writeHead(status, { 'Content-Type': 'application/json' });
+      response.end(JSON.stringify(value));
+    };
+    const raw = (array, headers = {}) => {
+      const b = bytes(array);
+      response.writeHead(200, {
+        'Content-Type': 'application/octet-stream',
+        'Content-Length': b.length,
+        ...headers,
+      });
+      response.end(b);
+    };
+    if (request.headers.authorization !== `Bearer ${TOKEN}`)
+      return json({ error: 'The token is wrong.' }, 401);
+    const [, , , id, what] = url.pathname.split('/');
+    const { method } = request;
+    if (!id) {
+      if (method === 'GET') return json({ version: 'mock', shapes });
+      const shape = { id: shapes.length + 1, name: url.searchParams.get('name') };
+      shapes.push(shape);
+      return json(shape);
+    }
+    if (!shapes.some((s) => s.id === Number(id)))
+      return json({ error: `No shape has the number ${id}.` }, 404);
+    switch (`${method} ${what ?? ''}`) {
+      case 'GET ':
+        return json(describe(Number(id)));
+      case 'DELETE ':
+        shapes.splice(
+          shapes.findIndex((s) => s.id === Number(id)),
+          1,
+        );
+        return json({});
+      case 'GET positions':
+        return raw(model.positions);
+      case 'GET triangles':
+        return raw(cloud ? new Uint32Array(0) : model.triangles);
+      case 'PUT levels':
+        return json(describe(1).levels);
+      case 'GET bands': {
+        response.writeHead(200, { 'Content-Type': 'application/octet-stream' });
+        for (const band of model.bands.toReversed()) {
+          const head = Buffer.alloc(8);
+          head.writeUInt32LE(band.level, 0);
+          head.writeFloatLE(band.scale, 4);
+          response.write(head);
+          if (!response.write(bytes(band.values))) await new Promise((done) => response.once('drain', done));
+        }
+        return response.end();
+      }
+      case 'GET edit':
+        return json(edit);
+      case 'PUT edit': {
+        const next = JSON.parse(body);
+        if (next.revision <= edit.revision) return json(edit, 409);
+        edit = next;
+        return json(moved());
+      }
+      case 'GET exact':
+        return raw(edited());
+      case 'POST weights':
+        return raw(
+          new Uint8Array(model.n).map((_, v) => Math.round(127 + 127 * model.positions[3 * v + 1] * 0.9)),
+        );
+      case 'GET field': {
+        const which = url.searchParams.get('name');
+        const field = new Float32Array(model.n).map((_, v) => {
+          const b = model.bands[3].values;
+          const x = Math.hypot(b[4 * v], b[4 * v + 1], b[4 * v + 2]) / 32767;
+          return which === 'saliency' ? x : x * Math.sign(model.positions[3 * v]);
+        });
+        const info = {
+          label: which.replace('-', ' '),
+          unit: which === 'saliency' ? '' : '1/unit',
+          diverging: which !== 'saliency',
+        };
+        return raw(field, { 'X-Field': JSON.stringify(info) });
+      }
+      case 'GET features':
+        return json(
+          Array.from({ length: 24 }, (_, i) => {
+            const v = Math.floor((i * model.n) / 24);
+            const position = [...model.positions.subarray(3 * v, 3 * v + 3)];
+            return {
+              vertex: v,
+              position,
+              level: 1 + (i % 4),
+              sigma: 0.03 + 0.01 * (i % 4),
+              strength: i,
+              sign: i % 2 ? 1 : -1,
+            };
+          }),
+        );
+      case 'GET recipe':
+        response.writeHead(200, { 'Content-Type': 'application/toml' });
+        return response.end(`levels = ${levels}\n# ${JSON.stringify(edit.layers)}\n`);
+      case 'PUT recipe':
+        return json({ levels: describe(1).levels, edit });
+      case 'POST save':
+        return json({
+          path: `/tmp/${JSON.parse(body).name ?? 'bumpy-edited.ply'}`,
+          notes: ['Nothing was written: this is the mock server.'],
+        });
+      case 'GET download':
+        return raw(edited());
+      default:
+        return json({ error: `There is no ${method} ${url.pathname}.` }, 404);
+    }
+  }
+
+  const server = createServer(async (request, response) => {
+    const url = new URL(request.url, 'http://localhost');
+    for (const [k, v] of Object.entries({
+      'Content-Security-Policy': POLICY,
+      'Cross-Origin-Opener-Policy': 'same-origin',
+      'Cross-Origin-Embedder-Policy': 'require-corp',
+      'Cross-Origin-Resource-Policy': 'same-origin',
+      'X-Content-Type-Options': 'nosniff',
+      'Cache-Control': 'no-store',
+    })) {
+      response.setHeader(k, v);
+    }
+    try {
+      if (url.pathname.startsWith('/api/')) {
+        const chunks = [];
+        for await (const chunk of request) chunks.push(chunk);
+        await answer(request, response, url, Buffer.concat(chunks).toString());
+        return;
+      }
+      const path = normalize(url.pathname === '/' ? '/index.html' : url.pathname);
+      const file = await readFile(join(dist, path));
+      response.writeHead(200, { 'Content-Type': TYPES[extname(path)] ?? 'application/octet-stream' });
+      response.end(file);
+    } catch (error) {
+      if (!response.headersSent) response.writeHead(error.code === 'ENOENT' ? 404 : 500);
+      response.end(String(error));
+    }
+  });
+  return new Promise((done) => {
+    server.listen(port, '127.0.0.1', () => {
+      done({ url: `http://127.0.0.1:${server.address().port}/#${TOKEN}`, server, n: model.n });
+    });
+  });
+}
+
+if (import.meta.url === pathToFileURL(process.argv[1] ?? '').href) {
+  const args = process.argv.slice(2);
+  const port = args.includes('--port') ? Number(args[args.indexOf('--port') + 1]) : 0;
+  const vertices = Number(args.find((a, i) => /^\d+$/.test(a) && args[i - 1] !== '--port') ?? 20_000);
+  const dist = new URL('../dist', import.meta.url).pathname;
+  const { url, n } = await mockServer({ vertices, port, dist, cloud: args.includes('--cloud') });
+  console.log(`${url}   ${n} vertices`);
+}
