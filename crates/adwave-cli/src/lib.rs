@@ -55,11 +55,14 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
     let global = Global::new(&cli.global, &arguments, cancel);
     let outcome = match cli.global.threads {
         None => dispatch(&cli.command, &global),
-        Some(threads) => rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.get())
-            .build()
-            .map_err(|e| CliError::Environment(format!("cannot start {threads} threads: {e}")))
-            .and_then(|pool| pool.install(|| dispatch(&cli.command, &global))),
+        Some(asked) => {
+            let threads = started(asked.get(), &global);
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .map_err(|e| CliError::Environment(format!("cannot start {threads} threads: {e}")))
+                .and_then(|pool| pool.install(|| dispatch(&cli.command, &global)))
+        }
     };
     // Who stops a run may take its temporary files away at once; the write that fails then is part of the stop.
     let outcome = match outcome {
@@ -74,6 +77,21 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
             error.exit_code()
         }
     }
+}
+
+/// Threads that a core gets at the most: more only wait for each other.
+const THREADS_A_CORE: usize = 4;
+
+/// How many threads are started where so many are asked for.
+fn started(asked: usize, global: &Global<'_>) -> usize {
+    let most = THREADS_A_CORE * std::thread::available_parallelism().map_or(1, Into::into);
+    if asked > most {
+        output::note(
+            global,
+            &format!("{asked} threads are more than {THREADS_A_CORE} a core; {most} are started"),
+        );
+    }
+    asked.min(most)
 }
 
 fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {

@@ -1,5 +1,6 @@
 //! How far a shape moved, and what became of its area and volume.
 
+use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{note, number};
 use adwave::Progress;
@@ -66,6 +67,17 @@ impl Movement {
             this.volumes = Some(Change::new(volume(&before), volume(&after), unit.powi(3)));
         }
         this
+    }
+
+    /// Refuses positions so far off that no number says how far.
+    pub(crate) fn check(&self) -> Result<(), CliError> {
+        if self.moved.max.is_finite() {
+            return Ok(());
+        }
+        let vertex = self.moved.furthest;
+        Err(CliError::Input(format!(
+            "vertex {vertex} would move farther than numbers reach; are gains that large meant?"
+        )))
     }
 
     /// A note where this is hardly a change of bands any more: vertices moved farther than a few widths of the widest, or half of

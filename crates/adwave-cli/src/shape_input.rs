@@ -88,6 +88,7 @@ fn read(source: &str) -> Result<ShapeFile, CliError> {
         let mut bytes = Vec::new();
         std::io::stdin()
             .lock()
+            .take(limits.max_bytes.saturating_add(1))
             .read_to_end(&mut bytes)
             .map_err(|e| CliError::Environment(format!("cannot read the standard input: {e}")))?;
         read_bytes(bytes, None, &limits)

@@ -306,3 +306,51 @@ fn every_messy_file_gives_a_result_or_one_line() {
     }
     assert!(n_done > 80, "only {n_done} files gave a result");
 }
+
+#[test]
+fn results_that_do_not_fit_are_refused_before_the_old_file_is_touched() {
+    let folder = tempfile::tempdir().unwrap();
+    for (file, gains) in [("a.stl", "1e40,1"), ("a.ply", "1e308,1e308"), ("a.obj", "1e308,1e308,1e308")] {
+        let path = folder.path().join(file);
+        fs::write(&path, "old").unwrap();
+        let line = format!("filter sample:creature --vertices 2000 -o {file} --gains {gains}");
+        let output = adwave(folder.path()).args(words(&line)).assert().code(2).get_output().clone();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(told.contains("range of 32-bit floats") || told.contains("would"), "{told}");
+        assert_eq!(fs::read(&path).unwrap(), b"old", "{file}");
+    }
+}
+
+#[test]
+fn numbers_below_zero_and_counts_of_zero_are_read_as_they_are_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    adwave(folder.path())
+        .args(words("filter sample:creature --vertices 2000 -o a.ply --gains -0.5,1"))
+        .assert()
+        .success();
+    for line in [
+        "info sample:sphere --levels -1",
+        "info sample:sphere --threads 0",
+        "info sample:sphere --rings 0",
+        "info sample:sphere --neighbours x",
+    ] {
+        let output = adwave(folder.path()).args(words(line)).assert().code(2).get_output().clone();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(told.contains("it takes a whole number") && !told.contains("type"), "{told}");
+    }
+    let many = adwave(folder.path()).args(words("info sample:sphere --threads 10000")).assert().success();
+    let told = String::from_utf8(many.get_output().stderr.clone()).unwrap();
+    assert!(told.contains("more than 4 a core"), "{told}");
+}
+
+#[test]
+fn an_empty_recipe_says_that_it_does_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("empty.toml"), "").unwrap();
+    let done = adwave(folder.path())
+        .args(words("filter sample:creature --vertices 2000 -o a.ply --recipe empty.toml"))
+        .assert()
+        .success();
+    let told = String::from_utf8(done.get_output().stderr.clone()).unwrap();
+    assert!(told.contains("nothing is changed"), "{told}");
+}

@@ -25,6 +25,7 @@ use adwave::operator::OperatorKind;
 use adwave::positions::{Along, Borders, PositionParams, Volume};
 use adwave::region::Length;
 use serde::{Deserialize, Serialize, Serializer};
+use std::io::Read;
 use std::path::Path;
 
 /// Which levels a recipe is for.
@@ -167,13 +168,21 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
     })
 }
 
+/// Bytes of a recipe at the most: a hundred thousand strokes.
+const MAX_BYTES: u64 = 256 << 20;
+
 /// Reads the recipe in the file `path`.
 ///
 /// # Errors
 /// [`ReadError`] when the file cannot be read or holds no recipe.
 pub fn read_recipe(path: &Path) -> Result<Recipe, ReadError> {
     let read = || {
-        let text = std::fs::read_to_string(path)?;
+        let mut text = String::new();
+        let mut file = std::fs::File::open(path)?.take(MAX_BYTES + 1);
+        file.read_to_string(&mut text)?;
+        if text.len() as u64 > MAX_BYTES {
+            return Err(ReadError::Limit { what: "bytes", found: text.len() as u64, limit: MAX_BYTES });
+        }
         parse_recipe(&text)
     };
     read().map_err(|e| e.in_file(path))

@@ -29,6 +29,14 @@ pub enum ShapeFileError {
         /// How many vertices there are.
         n_vertices: usize,
     },
+    /// A new position that is none.
+    #[error("vertex {vertex} would be at ({}, {}, {}); are gains, lengths or noise that large meant?", .point[0], .point[1], .point[2])]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+        /// Where it would be.
+        point: [f64; 3],
+    },
     /// A field does not have one row per vertex or face.
     #[error("field `{name}` has {found} rows for {n} {of}; give one row for each")]
     FieldRows {

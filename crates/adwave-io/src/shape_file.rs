@@ -211,10 +211,17 @@ impl ShapeFile {
     /// Replaces the coordinates of all vertices.
     ///
     /// # Errors
-    /// [`ShapeFileError::PointCount`] when there are not as many points as vertices.
+    /// [`ShapeFileError::PointCount`] when there are not as many points as vertices, [`ShapeFileError::NotFinite`] when one is at no
+    /// place where the old one was at one.
     pub fn set_points(&mut self, points: Vec<[f64; 3]>) -> Result<(), ShapeFileError> {
         if points.len() != self.n_vertices {
             return Err(ShapeFileError::PointCount { found: points.len(), n_vertices: self.n_vertices });
+        }
+        let is_finite = |p: &[f64; 3]| p.iter().all(|c| c.is_finite());
+        let lost =
+            |vertex: &usize| !is_finite(&points[*vertex]) && self.points.get(*vertex).is_none_or(is_finite);
+        if let Some(vertex) = (0..points.len()).find(lost) {
+            return Err(ShapeFileError::NotFinite { vertex, point: points[vertex] });
         }
         self.points = Arc::new(points);
         self.moved = true;

@@ -7,7 +7,7 @@ use adwave::Progress;
 
 use crate::original::{Original, RowEdit};
 use crate::progress::{Watched, all};
-use crate::{Format, ShapeFile, WriteError, atomic_write_with};
+use crate::{Format, Precision, ShapeFile, WriteError, atomic_write_with};
 
 /// What is not in the written file because the format cannot hold it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -104,6 +104,7 @@ pub fn write_bytes_with(
 ) -> Result<WriteReport, WriteError> {
     let out = &mut Watched::new(out, progress);
     check_indices(shape, format, progress)?;
+    check_range(shape, format, progress)?;
     if shape.points.len() != shape.n_vertices && format != Format::Mtx {
         let what = "a graph without coordinates".into();
         return Err(WriteError::CannotHold { format, what });
@@ -151,6 +152,20 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
     if !all(corners.len(), progress, |k| (corners[k] as usize) < n)? {
         let face = shape.faces.iter().position(|f| f.iter().any(|&v| v as usize >= n)).unwrap_or(0);
         let what = format!("face {face}, which names a vertex beyond the {n} that there are");
+        return Err(WriteError::CannotHold { format, what });
+    }
+    Ok(())
+}
+
+/// Coordinates that are written in single precision must not become infinite.
+fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
+    if shape.precision == Precision::F64 && !matches!(format, Format::Stl | Format::Gifti) {
+        return Ok(());
+    }
+    let coordinates = shape.points.as_flattened();
+    let fits = |k: usize| !coordinates[k].is_finite() || (coordinates[k] as f32).is_finite();
+    if !all(coordinates.len(), progress, fits)? {
+        let what = "coordinates beyond 3.4e38, the range of 32-bit floats".to_owned();
         return Err(WriteError::CannotHold { format, what });
     }
     Ok(())

@@ -6,7 +6,7 @@ mod shape;
 
 pub(crate) use analysis::{BorderArgs, DetectArgs, FieldArgs, MapArgs, ResponseArg, signal_names};
 pub(crate) use named::named;
-pub(crate) use shape::{Kind, LevelArgs, ShapeArgs, any_length};
+pub(crate) use shape::{Kind, LevelArgs, ShapeArgs, any_length, at_least_one};
 
 use clap::Args;
 use std::num::NonZeroUsize;
@@ -21,6 +21,6 @@ pub(crate) struct GlobalArgs {
     #[arg(long, short, global = true, help_heading = "General")]
     pub(crate) quiet: bool,
     /// Number of threads [default: one for each core]; the result does not depend on it
-    #[arg(long, global = true, value_name = "N", help_heading = "General")]
+    #[arg(long, global = true, value_name = "N", value_parser = at_least_one, help_heading = "General")]
     pub(crate) threads: Option<NonZeroUsize>,
 }

@@ -35,13 +35,13 @@ pub(crate) struct ShapeArgs {
     #[arg(long, help_heading = "Diffusion operator")]
     pub(crate) no_weld: bool,
     /// Mesh: how many rings of neighbours one step takes in
-    #[arg(long, value_name = "N", default_value_t = count(OperatorParams::default().rings), help_heading = "Diffusion operator")]
+    #[arg(long, value_name = "N", value_parser = at_least_one, default_value_t = count(OperatorParams::default().rings), help_heading = "Diffusion operator")]
     pub(crate) rings: NonZeroUsize,
     /// Mesh: the area of a vertex
     #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Diffusion operator")]
     pub(crate) mesh_area: MeshAreaArg,
     /// Cloud: how many nearest neighbours one step takes in
-    #[arg(long, value_name = "K", default_value_t = count(OperatorParams::default().neighbours), help_heading = "Diffusion operator")]
+    #[arg(long, value_name = "K", value_parser = at_least_one, default_value_t = count(OperatorParams::default().neighbours), help_heading = "Diffusion operator")]
     pub(crate) neighbours: NonZeroUsize,
     /// Cloud: step to the nearest of each point only, as the paper has it, not in both directions
     #[arg(long, help_heading = "Diffusion operator")]
@@ -55,6 +55,17 @@ pub(crate) struct ShapeArgs {
     /// Mesh, cloud: do not step across creases, where normals turn sharply
     #[arg(long, help_heading = "Diffusion operator")]
     pub(crate) keep_creases: bool,
+}
+
+/// Reads a number of things, in words that do not speak of types.
+pub(crate) fn at_least_one(text: &str) -> Result<NonZeroUsize, String> {
+    let found = text.trim().parse::<usize>().ok().and_then(NonZeroUsize::new);
+    found.ok_or_else(|| "it takes a whole number of at least 1".to_owned())
+}
+
+/// The same from 0 on: what none of them means is said where it is asked for.
+fn whole(text: &str) -> Result<usize, String> {
+    text.trim().parse().map_err(|_| "it takes a whole number, not below 0".to_owned())
 }
 
 /// A default of the library, which is at least 1.
@@ -156,10 +167,10 @@ named! {
 #[derive(Debug, Args)]
 pub(crate) struct LevelArgs {
     /// Number of levels, each of twice as many steps of the diffusion as the one before (dyadic): 1, 2, 4 … 2^(J-1) [default: until a level is 2 % of the diagonal wide, for features 4 %, for signed saliency 16 %, as in diff; 4 to 16]
-    #[arg(long, short = 'j', value_name = "J", help_heading = "Levels")]
+    #[arg(long, short = 'j', value_name = "J", value_parser = whole, allow_negative_numbers = true, help_heading = "Levels")]
     pub(crate) levels: Option<usize>,
     /// So many levels for each doubling of the steps in place of one: 2^(k/V) steps, whole or not
-    #[arg(long, value_name = "V", help_heading = "Levels", conflicts_with_all = ["steps", "lengths"])]
+    #[arg(long, value_name = "V", value_parser = whole, allow_negative_numbers = true, help_heading = "Levels", conflicts_with_all = ["steps", "lengths"])]
     pub(crate) voices: Option<usize>,
     /// Levels of these numbers of steps, increasing, whole or not, from 1/64
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', help_heading = "Levels", conflicts_with_all = ["levels", "lengths"])]

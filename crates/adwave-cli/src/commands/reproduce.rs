@@ -39,7 +39,7 @@ pub(crate) struct ReproduceArgs {
     #[arg(long, value_name = "FILE.md")]
     pub(crate) markdown: Option<PathBuf>,
     /// Make built-in shapes no larger than this: a quick sketch of every figure
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = crate::args::at_least_one)]
     pub(crate) most_vertices: Option<NonZeroUsize>,
 }
 

@@ -1,6 +1,5 @@
 //! `adwave sample`: a built-in shape as a file.
 
-use crate::args::Kind;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, format_of, print, table, write_shape};
@@ -8,7 +7,7 @@ use crate::progress::with_spinner;
 use crate::shape_input::make_sample;
 use adwave::sample::SAMPLE_NAMES;
 use adwave_io::ShapeFile;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -30,13 +29,20 @@ pub(crate) struct SampleArgs {
     pub(crate) vertices: Option<usize>,
     /// Write a mesh, or its vertices only
     #[arg(long = "as", value_name = "KIND", value_enum)]
-    pub(crate) kind: Option<Kind>,
+    pub(crate) kind: Option<SampleKind>,
     /// Noise along the normals: its standard deviation in mean edge lengths
     #[arg(long, value_name = "S")]
     pub(crate) noise: Option<f64>,
     /// Seed of the noise
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) seed: u64,
+}
+
+/// What a sample can be written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SampleKind {
+    Mesh,
+    Cloud,
 }
 
 pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError> {
@@ -49,9 +55,8 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
     let mut file =
         with_spinner(global, "shaping", || make_sample(name, args.vertices, args.noise, args.seed))?;
     match args.kind {
-        None | Some(Kind::Mesh) => {}
-        Some(Kind::Cloud) => file = ShapeFile::from_cloud(file.points().to_vec()),
-        Some(Kind::Graph) => return Err(CliError::Input("a sample is a mesh or a cloud".to_owned())),
+        None | Some(SampleKind::Mesh) => {}
+        Some(SampleKind::Cloud) => file = ShapeFile::from_cloud(file.points().to_vec()),
     }
     write_shape(global, &file, output)?;
     let (n_vertices, n_faces) = (file.n_vertices(), file.faces().len());

@@ -378,7 +378,7 @@ export function look(studio: Studio, stage: Stage): Look {
       items.push(
         pair(
           text.volume,
-          `${short(a)} → ${short(b)} (${sign}${Math.abs(change) < 0.005 ? '0' : short(change, 2)} %)`,
+          `${short(a, 4)} → ${short(b, 4)} (${sign}${Math.abs(change) < 0.005 ? '0' : short(change, 2)} %)`,
         ),
       );
     }

@@ -72,7 +72,7 @@ const CLAY = `  // Fired clay: a broad highlight from above, a dark edge.
 
 const SHADED = `  float key = max(0.0, dot(n, vec3(-0.42, 0.56, 0.71)));
   float fill = max(0.0, dot(n, vec3(0.88, -0.12, 0.46)));
-  vec3 light = base * (0.33 + 0.62 * key + 0.16 * fill + 0.06 * n.y);`;
+  vec3 light = base * (0.24 + 0.72 * key + 0.18 * fill + 0.06 * n.y);`;
 
 export function fragmentShader({ cloud, clay, flat, scalar, tint }: Variant): string {
   const round = `  vec2 q = 2.0 * gl_PointCoord - 1.0;

@@ -287,7 +287,9 @@ export class Stage {
       this.over = answer;
       if (studio.brushOn && !this.stroke) {
         const flat = answer.hit && !answer.outer ? flatRing(answer, shape.radius) : null;
+        // The circle moves over the shape: fewer triangles will do.
         studio.view.showRing(answer.outer ?? flat, answer.inner);
+        studio.view.touch();
       }
       studio.showSpectrum(answer.spectrum);
       // One pick a frame is all that can be seen.

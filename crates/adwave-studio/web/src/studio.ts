@@ -3,6 +3,7 @@
 import type { Api } from './api';
 import type { Early } from './boot';
 import { rangeOf } from './colours';
+import { coarseTriangles } from './compute/coarse';
 import type { EditAnswer, News, WorkerLayer } from './compute/messages';
 import { globalGains } from './compute/positions';
 import { Engine } from './engine';
@@ -29,6 +30,10 @@ export type Topic =
 
 /** Milliseconds of rest after which positions and normals are computed exactly on shapes that are large. */
 const REST = 120;
+/** Triangles of a large shape while it moves. */
+const COARSE = 45_000;
+/** Triangles of a shape that is first drawn with fewer. */
+const COARSE_FIRST = 200_000;
 
 export interface Timings {
   firstPixels: number;
@@ -125,7 +130,15 @@ export class Studio {
     sessionStorage.setItem('adwave-shape', String(shape.id));
     const cloud = triangles.length === 0;
     this.view.setShape(positions, triangles, cloud, shape.mean_length || shape.diagonal / 100);
+    const coarsen = () => this.view.setCoarse(coarseTriangles(positions, triangles, COARSE));
+    if (this.view.heavy && shape.n_triangles > COARSE_FIRST) {
+      // Fewer triangles are there sooner; all of them follow when the page is at rest.
+      coarsen();
+      this.view.touch();
+    }
     this.view.draw();
+    if (this.view.heavy && shape.n_triangles <= COARSE_FIRST)
+      window.setTimeout(() => generation === this.generation && coarsen());
     if (!this.timings.firstPixels) {
       this.view.finish();
       this.timings.firstPixels = performance.now();
@@ -156,11 +169,6 @@ export class Studio {
     void normals.then(({ normals }) => {
       if (generation === this.generation) this.view.setNormals(normals);
     });
-    if (this.view.heavy) {
-      void this.engine.call('coarse', { target: 54_000 }).then(({ triangles }) => {
-        if (generation === this.generation) this.view.setCoarse(triangles);
-      });
-    }
     await bands;
     if (generation !== this.generation) return;
     if (!isNeutral(this.doc)) this.settle();
@@ -260,7 +268,7 @@ export class Studio {
 
   /** Shows the present document: at once by the shader where the shape is large, else by the worker within a frame. */
   show(atOnce: boolean): void {
-    if (this.view.heavy && this.showLive()) {
+    if (this.view.large && this.showLive()) {
       window.clearTimeout(this.restTimer);
       this.restTimer = window.setTimeout(() => this.settle(), atOnce ? 30 : REST);
     } else this.settle();
@@ -353,7 +361,7 @@ export class Studio {
       const answer = await this.engine.call('edit', { layers, regions, exact });
       if (generation !== this.generation) return;
       this.timings.settle.push(answer.took);
-      if (doc === this.doc || !this.view.heavy) {
+      if (doc === this.doc || !this.view.large) {
         this.view.setEdited(answer.positions, answer.normals);
         this.shownDoc = doc;
       }

@@ -23,6 +23,7 @@ import {
 } from 'three';
 import { Camera } from './camera';
 import { type MapName, table } from './colours';
+import { Compact } from './compact';
 import type { Feature } from './protocol';
 import {
   ballFragment,
@@ -48,6 +49,8 @@ ColorManagement.enabled = false;
 
 /** Triangles up to which a moving shape is drawn in full: without and with a graphics processor. */
 const MOVING_LIMIT = { software: 60_000, hardware: 4_000_000 };
+/** Triangles from which the shader sums what moves. */
+const LARGE = { software: 60_000, hardware: 300_000 };
 /** Pixels of the picture a pixel of the screen while a large shape moves without a graphics processor. */
 const MOVING_RATIO = 0.6;
 /** Milliseconds after the last movement until all triangles are drawn again. */
@@ -84,7 +87,8 @@ export class View {
   private hasScalar = false;
   private tinted = false;
   private full: BufferAttribute | null = null;
-  private coarse: BufferAttribute | null = null;
+  /** Fewer triangles, as opened and after the edit. */
+  private coarse: { base: Compact; edited: Compact } | null = null;
   private nTriangles = 0;
   private n = 0;
   private nLevels = 0;
@@ -231,6 +235,8 @@ export class View {
       for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
       geometry.setIndex(null);
     }
+    this.coarse?.base.geometry.dispose();
+    this.coarse?.edited.geometry.dispose();
     this.coarse = null;
     this.full = null;
     this.live = false;
@@ -245,6 +251,7 @@ export class View {
   /** Normals of the shape as it was opened. */
   setNormals(normals: Int8Array): void {
     this.base.setAttribute('normal', new BufferAttribute(normals, 4, true));
+    this.coarse?.base.take('normal', normals, 4, true);
     this.request();
   }
 
@@ -254,6 +261,8 @@ export class View {
     for (const [name, attribute] of Object.entries(this.base.attributes)) {
       if (name !== 'position' && name !== 'normal') this.edited.setAttribute(name, attribute);
     }
+    this.coarse?.edited.take('position', positions, 3, false);
+    this.coarse?.edited.take('normal', normals, 4, true);
     this.hasEdited = true;
     this.live = false;
     this.request();
@@ -267,15 +276,18 @@ export class View {
   }
 
   setLevels(nLevels: number): void {
-    for (const geometry of [this.base, this.edited]) {
+    const few = this.coarse ? [this.coarse.base.geometry] : [];
+    for (const geometry of [this.base, this.edited, ...few]) {
       for (let j = 0; j < 64; j++) geometry.deleteAttribute(`band${j}`);
     }
     this.nLevels = nLevels;
     this.scales = [];
+    this.bands = [];
     this.forgetSums();
   }
 
   private scales: number[] = [];
+  private bands: Int16Array[] = [];
 
   private forgetSums(): void {
     this.sums = noSums();
@@ -291,14 +303,43 @@ export class View {
     // What the shader sees is value / 32767.
     this.scales[level - 1] = scale * 32767;
     if (maskPacks(this.nLevels, 0) === null) return;
+    this.bands[level - 1] = values;
+    if (this.heavy) {
+      // Only the few vertices that are drawn while it moves need them there.
+      this.coarse?.base.take(`band${level - 1}`, values, 4, true);
+      return;
+    }
+    if (!this.large) return;
     const attribute = new BufferAttribute(values, 4, true);
     this.base.setAttribute(`band${level - 1}`, attribute);
+    // What is drawn is what is sent to the graphics: not only when a slider is moved first.
     if (this.hasEdited) this.edited.setAttribute(`band${level - 1}`, attribute);
     this.request();
   }
 
   setCoarse(triangles: Uint32Array): void {
-    this.coarse = new BufferAttribute(triangles, 1);
+    const base = new Compact(triangles, this.n);
+    const edited = new Compact(triangles, this.n);
+    for (const [name, attribute] of Object.entries(this.base.attributes)) {
+      const { array, itemSize, normalized } = attribute as BufferAttribute;
+      base.take(name, array, itemSize, normalized);
+    }
+    for (const [j, values] of this.bands.entries()) if (values) base.take(`band${j}`, values, 4, true);
+    if (this.hasEdited) {
+      for (const [name, attribute] of Object.entries(this.edited.attributes)) {
+        const { array, itemSize, normalized } = attribute as BufferAttribute;
+        edited.take(name, array, itemSize, normalized);
+      }
+    }
+    this.coarse = { base, edited };
+  }
+
+  /** Whether moving sliders are summed by the shader; else the worker is fast enough, and its normals are smooth. */
+  get large(): boolean {
+    return (
+      this.n > 0 &&
+      this.nTriangles + (this.cloud ? this.n : 0) > (this.software ? LARGE.software : LARGE.hardware)
+    );
   }
 
   /** Whether a moving shape needs fewer triangles. */
@@ -320,6 +361,10 @@ export class View {
     for (let v = 0, k = 4 * from + (slot & 3); v < bytes.length; v++, k += 4) array[k] = bytes[v]!;
     attribute.addUpdateRange(4 * from, 4 * bytes.length);
     attribute.needsUpdate = true;
+    for (const few of this.coarse ? [this.coarse.base, this.coarse.edited] : []) {
+      if (few.geometry.hasAttribute(name)) few.takeRange(name, array, from, from + bytes.length);
+      else few.take(name, array, 4, true);
+    }
     this.request();
   }
 
@@ -336,6 +381,8 @@ export class View {
     if (values) {
       replace(this.base, 'scalar', values, 1, false);
       if (this.hasEdited) this.edited.setAttribute('scalar', this.base.getAttribute('scalar'));
+      this.coarse?.base.take('scalar', values, 1, false);
+      this.coarse?.edited.take('scalar', values, 1, false);
       (this.shared['range']!.value as Vector2).set(...range);
       this.texture.image.data!.set(table(map));
       this.texture.needsUpdate = true;
@@ -360,7 +407,7 @@ export class View {
   ): boolean {
     const nMasks = masked.reduce((n, m) => Math.max(n, m.slot + 1), 0);
     const packs = maskPacks(this.nLevels, nMasks);
-    if (packs === null) return false;
+    if (packs === null || (this.heavy && !this.coarse)) return false;
     const each = 4 * packs;
     if (this.sums.gains.value.length !== this.nLevels || packs !== this.packs) {
       this.forgetSums();
@@ -496,8 +543,8 @@ export class View {
     const body = this.body!;
     const live = !before && this.live && this.nLevels > 0;
     const edited = !before && !live && this.hasEdited;
-    body.geometry = edited ? this.edited : this.base;
-    if (!this.cloud) body.geometry.setIndex(coarse ? this.coarse : this.full);
+    const few = coarse ? this.coarse : null;
+    body.geometry = few ? (edited ? few.edited : few.base).geometry : edited ? this.edited : this.base;
     body.material = this.material({
       nLevels: live ? this.nLevels : 0,
       packs: live ? this.packs : 0,

@@ -63,11 +63,20 @@ export async function tour(url, folder, { limit = LIMIT } = {}) {
     // An edit of another time would be in the way.
     const resumed = await page.evaluate(async () => {
       if (window.studio.state().layers.every((l) => l.gains.every((g) => g === 1))) return false;
-      const headers = { Authorization: `Bearer ${sessionStorage.getItem('adwave-token')}`, 'Content-Type': 'application/json' };
+      const headers = {
+        Authorization: `Bearer ${sessionStorage.getItem('adwave-token')}`,
+        'Content-Type': 'application/json',
+      };
       const { shapes } = await (await fetch('api/shapes', { headers })).json();
       const path = `api/shapes/${shapes[0].id}/edit`;
       const edit = await (await fetch(path, { headers })).json();
-      const layer = { name: '', on: true, opacity: 1, gains: edit.layers[0].gains.map(() => 1), region: null };
+      const layer = {
+        name: '',
+        on: true,
+        opacity: 1,
+        gains: edit.layers[0].gains.map(() => 1),
+        region: null,
+      };
       const neutral = { ...edit, revision: edit.revision + 1, layers: [layer] };
       await fetch(path, { method: 'PUT', headers, body: JSON.stringify(neutral) });
       return true;

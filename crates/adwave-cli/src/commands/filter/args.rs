@@ -41,7 +41,7 @@ pub(crate) struct FilterArgs {
         long,
         value_name = "G,G,…",
         value_delimiter = ',',
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         conflicts_with = "recipe",
         help_heading = "Edit"
     )]

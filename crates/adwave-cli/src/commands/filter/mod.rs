@@ -7,7 +7,7 @@ use crate::field_file::{FieldFile, check_result, write_field, write_points};
 use crate::global::Global;
 use crate::movement::Movement;
 use crate::output::{
-    bands_params, levels_text, number, print, schedule, schedule_of, steps_json, write_error,
+    bands_params, levels_text, note, number, print, schedule, schedule_of, steps_json, write_error,
 };
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::region::joined;
@@ -33,7 +33,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
         Some(path) => Some(read_recipe(path).map_err(CliError::input)?),
         None => None,
     };
-    let layers = layers(args, recipe.as_ref())?;
+    let layers = layers(args, recipe.as_ref(), global)?;
     let positions = positions(args, recipe.as_ref());
     let in_recipe = recipe.as_ref().map_or(COORDS, |recipe| recipe.field.as_str());
     let field = args.field.asked().unwrap_or(in_recipe).to_owned();
@@ -71,6 +71,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     if field == COORDS {
         let points = settled(positions, global, &decomposer, input.file.points(), &edited)?;
         let movement = Movement::new(decomposer.geometry(), &points);
+        movement.check()?;
         movement.describe(&mut text);
         movement.add_to(&mut report);
         if let Some(sigma) = schedule.sigma(decomposer.diffusion().step_length()).last() {
@@ -82,6 +83,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     } else if let Some(axis) = alone.is_none().then(|| signal::axis(&input.file, &field)).flatten() {
         let points = signal::with_axis(input.file.points(), axis, &edited);
         let movement = Movement::new(decomposer.geometry(), &points);
+        movement.check()?;
         movement.describe(&mut text);
         movement.add_to(&mut report);
         input.file.set_points(points)?;
@@ -118,8 +120,11 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
 }
 
 /// The layers that the arguments or the recipe ask for.
-fn layers(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<Vec<Layer>, CliError> {
+fn layers(args: &FilterArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Result<Vec<Layer>, CliError> {
     if let Some(recipe) = recipe {
+        if recipe.layers.is_empty() {
+            note(global, "the recipe has no [[layer]]: nothing is changed");
+        }
         return Ok(recipe.layers.clone());
     }
     let gains = match (args.preset, &args.gains) {

@@ -1,7 +1,7 @@
 /** Computes all that depends on the number of vertices: positions, normals, masks, what is under the cursor. */
 
 import { neighboursOfCloud, neighboursOfMesh, type Rows, trianglesOfVertices, weld } from './adjacency';
-import { coarseTriangles, edgePairs } from './coarse';
+import { edgePairs } from './coarse';
 import type { Call, Calls, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
 import { cloudNormals, meshNormals } from './normals';
 import { Painter } from './painter';
@@ -200,9 +200,6 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
   shape(what) {
     current = new Shape(what);
     return { normals: current.normals(what.positions) };
-  },
-  coarse({ target }) {
-    return { triangles: coarseTriangles(shape().given.positions, shape().given.triangles, target) };
   },
   edges() {
     const { offsets, entries } = shape().neighbours;

@@ -39,7 +39,6 @@ export interface Calls {
     },
     { normals: Int8Array },
   ];
-  coarse: [{ target: number }, { triangles: Uint32Array }];
   edges: [Record<string, never>, { pairs: Uint32Array }];
   bands: [{ nLevels: number; shared: boolean }, { seconds: number }];
   edit: [{ layers: WorkerLayer[]; regions: [number, Region][]; exact: boolean }, EditAnswer];
