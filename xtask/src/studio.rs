@@ -22,7 +22,8 @@ pub(crate) fn test() -> Outcome {
         println!("> npm {}", words.join(" "));
         run(Command::new("npm").current_dir(web()).args(words))
     };
-    npm(&["ci", "--no-audit", "--no-fund", "--loglevel=error"])?;
+    // Not `npm ci`: it refuses a lock file without the optional packages of systems that a registry does not offer.
+    npm(&["install", "--no-save", "--no-audit", "--no-fund", "--loglevel=error"])?;
     npm(&["run", "--silent", "check"])?;
     npm(&["run", "--silent", "test"])?;
     same_bundle()?;

@@ -127,8 +127,9 @@ export class Api {
     return this.json(`shapes/${id}/recipe`, { method: 'PUT', body: recipe });
   }
 
-  save(id: number, name: string | null): Promise<{ path: string; notes: string[] }> {
-    return this.json(`shapes/${id}/save`, { method: 'POST', body: JSON.stringify(name ? { name } : {}) });
+  save(id: number, name: string | null, replace: boolean): Promise<{ path: string; notes: string[] }> {
+    const body = JSON.stringify(name ? { name, replace } : { replace });
+    return this.json(`shapes/${id}/save`, { method: 'POST', body });
   }
 
   async download(id: number, format: string): Promise<Blob> {

@@ -2,9 +2,14 @@
 
 import { h, iconButton, select, slider } from './dom';
 import { lengthOf, short } from './lengths';
-import type { Region } from './protocol';
+import type { FieldName, Region, Shape } from './protocol';
 import type { Studio } from './studio';
 import { text } from './text';
+
+/** Fields of the file: what is computed of the shape is no region, since a recipe would not know it. */
+function fileFields(shape: Shape): FieldName[] {
+  return shape.fields.filter((f) => !f.edited && !/^band-\d+$/.test(f.name));
+}
 
 type Kind = 'everywhere' | 'painted' | 'ball' | 'box' | 'half-space' | 'field' | 'other';
 
@@ -54,7 +59,7 @@ export function regionChooser(studio: Studio): HTMLElement {
       case 'half-space':
         return { 'half-space': { point: [...centre], normal: [1, 0, 0], falloff: 0.1 * diagonal } };
       case 'field': {
-        const name = shape.fields[0]?.name;
+        const name = fileFields(shape)[0]?.name;
         return name ? { field: { name, low: 0, high: 1 } } : null;
       }
       default:
@@ -62,7 +67,9 @@ export function regionChooser(studio: Studio): HTMLElement {
     }
   };
   const choices = text.regionChoices.filter(
-    ([k]) => (k !== 'field' || shape.fields.length > 0) && (k !== 'other' || kind === 'other'),
+    ([k]) =>
+      (k !== 'field' || fileFields(shape).length > 0 || kind === 'field') &&
+      (k !== 'other' || kind === 'other'),
   ) as [Kind, string][];
   const chooser = select<Kind>(text.where, choices, kind, (next) => {
     if (next === 'painted') studio.setBrush(true);
@@ -185,7 +192,7 @@ export function regionChooser(studio: Studio): HTMLElement {
     parts.push(
       select(
         text.field,
-        shape.fields.map((f) => [f.name, f.label] as const),
+        fileFields(shape).map((f) => [f.name, f.label] as const),
         field.name,
         (name) => {
           set({ field: { ...field, name } }, true);

@@ -2,7 +2,7 @@
 
 import type { fetchShape as FetchShape } from './boot';
 import { dialog } from './dialog';
-import { chooseFile, download, h, iconButton } from './dom';
+import { check, chooseFile, download, h, iconButton } from './dom';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -65,13 +65,24 @@ export class Files {
     chooseFile('', (file) => void this.openFile(file));
   }
 
-  async save(name: string | null = null): Promise<void> {
+  async save(name: string | null = null, replace = false): Promise<void> {
     const { studio } = this;
     if (!studio.shape) return;
     await this.try(async () => {
       await studio.saver?.send();
-      const { path, notes } = await studio.api.save(studio.shape!.id, name);
+      const { path, notes } = await studio.api.save(studio.shape!.id, name, replace);
       studio.say([text.saved(path), ...notes].join(' '));
+    });
+  }
+
+  /** Ends the studio; who opened it, the command or Python, has the edit then. */
+  async done(): Promise<void> {
+    await this.try(async () => {
+      await this.studio.saver?.send();
+      await this.studio.api.done();
+      document
+        .getElementById('app')!
+        .replaceChildren(h('p', { class: 'fatal', role: 'status' }, text.finished));
     });
   }
 
@@ -92,7 +103,8 @@ export class Files {
       { 'aria-label': text.format },
       ...shape.formats.map((f) => h('option', { value: f }, f)),
     );
-    if (shape.formats.includes(shape.format)) format.value = shape.format;
+    const own = shape.formats.find((f) => f.toLowerCase() === shape.format.toLowerCase());
+    if (own) format.value = own;
     const strength = h('input', {
       type: 'number',
       min: '0.1',
@@ -103,6 +115,7 @@ export class Files {
     });
     const button = (label: string, act: () => void, kind = '') =>
       h('button', { type: 'button', class: kind, onclick: act }, label);
+    let replace = false;
     const box = dialog(
       text.file,
       h('h3', {}, text.save),
@@ -115,11 +128,14 @@ export class Files {
           text.save,
           () => {
             box.close();
-            void this.save(name.value.trim() || null);
+            void this.save(name.value.trim() || null, replace);
           },
           'primary',
         ),
       ),
+      check(text.saveReplace, false, (on) => {
+        replace = on;
+      }),
       h('h3', {}, text.downloads),
       h(
         'div',
@@ -130,8 +146,9 @@ export class Files {
           () =>
             void this.try(async () => {
               await studio.saver?.send();
-              const ending = format.value.toLowerCase();
-              download(await studio.api.download(shape.id, ending), `${stem(shape.name)}-edited.${ending}`);
+              const kind = format.value.toLowerCase();
+              const ending = kind === 'gifti' ? 'gii' : kind.replace('-ascii', '');
+              download(await studio.api.download(shape.id, kind), `${stem(shape.name)}-edited.${ending}`);
             }),
         ),
         button(text.picture, () => void this.picture()),
@@ -172,6 +189,16 @@ export class Files {
             await this.go(made.id);
             studio.say(text.denoised(made.noise));
           });
+        }),
+      ),
+      h('h3', {}, text.finish),
+      h('p', {}, text.finishNote),
+      h(
+        'div',
+        { class: 'row' },
+        button(text.done, () => {
+          box.close();
+          void this.done();
         }),
       ),
       shape.notes.length ? h('h3', {}, text.notes) : null,

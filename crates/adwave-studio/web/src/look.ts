@@ -3,7 +3,7 @@
 import { colourAt, type MapName, type RangeRule, rangeOf } from './colours';
 import { check, h, iconButton, segments, select } from './dom';
 import { count, short } from './lengths';
-import type { Feature } from './protocol';
+import type { Feature, FieldName } from './protocol';
 import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
@@ -11,6 +11,11 @@ import type { Style } from './view';
 
 /** σ of features, in radii of their balls. */
 const BALL = 0.7;
+
+/** Not the change and the bands, which the page knows by itself. */
+function isOther(field: FieldName): boolean {
+  return field.name !== 'change' && !/^band-\d+$/.test(field.name);
+}
 
 export interface Look {
   panel: HTMLElement;
@@ -191,7 +196,7 @@ export function look(studio: Studio, stage: Stage): Look {
       h(
         'optgroup',
         { label: text.fields },
-        ...shape.fields.map((f) => h('option', { value: `field-${f.name}` }, f.label)),
+        ...shape.fields.filter(isOther).map((f) => h('option', { value: `field-${f.name}` }, f.label)),
       ),
       h(
         'optgroup',
@@ -224,8 +229,11 @@ export function look(studio: Studio, stage: Stage): Look {
       view.request();
       return;
     }
-    studio.api.features(studio.shape!.id).then(
+    const { id } = studio.shape!;
+    studio.api.features(id).then(
       (list) => {
+        // The answer takes a while: by now it may not be wanted, or the shape another one.
+        if (!featureBox.querySelector('input')!.checked || studio.shape?.id !== id) return;
         features = list;
         view.showFeatures(list, BALL);
         studio.say(text.nFeatures(list.length));

@@ -154,7 +154,7 @@ export function start({ api, list, early, fetchShape }: Start): void {
     document.title = `${studio.shape!.name} – ${text.title}`;
     if (studio.shape!.resumed && !resumedSaid.has(studio.shape!.id)) say(text.resumed);
     resumedSaid.add(studio.shape!.id);
-    if (studio.nLevels === 0) say(text.tooSmall, 'error');
+    if (studio.nLevels === 0 || studio.shape!.diagonal === 0) say(text.tooSmall, 'error');
   });
   const resumedSaid = new Set<number>();
 

@@ -10,6 +10,8 @@ export type SaveState = 'kept' | 'sending' | 'offline' | 'conflict' | 'refused';
 const RETRY = 1500;
 /** Bytes that a browser sends while the page is being closed. */
 const KEEPALIVE_LIMIT = 60_000;
+/** Tenths of a second to wait for it after a reload. */
+const FLUSH_TRIES = 15;
 
 export class Saver {
   state: SaveState = 'kept';
@@ -88,6 +90,7 @@ export class Saver {
   flush(): void {
     if (!this.wanted) return;
     const edit = toEdit(this.wanted, ++this.revision);
+    sessionStorage.setItem(flushedKey(this.id), String(this.revision));
     if (JSON.stringify(edit).length < KEEPALIVE_LIMIT)
       void this.api.putEdit(this.id, edit, true).catch(() => {});
   }
@@ -101,6 +104,22 @@ export class Saver {
   get pending(): boolean {
     return this.wanted !== null;
   }
+}
+
+function flushedKey(id: number): string {
+  return `adwave-flushed-${id}`;
+}
+
+/** The edit that is kept; after a reload the one that was on its way when the page was left. */
+export async function keptAfterReload(api: Api, id: number): Promise<Edit> {
+  const flushed = Number(sessionStorage.getItem(flushedKey(id)));
+  sessionStorage.removeItem(flushedKey(id));
+  let edit = await api.edit(id);
+  for (let tries = 0; edit.revision < flushed && tries < FLUSH_TRIES; tries++) {
+    await new Promise((done) => setTimeout(done, 100));
+    edit = await api.edit(id);
+  }
+  return edit;
 }
 
 /** The edit within the answer to one that came too late: alone, or beside its sentence. */

@@ -9,7 +9,7 @@ import { globalGains } from './compute/positions';
 import { Engine } from './engine';
 import { GREATEST_GAIN } from './gain';
 import type { Level, Moved, Region, Shape, ShapeList } from './protocol';
-import { Saver } from './saver';
+import { keptAfterReload, Saver } from './saver';
 import { type Doc, type DocLayer, fromEdit, History, isNeutral, newLayer, withLayer } from './state';
 import { text } from './text';
 import type { View } from './view';
@@ -84,6 +84,7 @@ export class Studio {
   private settledWaiters: (() => void)[] = [];
   private sliderMoved = 0;
   private shownDoc: Doc | null = null;
+  private problem: string | null = null;
 
   constructor(
     readonly api: Api,
@@ -161,7 +162,7 @@ export class Studio {
       triangles,
     });
     const bands = this.readBands(generation);
-    const edit = await this.api.edit(shape.id);
+    const edit = await keptAfterReload(this.api, shape.id);
     if (generation !== this.generation) return;
     this.begin(fromEdit(edit, shape.levels.length), edit.revision);
     this.emit('shape');
@@ -361,6 +362,8 @@ export class Studio {
       const answer = await this.engine.call('edit', { layers, regions, exact });
       if (generation !== this.generation) return;
       this.timings.settle.push(answer.took);
+      if (answer.problem && answer.problem !== this.problem) this.say(answer.problem, 'error');
+      this.problem = answer.problem;
       if (doc === this.doc || !this.view.large) {
         this.view.setEdited(answer.positions, answer.normals);
         this.shownDoc = doc;

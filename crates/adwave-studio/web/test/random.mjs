@@ -100,7 +100,7 @@ const use = {
     if (n === 0) return;
     const one = buttons.nth(Math.floor(random() * n));
     // A download or a save each time would fill the folder.
-    const name = `${await one.innerText().catch(() => '')}`;
+    const name = `${await one.textContent().catch(() => '')}`;
     if (/save|download|picture|done/i.test(name)) return;
     await one.click({ timeout: 500, force: true }).catch(() => {});
   },

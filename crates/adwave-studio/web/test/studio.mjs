@@ -161,6 +161,7 @@ export async function tour(url, folder, { limit = LIMIT } = {}) {
     await keep('redone');
     check('redo changes them again', (await differ('opened', 'redone')) > 0);
 
+    await page.evaluate(() => window.studio.kept());
     // The brush: a stroke over the middle of the shape makes a layer; its sliders act there alone.
     await reset();
     await page.keyboard.press('b');
@@ -177,7 +178,12 @@ export async function tour(url, folder, { limit = LIMIT } = {}) {
     }
     check('requests while the brush paints', requests.length === moving, requests.length - moving);
     await page.mouse.up();
-    await page.waitForTimeout(400);
+    // The stroke ends in the worker: a large one takes a moment.
+    await page.evaluate(async () => {
+      for (let i = 0; i < 200 && !window.studio.state().layers.at(-1).region?.painted?.length; i++) {
+        await new Promise((done) => setTimeout(done, 50));
+      }
+    });
     await page.evaluate(() => window.studio.kept());
     const painted = await state();
     const stroke = painted.layers.at(-1).region?.painted;

@@ -8,6 +8,7 @@ import { Painter } from './painter';
 import { nearestVertex, pickMesh } from './pick';
 import { displacement, editedPositions, volume } from './positions';
 import { type Ground, smoothstep, toBytes, weights } from './regions';
+import { contour } from './ring';
 import { SurfaceSearch } from './search';
 import { readBands } from './stream';
 
@@ -375,4 +376,23 @@ test('bands are read whatever the pieces they come in', async () => {
     },
   });
   await expect(readBands(cut, n, 2, false, () => {})).rejects.toThrow('ended too early');
+});
+
+test('the circle of the brush is closed, and at its distance', () => {
+  const s = sheet(40);
+  const { around, neighbours } = rows(s);
+  const search = new SurfaceSearch(neighbours, s.positions);
+  const middle = nearestVertex(s.positions, 0.5, 0.5, 0);
+  search.run([middle], 0.3);
+  const ring = contour(search, s.positions, s.triangles, around, 0.2);
+  const ends = new Map<string, number>();
+  for (let i = 0; i < ring.length; i += 3) {
+    const place = Array.from(ring.subarray(i, i + 2), (x) => x.toFixed(5)).join();
+    ends.set(place, (ends.get(place) ?? 0) + 1);
+    // Paths over edges are a little longer than straight lines.
+    expect(Math.hypot(ring[i]! - 0.5, ring[i + 1]! - 0.5)).toBeGreaterThan(0.18);
+    expect(Math.hypot(ring[i]! - 0.5, ring[i + 1]! - 0.5)).toBeLessThan(0.201);
+  }
+  expect(ends.size).toBeGreaterThan(20);
+  for (const times of ends.values()) expect(times % 2).toBe(0);
 });

@@ -130,7 +130,7 @@ class Shape {
 
   terms(layers: readonly WorkerLayer[]): LayerTerm[] {
     return layers
-      .filter((l) => l.on)
+      .filter((l) => l.on && (l.region === null || this.painter.mask(l.key)))
       .map((l) => ({
         opacity: l.opacity,
         gains: l.gains,
@@ -214,7 +214,16 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
     const s = shape();
     s.painter.learn(regions);
     s.painter.keepOnly(new Set(layers.map((l) => l.key)));
-    for (const l of layers) if (l.region !== null) await s.painter.show(l.key, l.region);
+    let problem: string | null = null;
+    for (const l of layers) {
+      if (l.region === null) continue;
+      try {
+        await s.painter.show(l.key, l.region);
+      } catch (error) {
+        // A layer whose place cannot be known changes nothing; the others go on.
+        problem = (error as Error).message;
+      }
+    }
     const started = performance.now();
     if (exact) {
       const response = await s.fetch('exact');
@@ -229,6 +238,7 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
       positions: s.edited.slice(),
       normals,
       ...moved,
+      problem,
       volume: s.given.cloud ? null : volume(s.edited, s.given.triangles),
       took,
     };

@@ -60,6 +60,8 @@ export interface EditAnswer {
   greatest: number;
   rms: number;
   volume: number | null;
+  /** Why a layer was left out. */
+  problem: string | null;
   /** Milliseconds of computing. */
   took: number;
 }

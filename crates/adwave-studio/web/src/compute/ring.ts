@@ -11,29 +11,41 @@ export function contour(
   level: number,
 ): Float32Array {
   const out: number[] = [];
+  const { offsets, entries } = around;
+  /** The place on the edge from `a` to `b` where the distance is `level`. */
   const crossing = (a: number, b: number, da: number, db: number) => {
     const t = (level - da) / (db - da);
-    for (let c = 0; c < 3; c++) {
-      out.push(positions[3 * a + c]! * (1 - t) + positions[3 * b + c]! * t);
-    }
+    for (let c = 0; c < 3; c++) out.push(positions[3 * a + c]! * (1 - t) + positions[3 * b + c]! * t);
   };
   for (let i = 0; i < search.nReached; i++) {
     const v = search.reached[i]!;
-    if (search.distance(v) > level) continue;
-    for (let e = around.offsets[v]!; e < around.offsets[v + 1]!; e++) {
-      const t = 3 * around.entries[e]!;
-      const ids = [triangles[t]!, triangles[t + 1]!, triangles[t + 2]!] as const;
-      const d = ids.map((w) => search.distance(w));
-      const inside = d.map((x) => x <= level);
-      const n = Number(inside[0]) + Number(inside[1]) + Number(inside[2]);
-      if (n === 3 || d.includes(Infinity)) continue;
-      // Each triangle once: at the first of its vertices that is inside.
-      if (ids[inside.indexOf(true)] !== v) continue;
-      const lone = n === 1 ? inside.indexOf(true) : inside.indexOf(false);
-      const p = (lone + 1) % 3;
-      const q = (lone + 2) % 3;
-      crossing(ids[lone]!, ids[p]!, d[lone]!, d[p]!);
-      crossing(ids[lone]!, ids[q]!, d[lone]!, d[q]!);
+    const dv = search.distance(v);
+    if (dv > level) continue;
+    for (let e = offsets[v]!; e < offsets[v + 1]!; e++) {
+      const t = 3 * entries[e]!;
+      // The corners after v, in the order of the triangle.
+      const k = triangles[t] === v ? 0 : triangles[t + 1] === v ? 1 : 2;
+      const p = triangles[t + ((k + 1) % 3)]!;
+      const q = triangles[t + ((k + 2) % 3)]!;
+      const dp = search.distance(p);
+      const dq = search.distance(q);
+      const pOut = dp > level;
+      const qOut = dq > level;
+      if (!pOut && !qOut) continue;
+      if (dp === Infinity || dq === Infinity) continue;
+      if (pOut && qOut) {
+        crossing(v, p, dv, dp);
+        crossing(v, q, dv, dq);
+      } else if (pOut ? q > v : p > v) {
+        // Two corners are inside: the smaller one draws it.
+        if (pOut) {
+          crossing(v, p, dv, dp);
+          crossing(q, p, dq, dp);
+        } else {
+          crossing(v, q, dv, dq);
+          crossing(p, q, dp, dq);
+        }
+      }
     }
   }
   return Float32Array.from(out);
