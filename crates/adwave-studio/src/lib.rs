@@ -1,8 +1,8 @@
 //! The studio: an equaliser for shapes in the browser.
 //!
 //! [`serve`] opens a server on the loopback that keeps the bands of a shape and the edit that is made of it, and gives the page in `web`
-//! what it draws; what both say to each other is in `PROTOCOL.md`. [`guard`] says who may ask, [`session`] is one shape, [`document`] its
-//! edit, [`pages`](assets) the page itself.
+//! what it draws; what both say to each other is in `PROTOCOL.md`. `guard` says who may ask, `session` is one shape, `document` its edit,
+//! `assets` the page itself.
 //!
 //! The page computes what it shows while a slider is dragged. What is saved is computed here, in double precision, by the object that
 //! the command's `filter` uses, so that a saved shape has the bits of the recipe replayed.
