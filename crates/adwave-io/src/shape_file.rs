@@ -219,7 +219,7 @@ impl ShapeFile {
         }
         let is_finite = |p: &[f64; 3]| p.iter().all(|c| c.is_finite());
         let lost =
-            |vertex: &usize| !is_finite(&points[*vertex]) && self.points.get(*vertex).is_none_or(is_finite);
+            |vertex: &usize| !is_finite(&points[*vertex]) && self.points.get(*vertex).is_some_and(is_finite);
         if let Some(vertex) = (0..points.len()).find(lost) {
             return Err(ShapeFileError::NotFinite { vertex, point: points[vertex] });
         }
