@@ -113,10 +113,14 @@ pub(crate) fn test_package(arguments: &[&str]) -> Outcome {
     let own = python.to_string_lossy();
     println!("> basedpyright");
     // Of the sources alone: the assembled package beside them would be a second one of the same names.
-    run(Command::new(&python)
-        .current_dir(package())
-        .env_remove("PYTHONPATH")
-        .args(["-m", "basedpyright", "-p", &config, "--pythonpath", &own]))
+    run(Command::new(&python).current_dir(package()).env_remove("PYTHONPATH").args([
+        "-m",
+        "basedpyright",
+        "-p",
+        &config,
+        "--pythonpath",
+        &own,
+    ]))
 }
 
 /// The examples of `docs/python` where they may write their pictures; the path of what runs them.
