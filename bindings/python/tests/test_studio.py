@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import queue
 import signal
 import threading
 import urllib.request
+import webbrowser
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -30,18 +32,16 @@ def asking(address: str) -> Callable[[str, str, Any], Any]:
     return ask
 
 
-def while_it_runs(
-    work: Callable[[Callable[[str, str, Any], Any]], None], capfd: pytest.CaptureFixture[str]
-) -> aw.Edited:
-    """What the studio gives when `work` is done beside it."""
+def while_it_runs(work: Callable[[Callable[[str, str, Any], Any]], None], monkeypatch: pytest.MonkeyPatch) -> aw.Edited:
+    """What the studio gives when `work` is done beside it, in the place of the browser that it opens."""
+    pages: queue.Queue[str] = queue.Queue()
+    monkeypatch.setattr(webbrowser, "open", pages.put)
     failed: list[BaseException] = []
 
     def beside() -> None:
         try:
-            address = ""
-            while "#" not in address:
-                address += capfd.readouterr().err
-            work(asking(address.strip()))
+            page = Path(pages.get(timeout=60).removeprefix("file://")).read_text(encoding="utf-8")
+            work(asking(page.split("url=")[1].split('"')[0]))
         except BaseException as error:
             failed.append(error)
             os.kill(os.getpid(), signal.SIGINT)
@@ -49,28 +49,28 @@ def while_it_runs(
     thread = threading.Thread(target=beside)
     thread.start()
     try:
-        return aw.studio(SHAPE, open_browser=False)
+        return aw.studio(SHAPE)
     finally:
         thread.join()
         if failed:
             raise failed[0]
 
 
-def test_the_edit_comes_back(capfd: pytest.CaptureFixture[str]) -> None:
+def test_the_edit_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
     def work(ask: Callable[[str, str, Any], Any]) -> None:
         n_levels = len(ask("GET", "api/shapes/1", None)["levels"])
         layer = {"name": "all", "on": True, "opacity": 0.5, "gains": [0.0] * n_levels, "region": None}
         ask("PUT", "api/shapes/1/edit", {"revision": 1, "layers": [layer]})
         ask("POST", "api/done", {})
 
-    edited = while_it_runs(work, capfd)
+    edited = while_it_runs(work, monkeypatch)
     assert not np.array_equal(edited.shape.points, SHAPE.points)
     assert np.array_equal(edited.recipe.apply(SHAPE).points, edited.shape.points)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no signals of this kind")
-def test_ctrl_c_ends_it_and_gives_what_there_is(capfd: pytest.CaptureFixture[str]) -> None:
-    edited = while_it_runs(lambda ask: os.kill(os.getpid(), signal.SIGINT), capfd)
+def test_ctrl_c_ends_it_and_gives_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    edited = while_it_runs(lambda ask: os.kill(os.getpid(), signal.SIGINT), monkeypatch)
     assert np.array_equal(edited.shape.points, SHAPE.points) and edited.recipe.text
 
 
