@@ -40,13 +40,15 @@ fn it_prints_its_address_and_ctrl_c_ends_it() {
         .spawn()
         .unwrap();
     let mut line = String::new();
-    BufReader::new(studio.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let mut printed = BufReader::new(studio.stdout.take().unwrap());
+    printed.read_line(&mut line).unwrap();
     assert!(line.starts_with("http://127.0.0.1:") && line.contains("/#"), "{line}");
     let stopped = Instant::now();
     let pid = studio.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     assert_eq!(studio.wait().unwrap().code(), Some(130));
     assert!(stopped.elapsed() < Duration::from_secs(5), "{:?}", stopped.elapsed());
+    assert_eq!(std::io::read_to_string(printed).unwrap(), "Ctrl-C ends it\n");
     let told = std::io::read_to_string(studio.stderr.take().unwrap()).unwrap();
     assert_eq!(told, "adwave: stopped; no file is half written\n");
 }

@@ -29,8 +29,8 @@ pub(crate) struct LevelsAsked {
 }
 
 impl LevelsAsked {
-    /// The same as a recipe says it, and the operator that goes with it.
-    fn of(&self, decomposer: impl FnOnce() -> Result<Decomposer, StudioError>) -> Result<Levels, Refused> {
+    /// The same as a recipe says it.
+    fn of(&self, walk: &Decomposer) -> Result<Levels, Refused> {
         Ok(match self {
             Self { lengths: Some(lengths), levels: None, voices: None } => Levels::Lengths(lengths.clone()),
             Self { lengths: Some(_), .. } => return Err(Refused::wrong("give either levels or lengths")),
@@ -40,7 +40,7 @@ impl LevelsAsked {
                 Levels::Steps(schedule.steps().to_vec())
             }
             Self { levels: Some(levels), .. } => Levels::Dyadic(*levels),
-            Self { .. } => Levels::Dyadic(default_levels(&decomposer()?)),
+            Self { .. } => Levels::Dyadic(default_levels(walk)),
         })
     }
 }
@@ -51,9 +51,9 @@ fn default_levels(decomposer: &Decomposer) -> usize {
 }
 
 /// What an edit does.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Moved {
-    pub(crate) revision: u64,
+    revision: u64,
     greatest: f64,
     rms: f64,
     volume: Option<[f64; 2]>,
@@ -76,7 +76,6 @@ pub(crate) struct Prepared {
     pub(crate) editor: Editor,
     pub(crate) document: Document,
     pub(crate) points: Arc<Vec<[f64; 3]>>,
-    moved: Moved,
     health: OnceLock<Health>,
     /// Weights of regions that were asked for before.
     regions: Vec<(Region, RegionWeights)>,
@@ -99,16 +98,18 @@ pub(crate) fn decomposer(
 
 impl Prepared {
     /// With the levels that are asked for, and nothing edited.
-    pub(crate) fn new(shape: &Shape, walk: &Decomposer, levels: Levels) -> Result<Self, StudioError> {
+    pub(crate) fn new(
+        shape: &Shape,
+        walk: &Decomposer,
+        levels: Levels,
+        progress: Progress<'_>,
+    ) -> Result<Self, StudioError> {
         let kind = operator_of(&levels);
-        let decomposer = if kind == OperatorKind::Walk {
-            walk.clone()
-        } else {
-            decomposer(shape, kind, Progress::none())?
-        };
+        let decomposer =
+            if kind == OperatorKind::Walk { walk.clone() } else { decomposer(shape, kind, progress)? };
         let schedule = schedule(&levels, &decomposer)?;
         let points = shape.points().unwrap_or_default();
-        let request = decomposer.request(points.as_flattened(), 3, &schedule);
+        let request = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress);
         let editor = request.editor().map_err(|e| StudioError::of(&e))?;
         Ok(Self {
             levels,
@@ -116,7 +117,6 @@ impl Prepared {
             editor,
             document: Document::default(),
             points: Arc::new(points.to_vec()),
-            moved: Moved::default(),
             health: OnceLock::new(),
             regions: Vec::new(),
             decomposer,
@@ -124,14 +124,22 @@ impl Prepared {
     }
 
     /// With as many levels as fit.
-    pub(crate) fn with_default_levels(shape: &Shape, walk: &Decomposer) -> Result<Self, StudioError> {
-        Self::new(shape, walk, Levels::Dyadic(default_levels(walk)))
+    pub(crate) fn with_default_levels(
+        shape: &Shape,
+        walk: &Decomposer,
+        progress: Progress<'_>,
+    ) -> Result<Self, StudioError> {
+        Self::new(shape, walk, Levels::Dyadic(default_levels(walk)), progress)
     }
 
     /// With the levels that the page asks for.
-    pub(crate) fn asked(shape: &Shape, walk: &Decomposer, asked: &LevelsAsked) -> Result<Self, Refused> {
-        let levels = asked.of(|| Ok(walk.clone()))?;
-        Ok(Self::new(shape, walk, levels)?)
+    pub(crate) fn asked(
+        shape: &Shape,
+        walk: &Decomposer,
+        asked: &LevelsAsked,
+        progress: Progress<'_>,
+    ) -> Result<Self, Refused> {
+        Ok(Self::new(shape, walk, asked.of(walk)?, progress)?)
     }
 
     /// What the shape consists of, counted once.
@@ -183,37 +191,44 @@ impl Prepared {
             regions.push((layer.region, weights.clone()));
             weighted.push(WeightedLayer { gains, weights });
         }
-        let before = self.editor_layers(weighted)?;
-        let file_points = file.points();
-        let edited = self.editor.edited().as_chunks().0.to_vec();
-        let points = settle(&self.decomposer, file_points, edited, &document.positions(), Progress::none());
-        let points = match points {
-            Ok(points) => points,
-            Err(error) => {
+        let before = self.kept_layers();
+        self.editor.set_layers(weighted).map_err(|e| Refused::of(&e))?;
+        let (points, moved) = match self.moved(&document, file.points()) {
+            Ok(moved) => moved,
+            Err(refused) => {
                 self.editor.set_layers(before).map_err(|e| Refused::of(&e))?;
-                return Err(Refused::of(&error));
+                return Err(refused);
             }
         };
-        let far = displacement(file_points, &points);
-        let moved = Moved {
-            revision: document.revision,
-            greatest: far.max,
-            rms: far.rms,
-            volume: self.volumes(&points),
-        };
-        (self.document, self.points, self.moved, self.regions) = (document, Arc::new(points), moved, regions);
+        (self.document, self.points, self.regions) = (document, Arc::new(points), regions);
         Ok(moved)
     }
 
-    /// Puts layers into the editor, and gives those of the document that is kept.
-    fn editor_layers(&mut self, layers: Vec<WeightedLayer>) -> Result<Vec<WeightedLayer>, Refused> {
-        let kept = self.document.layers();
-        self.editor.set_layers(layers).map_err(|e| Refused::of(&e))?;
-        let old = kept.into_iter().zip(&self.regions).filter_map(|(layer, (_, weights))| {
+    /// The layers of the edit that is kept, as the editor has them.
+    fn kept_layers(&self) -> Vec<WeightedLayer> {
+        let layers = self.document.layers().into_iter().zip(&self.regions);
+        let weighted = layers.filter_map(|(layer, (_, weights))| {
             let gains = layer.gains.resolve(self.n_levels()).ok()?;
             Some(WeightedLayer { gains, weights: weights.clone() })
         });
-        Ok(old.collect())
+        weighted.collect()
+    }
+
+    /// Where the editor's layers move the vertices, and how far.
+    fn moved(&self, document: &Document, before: &[[f64; 3]]) -> Result<(Vec<[f64; 3]>, Moved), Refused> {
+        let edited = self.editor.edited().as_chunks().0.to_vec();
+        let points = settle(&self.decomposer, before, edited, &document.positions(), Progress::none())
+            .map_err(|e| Refused::of(&e))?;
+        let far = displacement(before, &points);
+        // The page has single precision.
+        if !(far.max as f32).is_finite() {
+            let vertex = far.furthest;
+            return Err(Refused::wrong(format!(
+                "vertex {vertex} would move farther than numbers reach; take smaller gains"
+            )));
+        }
+        let volume = self.volumes(&points);
+        Ok((points, Moved { revision: document.revision, greatest: far.max, rms: far.rms, volume }))
     }
 
     /// The volume before and after, where the surface encloses one.

@@ -11,7 +11,6 @@ use adwave::denoise::{DenoiseParams, denoise};
 use adwave::operator::OperatorParams;
 use adwave::region::Region;
 use adwave::shape::PreparedGeometry;
-use adwave::{ErrorKind, Progress};
 use adwave_io::{ReadLimits, parse_recipe, read_bytes, recipe_to_text};
 use axum::Router;
 use axum::body::{Body, Bytes};
@@ -59,9 +58,9 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .with_state(studio)
 }
 
-/// Work that takes its time, beside the threads that answer.
-async fn working(work: impl FnOnce() -> Answer + Send + 'static) -> Response {
-    let done = tokio::task::spawn_blocking(work).await;
+/// Work that takes its time, beside the threads that answer, with the studio's own threads.
+async fn working(studio: Arc<Studio>, work: impl FnOnce(&Studio) -> Answer + Send + 'static) -> Response {
+    let done = tokio::task::spawn_blocking(move || studio.pool.install(|| work(&studio))).await;
     let broken = || {
         let told = "the studio broke one of its own rules; please report it, with the shape and what you did";
         Err(Refused::new(StatusCode::INTERNAL_SERVER_ERROR, told))
@@ -75,7 +74,7 @@ async fn of_shape(
     id: u64,
     work: impl FnOnce(&Arc<Session>) -> Answer + Send + 'static,
 ) -> Response {
-    working(move || work(&studio.session(id)?)).await
+    working(studio, move |studio| work(&studio.session(id)?)).await
 }
 
 fn parsed<T: DeserializeOwned>(body: &[u8], what: &str) -> Result<T, Refused> {
@@ -95,9 +94,9 @@ async fn shapes(State(studio): Shared) -> Response {
 }
 
 async fn upload(State(studio): Shared, Query(asked): Asked, body: Bytes) -> Response {
-    working(move || {
+    working(studio, move |studio| {
         let name = asked.get("name").map_or("shape", |name| name.rsplit(['/', '\\']).next().unwrap_or(name));
-        let file = read_bytes(body.to_vec(), Some(name), &ReadLimits::default())
+        let file = read_bytes(body.into(), Some(name), &ReadLimits::default())
             .map_err(|e| Refused::wrong(format!("{name}: {e}")))?;
         let shape = file.to_shape().map_err(|e| Refused::wrong(format!("{name}: {e}")))?;
         let session = studio.open(Opened { name: name.to_owned(), path: None, file, shape })?;
@@ -107,7 +106,7 @@ async fn upload(State(studio): Shared, Query(asked): Asked, body: Bytes) -> Resp
 }
 
 async fn close(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    working(move || {
+    working(studio, move |studio| {
         studio.session(id)?;
         studio.close(id);
         json(&json!({}))
@@ -138,7 +137,7 @@ async fn triangles(State(studio): Shared, Path(id): Path<u64>) -> Response {
 async fn levels(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
     of_shape(studio, id, move |session| {
         let asked: LevelsAsked = parsed(&body, "choice of levels")?;
-        let mut fresh = Prepared::asked(&session.opened.shape, session.walk()?, &asked)?;
+        let mut fresh = Prepared::asked(&session.opened.shape, session.walk()?, &asked, session.progress())?;
         let mut prepared = session.prepared()?;
         // Gains are those of levels: of as many they are kept.
         let mut document = prepared.document.clone();
@@ -160,22 +159,22 @@ async fn bands(State(studio): Shared, Path(id): Path<u64>) -> Response {
         Err(refused) => return refused.into_response(),
     };
     let (send, mut receive) = tokio::sync::mpsc::channel::<Result<Bytes, std::io::Error>>(2);
+    let (own, pool) = (Arc::clone(&session), Arc::clone(&studio));
     let ready = tokio::task::spawn_blocking(move || {
-        let n_levels = session.prepared().map(|prepared| prepared.n_levels());
-        (session, n_levels)
+        pool.pool.install(|| own.prepared().map(|prepared| (prepared.levels.clone(), prepared.n_levels())))
     });
-    let (session, n_levels) = match ready.await {
-        Ok((session, Ok(n_levels))) => (session, n_levels),
-        Ok((_, Err(refused))) => return refused.into_response(),
+    let (levels, n_levels) = match ready.await {
+        Ok(Ok(levels)) => levels,
+        Ok(Err(refused)) => return refused.into_response(),
         Err(_) => return Refused::new(StatusCode::INTERNAL_SERVER_ERROR, "no bands").into_response(),
     };
     tokio::task::spawn_blocking(move || {
         for level in (1..=n_levels).rev() {
             let Ok(prepared) = session.prepared() else { return };
-            if prepared.n_levels() != n_levels {
-                return; // other levels have been asked for
+            if prepared.levels != levels {
+                return; // others have been asked for
             }
-            let (scale, values) = prepared.band(level);
+            let (scale, values) = studio.pool.install(|| prepared.band(level));
             drop(prepared);
             let head = [(level as u32).to_le_bytes(), scale.to_le_bytes()].concat();
             let sent = send.blocking_send(Ok(Bytes::from(head)));
@@ -262,7 +261,7 @@ async fn open_recipe(State(studio): Shared, Path(id): Path<u64>, body: Bytes) ->
         let recipe = parse_recipe(text).map_err(|e| Refused::of(&e))?;
         let walk = session.walk()?;
         let levels = recipe.levels.clone();
-        let mut fresh = Prepared::new(&session.opened.shape, walk, levels)?;
+        let mut fresh = Prepared::new(&session.opened.shape, walk, levels, session.progress())?;
         if recipe.operator.is_some_and(|kind| kind != fresh.decomposer.operator_kind()) {
             let told = "the studio takes the surface's operator for levels by width and the walk for others; replay this one with `adwave filter --recipe`";
             return Err(Refused::wrong(told));
@@ -307,14 +306,15 @@ fn one() -> f64 {
 }
 
 async fn denoised(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    of_shape(Arc::clone(&studio), id, move |session| {
+    working(studio, move |studio| {
+        let session = studio.session(id)?;
         let asked: DenoiseAsked = parsed(&body, "choice of a strength")?;
         let file = session.edited_file(&*session.prepared()?)?;
         let shape = file.to_shape_as(file.kind()).map_err(|e| Refused::wrong(e.to_string()))?;
-        let geometry = PreparedGeometry::new(&shape, OperatorParams::default().weld, Progress::none())
+        let geometry = PreparedGeometry::new(&shape, OperatorParams::default().weld, session.progress())
             .map_err(|e| Refused::of(&e))?;
         let params = DenoiseParams::default().with_strength(asked.strength);
-        let clean = denoise(&geometry, &params, Progress::none()).map_err(|e| Refused::of(&e))?;
+        let clean = denoise(&geometry, &params, session.progress()).map_err(|e| Refused::of(&e))?;
         let mut file = file;
         file.set_points(clean.points).map_err(|e| Refused::wrong(e.to_string()))?;
         let shape = file.to_shape_as(file.kind()).map_err(|e| Refused::wrong(e.to_string()))?;
@@ -330,11 +330,4 @@ async fn denoised(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Re
 async fn done(State(studio): Shared) -> Response {
     studio.finish();
     json(&json!({})).into_response()
-}
-
-impl From<adwave::Cancelled> for Refused {
-    fn from(error: adwave::Cancelled) -> Self {
-        debug_assert_eq!(adwave::ClassifiedError::kind(&error), ErrorKind::Cancelled);
-        Self::of(&error)
-    }
 }

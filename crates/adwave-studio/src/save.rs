@@ -6,9 +6,8 @@ use adwave::Progress;
 use adwave_io::{Format, write_bytes_with, write_path};
 use axum::http::StatusCode;
 use serde::Deserialize;
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::PoisonError;
 
 /// Where to.
 #[derive(Debug, Default, Deserialize)]
@@ -20,9 +19,6 @@ pub(crate) struct SaveAsked {
     replace: bool,
 }
 
-/// Files that this run has written, which it may write again.
-static WRITTEN: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
-
 /// Writes the shape after the edit that is kept, with all that its file had.
 pub(crate) fn save(session: &Session, asked: &SaveAsked) -> Answer {
     let path = place(session, asked)?;
@@ -30,7 +26,7 @@ pub(crate) fn save(session: &Session, asked: &SaveAsked) -> Answer {
     let file = session.edited_file(&prepared)?;
     drop(prepared);
     let report = write_path(&file, &path, None).map_err(|e| Refused::of(&e))?;
-    WRITTEN.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default().insert(path.clone());
+    session.written.lock().unwrap_or_else(PoisonError::into_inner).insert(path.clone());
     json(&serde_json::json!({"path": path.display().to_string(), "notes": notes(&report.not_written)}))
 }
 
@@ -60,11 +56,7 @@ fn place(session: &Session, asked: &SaveAsked) -> Result<PathBuf, Refused> {
     if opened.is_some_and(|own| same(own, &path)) {
         return Err(Refused::wrong(format!("'{name}' is the file that was opened; take another name")));
     }
-    let is_ours = WRITTEN
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .as_ref()
-        .is_some_and(|written| written.contains(&path));
+    let is_ours = session.written.lock().unwrap_or_else(PoisonError::into_inner).contains(&path);
     if path.exists() && !is_ours && !asked.replace {
         let told = "is there already; take another name, or say that it is to be replaced";
         return Err(Refused::new(StatusCode::CONFLICT, format!("{} {told}", path.display()))

@@ -6,8 +6,7 @@ use crate::guard::{Guard, guarded};
 use crate::routes::router;
 use crate::session::{Opened, Session};
 use adwave::Progress;
-use adwave::shape::Shape;
-use adwave_io::recipe_to_text;
+use adwave_io::{Recipe, recipe_to_text};
 use axum::http::StatusCode;
 use axum::middleware;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -25,6 +24,8 @@ pub struct StudioParams {
     pub host: Option<IpAddr>,
     /// The folder in which edits are kept between visits; the user's own place for such things where none is given.
     pub kept_in: Option<PathBuf>,
+    /// Threads that compute; those of the caller's pool where none are given.
+    pub n_threads: Option<usize>,
 }
 
 /// A studio that answers.
@@ -52,7 +53,10 @@ pub(crate) struct Studio {
     kept_in: Option<PathBuf>,
     /// Beside the first shape: what is dropped on the page comes from nowhere that the server knows.
     folder: PathBuf,
+    /// Its own, so that it has as many threads as were asked for, and works in a forked process.
+    pub(crate) pool: rayon::ThreadPool,
     is_done: AtomicBool,
+    stop: Arc<AtomicBool>,
 }
 
 /// Between two looks at whether to end.
@@ -70,13 +74,19 @@ impl Studio {
         found.ok_or_else(|| Refused::new(StatusCode::NOT_FOUND, format!("shape {id} is not open")))
     }
 
+    /// Opens a shape; its bands are made at once, by the pool.
     pub(crate) fn open(&self, opened: Opened) -> Result<Arc<Session>, StudioError> {
         let id = self.next_id.fetch_add(1, Ordering::Relaxed);
-        let session = Arc::new(Session::new(id, opened, self.folder.clone(), self.kept_in.as_deref())?);
+        let session = Arc::new(Session::new(
+            id,
+            opened,
+            self.folder.clone(),
+            self.kept_in.as_deref(),
+            Arc::clone(&self.stop),
+        )?);
         self.sessions.write().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&session));
-        // The bands are made while the page is loaded.
         let early = Arc::clone(&session);
-        std::thread::spawn(move || early.prepared().map(|_| ()).is_ok());
+        self.pool.spawn(move || drop(early.prepared().map(|_| ())));
         Ok(session)
     }
 
@@ -109,12 +119,16 @@ pub fn serve(
         None => None,
     };
     let guard = Arc::new(Guard::new(address.port(), name.as_deref())?);
+    let n_threads = params.n_threads.unwrap_or_else(rayon::current_num_threads);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build();
     let studio = Arc::new(Studio {
         sessions: RwLock::new(Vec::new()),
         next_id: AtomicU64::new(1),
         kept_in: params.kept_in.clone().or_else(crate::autosave::folder),
         folder: opened.path.as_deref().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_path_buf),
+        pool: pool.map_err(std::io::Error::other)?,
         is_done: AtomicBool::new(false),
+        stop: Arc::default(),
     });
     let first = studio.open(opened)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
@@ -128,9 +142,12 @@ pub fn serve(
             () = ended(&studio, progress) => Ok(()),
         }
     });
+    // What is being made is not waited for.
+    let is_done = studio.is_done.load(Ordering::Relaxed);
+    studio.stop.store(!is_done, Ordering::Relaxed);
     runtime.shutdown_timeout(PATIENCE);
     outcome?;
-    finished(&first, studio.is_done.load(Ordering::Relaxed))
+    Ok(finished(&first, is_done))
 }
 
 async fn ended(studio: &Studio, progress: Progress<'_>) {
@@ -144,10 +161,13 @@ async fn ended(studio: &Studio, progress: Progress<'_>) {
     }
 }
 
-fn finished(session: &Session, done: bool) -> Result<Finished, StudioError> {
-    let told = |_| StudioError::NoPositions(session.opened.name.clone());
-    let prepared = session.prepared().map_err(told)?;
-    debug_assert!(!matches!(session.opened.shape, Shape::Graph(_)));
-    let recipe = prepared.document.recipe(&prepared.levels, prepared.decomposer.operator_kind());
-    Ok(Finished { recipe: recipe_to_text(&recipe), points: prepared.points.to_vec(), done })
+/// The edit and what it gives; nothing edited where the bands were not there yet.
+fn finished(session: &Session, done: bool) -> Finished {
+    if let Ok(prepared) = session.prepared() {
+        let recipe = prepared.document.recipe(&prepared.levels, prepared.decomposer.operator_kind());
+        Finished { recipe: recipe_to_text(&recipe), points: prepared.points.to_vec(), done }
+    } else {
+        let recipe = recipe_to_text(&Recipe::default());
+        Finished { recipe, points: session.points().to_vec(), done }
+    }
 }

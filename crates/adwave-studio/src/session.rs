@@ -9,7 +9,9 @@ use adwave::shape::{Shape, bounding_box, triangulate};
 use adwave::{Decomposer, Progress};
 use adwave_io::{Format, ShapeFile, write_bytes};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Vertices that a browser keeps with eight bands: some 100 bytes each.
@@ -38,8 +40,12 @@ pub(crate) struct Session {
     pub(crate) triangles: Vec<[u32; 3]>,
     walk: OnceLock<Result<Decomposer, Arc<StudioError>>>,
     prepared: OnceLock<Result<Mutex<Prepared>, Arc<StudioError>>>,
-    pub(crate) autosave: Option<Autosave>,
+    autosave: Option<Autosave>,
     resumed: OnceLock<bool>,
+    /// Files that were written here, which may be written again.
+    pub(crate) written: Mutex<HashSet<PathBuf>>,
+    /// Whether the server ends, so that nothing more needs to be made.
+    stop: Arc<AtomicBool>,
 }
 
 impl Session {
@@ -48,6 +54,7 @@ impl Session {
         opened: Opened,
         folder: PathBuf,
         kept_in: Option<&Path>,
+        stop: Arc<AtomicBool>,
     ) -> Result<Self, StudioError> {
         let Some(points) = opened.shape.points().filter(|_| !matches!(opened.shape, Shape::Graph(_))) else {
             return Err(StudioError::NoPositions(opened.name));
@@ -73,13 +80,20 @@ impl Session {
             prepared: OnceLock::new(),
             autosave,
             resumed: OnceLock::new(),
+            written: Mutex::default(),
+            stop,
         })
+    }
+
+    /// Stops what is made when the server ends.
+    pub(crate) fn progress(&self) -> Progress<'_> {
+        Progress::none().with_cancel(&self.stop)
     }
 
     /// The shape with the diffusion that levels are counted in; the first who asks waits for it to be made.
     pub(crate) fn walk(&self) -> Result<&Decomposer, Refused> {
         let made = self.walk.get_or_init(|| {
-            decomposer(&self.opened.shape, OperatorKind::Walk, Progress::none()).map_err(Arc::new)
+            decomposer(&self.opened.shape, OperatorKind::Walk, self.progress()).map_err(Arc::new)
         });
         made.as_ref().map_err(|e| Refused::of(&**e))
     }
@@ -88,10 +102,11 @@ impl Session {
     pub(crate) fn prepared(&self) -> Result<MutexGuard<'_, Prepared>, Refused> {
         let walk = self.walk()?;
         let made = self.prepared.get_or_init(|| {
-            let fresh = || Prepared::with_default_levels(&self.opened.shape, walk);
+            let (shape, progress) = (&self.opened.shape, self.progress());
+            let fresh = || Prepared::with_default_levels(shape, walk, progress);
             let kept = self.autosave.as_ref().and_then(Autosave::read);
             let resumed = kept.and_then(|(levels, document)| {
-                let mut prepared = Prepared::new(&self.opened.shape, walk, levels).ok()?;
+                let mut prepared = Prepared::new(shape, walk, levels, progress).ok()?;
                 prepared.edit(document, &self.opened.file).ok()?;
                 Some(prepared)
             });

@@ -90,8 +90,8 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
         }
     });
     drop(browser);
-    printed?;
-    if finished.map_err(|e| CliError::of(&e))?.done { Ok(()) } else { Err(CliError::Cancelled) }
+    // Ctrl-C says more of how it ended than a reader of the address that is gone.
+    if finished.map_err(|e| CliError::of(&e))?.done { printed } else { Err(CliError::Cancelled) }
 }
 
 /// Opens the browser by a file that leads to the address: the list of programs that run, which all users of the machine can read, has no

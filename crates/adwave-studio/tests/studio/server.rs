@@ -192,6 +192,18 @@ fn recipes_weights_fields_features_and_other_shapes() {
 }
 
 #[test]
+fn a_studio_that_ends_does_not_wait_for_bands() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 200_000);
+    let studio = Studio::on(&path, folder.path());
+    let asked = std::time::Instant::now();
+    let finished = studio.end();
+    assert!(asked.elapsed() < std::time::Duration::from_secs(3), "{:?}", asked.elapsed());
+    assert_eq!(finished.points, opened(&path).file.points());
+    parse_recipe(&finished.recipe).unwrap();
+}
+
+#[test]
 fn clouds_and_shapes_of_a_few_vertices_open_too() {
     let folder = TempDir::new().unwrap();
     for (name, text) in [("one.xyz", "1 2 3\n"), ("three.xyz", "0 0 0\n1 0 0\n0 1 0\n")] {
@@ -233,6 +245,18 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
         assert!(refused.error().contains(said), "{said}: {}", refused.error());
     }
     assert_eq!(studio.get("/api/shapes/1/edit").json()["revision"], 0);
+    // Gains whose result no file could hold: the edit before them stays, in the numbers as well.
+    let good = edit(1, &[layer(&vec![2.0; n_levels], &Value::Null)]);
+    assert_eq!(studio.put("/api/shapes/1/edit", &good).status, 200);
+    let exact = studio.get("/api/shapes/1/exact").body;
+    for gain in [1e60, 1e308] {
+        let refused =
+            studio.put("/api/shapes/1/edit", &edit(2, &[layer(&vec![gain; n_levels], &Value::Null)]));
+        assert_eq!(refused.status, 400, "{gain}: {}", refused.text());
+        assert!(refused.error().contains("smaller gains"), "{gain}: {}", refused.error());
+        assert_eq!(studio.get("/api/shapes/1/edit").json(), good);
+        assert_eq!(studio.get("/api/shapes/1/exact").body, exact);
+    }
     for (method, at, body, status, said) in [
         ("PUT", "levels", "{\"levels\": 0}", 400, "level"),
         ("PUT", "levels", "{\"lengths\": [-1]}", 400, "length"),
