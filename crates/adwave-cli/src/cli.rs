@@ -10,6 +10,7 @@ use crate::commands::{
     evaluate::EvaluateArgs,
     features::FeaturesArgs,
     filter::FilterArgs,
+    formats::FormatsArgs,
     info::InfoArgs,
     matching::MatchArgs,
     region::RegionArgs,
@@ -131,6 +132,8 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Open an equaliser for the shape in the browser: a slider for each band, a brush, layers
     Studio(StudioArgs),
+    /// List the formats of files: what is read, written, kept and lost
+    Formats(FormatsArgs),
     /// Write a built-in shape
     Sample(SampleArgs),
     /// Decompose, filter and edit a built-in creature, and show what happened

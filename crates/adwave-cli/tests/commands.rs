@@ -32,6 +32,24 @@ fn every_command_explains_itself_with_examples() {
 }
 
 #[test]
+fn formats_are_listed_as_the_document_has_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |args: &[&str]| {
+        let output = adwave(folder.path()).arg("formats").args(args).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let document = include_str!("../../../docs/FORMATS.md");
+    let table = said(&["--markdown"]);
+    assert!(document.contains(table.trim()), "docs/FORMATS.md has another table than\n{table}");
+    let list = json(folder.path(), "formats");
+    let names: Vec<&str> =
+        list["formats"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
+    assert_eq!(names, adwave_io::Format::all().map(adwave_io::Format::name).collect::<Vec<_>>());
+    assert!(said(&[]).lines().any(|line| line.trim_start().starts_with("ply-ascii")));
+}
+
+#[test]
 fn info_counts_what_is_there() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(

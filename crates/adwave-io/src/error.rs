@@ -170,6 +170,12 @@ pub enum WriteError {
         /// What it cannot hold.
         what: String,
     },
+    /// The format is read only.
+    #[error("{format} is read, and cannot hold what is to be written; choose another format")]
+    ReadOnly {
+        /// The format.
+        format: crate::Format,
+    },
     /// An array does not have the shape that it is said to have.
     #[error("array {name}: {found} values do not fill the shape {shape:?}; correct the shape")]
     ArrayShape {
@@ -198,7 +204,10 @@ impl ClassifiedError for WriteError {
             Self::Io(error) => kind_of_io(error),
             Self::Cancelled(error) => error.kind(),
             Self::NoFolder { .. } => ErrorKind::Machine,
-            Self::UnknownFormat | Self::CannotHold { .. } | Self::ArrayShape { .. } => ErrorKind::Input,
+            Self::UnknownFormat
+            | Self::CannotHold { .. }
+            | Self::ReadOnly { .. }
+            | Self::ArrayShape { .. } => ErrorKind::Input,
         }
     }
 }

@@ -40,45 +40,240 @@ pub enum Format {
     Vtp,
 }
 
-/// `(format, name, file endings)`, in the order of the messages.
-const TABLE: &[(Format, &str, &[&str])] = &[
-    (Format::Obj, "obj", &["obj"]),
-    (Format::Ply, "ply", &["ply"]),
-    (Format::PlyAscii, "ply-ascii", &[]),
-    (Format::Off, "off", &["off", "coff", "noff", "cnoff", "stoff"]),
-    (Format::Stl, "stl", &["stl"]),
-    (Format::StlAscii, "stl-ascii", &[]),
-    (Format::Xyz, "xyz", &["xyz", "txt", "asc", "xyzn", "xyzrgb", "tsv"]),
-    (Format::Pts, "pts", &["pts", "pwn"]),
-    (Format::Csv, "csv", &["csv"]),
-    (Format::Pcd, "pcd", &["pcd"]),
-    (Format::PcdAscii, "pcd-ascii", &[]),
-    (Format::Las, "las", &["las"]),
-    (Format::Laz, "laz", &["laz"]),
-    (Format::Mtx, "mtx", &["mtx"]),
-    (Format::Gifti, "gifti", &["gii"]),
-    (Format::Vtp, "vtp", &["vtp"]),
+/// One row of the table of formats: the source of names, endings, messages and documents.
+struct Row {
+    format: Format,
+    name: &'static str,
+    title: &'static str,
+    /// Without the dot; empty for the second form of an ending.
+    extensions: &'static [&'static str],
+    /// What is read; empty where nothing is.
+    reads: &'static str,
+    /// What is written; empty where nothing is.
+    writes: &'static str,
+    /// What stays as it was when a file is written in the format that it was read from.
+    keeps: &'static str,
+    /// What the format cannot hold, or what is not read of it.
+    loses: &'static str,
+}
+
+/// In the order of the messages. Forms of one ending stand together, the one that its name means first.
+const TABLE: &[Row] = &[
+    Row {
+        format: Format::Obj,
+        name: "obj",
+        title: "Wavefront OBJ",
+        extensions: &["obj"],
+        reads: "points, faces, lines, texture coordinates, normals, vertex colours",
+        writes: "the same",
+        keeps: "all text but coordinates and normals that moved",
+        loses: "fields other than normals, colours and texture coordinates; curved surfaces",
+    },
+    Row {
+        format: Format::Ply,
+        name: "ply",
+        title: "PLY, binary",
+        extensions: &["ply"],
+        reads: "all elements and properties, both byte orders",
+        writes: "all fields",
+        keeps: "header, elements, properties, byte order",
+        loses: "",
+    },
+    Row {
+        format: Format::PlyAscii,
+        name: "ply-ascii",
+        title: "PLY, text",
+        extensions: &[],
+        reads: "all elements and properties",
+        writes: "all fields",
+        keeps: "header, elements, properties",
+        loses: "",
+    },
+    Row {
+        format: Format::Off,
+        name: "off",
+        title: "Object file format",
+        extensions: &["off", "coff", "noff", "cnoff", "stoff"],
+        reads: "OFF, COFF, NOFF, STOFF and their mixtures",
+        writes: "points, faces, colours, normals, texture coordinates",
+        keeps: "all text but coordinates that moved",
+        loses: "other fields",
+    },
+    Row {
+        format: Format::Stl,
+        name: "stl",
+        title: "Stereolithography, binary",
+        extensions: &["stl"],
+        reads: "triangles, normals, attributes",
+        writes: "triangles in 32-bit floats",
+        keeps: "header, attributes",
+        loses: "which triangles share a vertex (found again by equal coordinates), vertex fields",
+    },
+    Row {
+        format: Format::StlAscii,
+        name: "stl-ascii",
+        title: "Stereolithography, text",
+        extensions: &[],
+        reads: "triangles, normals",
+        writes: "triangles",
+        keeps: "the solid's name",
+        loses: "which triangles share a vertex, fields",
+    },
+    Row {
+        format: Format::Xyz,
+        name: "xyz",
+        title: "rows of numbers, one a point",
+        extensions: &["xyz", "txt", "asc", "xyzn", "xyzrgb", "tsv"],
+        reads: "points and columns, with a row of names or without",
+        writes: "points and fields",
+        keeps: "all text but coordinates that moved",
+        loses: "faces",
+    },
+    Row {
+        format: Format::Pts,
+        name: "pts",
+        title: "rows of numbers after a count",
+        extensions: &["pts", "pwn"],
+        reads: "points and columns",
+        writes: "points, intensity, colours",
+        keeps: "all text but coordinates that moved",
+        loses: "faces",
+    },
+    Row {
+        format: Format::Csv,
+        name: "csv",
+        title: "comma-separated values with a row of names",
+        extensions: &["csv"],
+        reads: "points and columns",
+        writes: "points and fields",
+        keeps: "all text but coordinates that moved",
+        loses: "faces",
+    },
+    Row {
+        format: Format::Pcd,
+        name: "pcd",
+        title: "Point Cloud Library, binary",
+        extensions: &["pcd"],
+        reads: "binary and compressed",
+        writes: "binary",
+        keeps: "view point, width and height",
+        loses: "faces",
+    },
+    Row {
+        format: Format::PcdAscii,
+        name: "pcd-ascii",
+        title: "Point Cloud Library, text",
+        extensions: &[],
+        reads: "points and fields",
+        writes: "points and fields",
+        keeps: "all text but coordinates that moved",
+        loses: "faces",
+    },
+    Row {
+        format: Format::Las,
+        name: "las",
+        title: "LAS, uncompressed",
+        extensions: &["las"],
+        reads: "versions 1.0 to 1.4, all dimensions, extra bytes",
+        writes: "all dimensions, fields as extra bytes",
+        keeps: "header, records, what no field shows",
+        loses: "faces",
+    },
+    Row {
+        format: Format::Laz,
+        name: "laz",
+        title: "LAS, compressed",
+        extensions: &["laz"],
+        reads: "as LAS, also COPC",
+        writes: "as LAS",
+        keeps: "header, records, what no field shows",
+        loses: "faces",
+    },
+    Row {
+        format: Format::Mtx,
+        name: "mtx",
+        title: "MatrixMarket",
+        extensions: &["mtx"],
+        reads: "coordinate matrices as weighted graphs",
+        writes: "edges with weights",
+        keeps: "",
+        loses: "points, faces, fields",
+    },
+    Row {
+        format: Format::Gifti,
+        name: "gifti",
+        title: "GIFTI",
+        extensions: &["gii"],
+        reads: "surfaces with their fields; fields alone with `--field`",
+        writes: "surfaces and fields in 32-bit floats",
+        keeps: "metadata, encodings, all other text",
+        loses: "faces of more than three corners",
+    },
+    Row {
+        format: Format::Vtp,
+        name: "vtp",
+        title: "VTK XML PolyData",
+        extensions: &["vtp"],
+        reads: "",
+        writes: "points, faces, lines, all fields",
+        keeps: "",
+        loses: "",
+    },
 ];
 
 impl Format {
     /// Every format.
     pub fn all() -> impl Iterator<Item = Self> {
-        TABLE.iter().map(|row| row.0)
+        TABLE.iter().map(|row| row.format)
+    }
+
+    fn row(self) -> &'static Row {
+        TABLE.iter().find(|row| row.format == self).unwrap_or(&TABLE[0])
     }
 
     /// The name on the command line and in messages: `ply-ascii`.
     pub fn name(self) -> &'static str {
-        TABLE.iter().find(|row| row.0 == self).map_or("", |row| row.1)
+        self.row().name
+    }
+
+    /// What it is called in full: `PLY, text`.
+    pub fn title(self) -> &'static str {
+        self.row().title
     }
 
     /// The format of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        TABLE.iter().find(|row| row.1.eq_ignore_ascii_case(name)).map(|row| row.0)
+        TABLE.iter().find(|row| row.name.eq_ignore_ascii_case(name)).map(|row| row.format)
     }
 
     /// The file endings, without the dot, that mean this format; empty for the second form of an ending.
     pub fn extensions(self) -> &'static [&'static str] {
-        TABLE.iter().find(|row| row.0 == self).map_or(&[], |row| row.2)
+        self.row().extensions
+    }
+
+    /// The file endings that such files have, also those of another form of the format.
+    pub fn endings(self) -> &'static [&'static str] {
+        self.family().extensions()
+    }
+
+    /// What is read of such a file, in words; empty where nothing is.
+    pub fn reads(self) -> &'static str {
+        self.row().reads
+    }
+
+    /// What is written into such a file, in words; empty where nothing is.
+    pub fn writes(self) -> &'static str {
+        self.row().writes
+    }
+
+    /// What of such a file stays as it was when the shape is written in the same format, in words.
+    pub fn keeps(self) -> &'static str {
+        self.row().keeps
+    }
+
+    /// What such a file cannot hold, or what is not read of it, in words.
+    pub fn loses(self) -> &'static str {
+        self.row().loses
     }
 
     /// The format that the file's ending means, with or without `.gz` after it.
@@ -86,12 +281,17 @@ impl Format {
         let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);
         let (_, ending) = name.rsplit_once('.')?;
-        TABLE.iter().find(|row| row.2.contains(&ending)).map(|row| row.0)
+        TABLE.iter().find(|row| row.extensions.contains(&ending)).map(|row| row.format)
     }
 
     /// Whether it can be read.
     pub fn can_read(self) -> bool {
-        self != Self::Vtp
+        !self.row().reads.is_empty()
+    }
+
+    /// Whether it can be written.
+    pub fn can_write(self) -> bool {
+        !self.row().writes.is_empty()
     }
 
     /// The binary or text form that stands for both: `ply` for `ply-ascii`.
@@ -106,13 +306,37 @@ impl Format {
 
     /// Names of all that can be read, for messages.
     pub(crate) fn readable_names() -> String {
-        "OBJ, PLY, OFF, STL, XYZ/TXT/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI, MatrixMarket".into()
+        let own = Self::all().filter(|f| f.can_read() && f.family() == *f);
+        own.map(|f| f.name()).collect::<Vec<_>>().join(", ")
     }
 
     /// Endings of all that can be written, for messages.
     pub(crate) fn writable_names() -> String {
-        ".obj, .ply, .off, .stl, .xyz, .pts, .csv, .pcd, .las, .laz, .mtx, .gii, .vtp (each also with .gz)"
-            .into()
+        let first = Self::all().filter(|f| f.can_write()).filter_map(|f| f.extensions().first().copied());
+        let endings: Vec<String> = first.map(|ending| format!(".{ending}")).collect();
+        format!("{} (each also with .gz)", endings.join(", "))
+    }
+
+    /// The table of all formats in Markdown, as it stands in the documents.
+    ///
+    /// ```
+    /// let table = adwave_io::Format::table();
+    /// assert!(table.starts_with("| format | endings | read | written | keeps of its own file | does not hold |\n"));
+    /// assert_eq!(table.lines().count(), 2 + adwave_io::Format::all().count());
+    /// ```
+    pub fn table() -> String {
+        let mut table =
+            String::from("| format | endings | read | written | keeps of its own file | does not hold |\n");
+        table += "|---|---|---|---|---|---|\n";
+        for row in TABLE {
+            let own = row.format.endings().iter();
+            let endings = own.map(|e| format!("`.{e}`")).collect::<Vec<_>>().join(" ");
+            let cell = |text: &'static str| if text.is_empty() { "–" } else { text };
+            let (reads, writes) = (cell(row.reads), cell(row.writes));
+            let (keeps, loses) = (cell(row.keeps), cell(row.loses));
+            table += &format!("| {} | {endings} | {reads} | {writes} | {keeps} | {loses} |\n", row.title);
+        }
+        table
     }
 }
 

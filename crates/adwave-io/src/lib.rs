@@ -5,19 +5,8 @@
 //! write it; in the format that it came from nothing is lost but what was changed, in another format a
 //! [`WriteReport`] names what did not fit.
 //!
-//! | format | read | write | keeps the original |
-//! |---|---|---|---|
-//! | OBJ | yes | yes | all text |
-//! | PLY text, binary in both byte orders | yes | yes | header, elements, properties |
-//! | OFF, COFF, NOFF, STOFF, … | text | yes | all text |
-//! | STL text, binary | yes | yes | header, normals, attributes |
-//! | XYZ, TXT, PTS, PWN, CSV | yes | yes | all text |
-//! | PCD text, binary, compressed | yes | text, binary | text; view point and image size |
-//! | LAS, LAZ | yes | yes | header, records, what no field shows |
-//! | MatrixMarket (as a graph) | coordinates | yes | – |
-//! | GIFTI | yes | yes, in 32-bit floats | metadata, encodings, all other text |
-//! | VTP | no | yes | – |
-//! | NPY, NPZ (as arrays) | NPY | yes | – |
+//! [`Format::table`] says what is read, written, kept and lost of each format; `docs/FORMATS.md` has it. Arrays are read from NPY and
+//! written as NPY and NPZ.
 //!
 //! All may be compressed by gzip.
 //!

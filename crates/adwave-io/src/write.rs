@@ -68,6 +68,9 @@ pub fn write_path_with(
     let Some(format) = format.or_else(by_name) else {
         return Err(WriteError::UnknownFormat.in_file(path));
     };
+    if !format.can_write() {
+        return Err(WriteError::ReadOnly { format }.in_file(path));
+    }
     let compress = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
     atomic_write_with(path, progress, |out| {
         if !compress {
@@ -102,6 +105,9 @@ pub fn write_bytes_with(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<WriteReport, WriteError> {
+    if !format.can_write() {
+        return Err(WriteError::ReadOnly { format });
+    }
     let out = &mut Watched::new(out, progress);
     check_indices(shape, format, progress)?;
     check_range(shape, format, progress)?;

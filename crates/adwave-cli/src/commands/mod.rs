@@ -8,6 +8,7 @@ pub(crate) mod diff;
 pub(crate) mod evaluate;
 pub(crate) mod features;
 pub(crate) mod filter;
+pub(crate) mod formats;
 pub(crate) mod info;
 pub(crate) mod matching;
 pub(crate) mod region;
