@@ -86,7 +86,7 @@ impl Analysis {
         bands_params(levels)?;
         check_levels(levels)?;
         let mut watch = Stopwatch::start();
-        let input = with_spinner(global, "reading", || load(shape))?;
+        let input = with_spinner(global, "reading", || load(shape, global))?;
         Self::of(input, watch.lap(), shape, field, levels, share, global)
     }
 

@@ -17,6 +17,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Prints the result: `text` for people, or `json` for machines.
 pub(crate) fn print(global: &Global<'_>, text: &str, json: &Value) -> Result<(), CliError> {
+    if global.is_piped {
+        // The standard output is the shape's.
+        let said = if global.json { format!("{json:#}") } else { text.trim_end().to_owned() };
+        if global.json || !global.quiet {
+            eprintln!("{said}");
+        }
+        return Ok(());
+    }
     let mut out = std::io::stdout().lock();
     let printed = if global.json {
         writeln!(out, "{json:#}")
@@ -200,8 +208,14 @@ pub(crate) fn check_levels(args: &LevelArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The format that a path asks for by its extension.
+/// What stands for the standard output.
+const PIPE: &str = "-";
+
+/// The format that a path asks for by its extension; the standard output gets that of the input, or PLY.
 pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
+    if path == Path::new(PIPE) {
+        return Ok(Format::Ply);
+    }
     match Format::from_path(path) {
         Some(format) => Ok(format),
         None => Err(write_error(WriteError::UnknownFormat.in_file(path))),
@@ -213,6 +227,9 @@ static N_PROBES: AtomicU64 = AtomicU64::new(0);
 
 /// Fails before any long work when nothing can be written to `path`.
 pub(crate) fn check_writable(path: &Path) -> Result<(), CliError> {
+    if path == Path::new(PIPE) {
+        return Ok(());
+    }
     let folder = match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
@@ -245,11 +262,27 @@ pub(crate) fn write_shape(
     file: &ShapeFile,
     path: &Path,
 ) -> Result<WriteReport, CliError> {
-    let report = adwave_io::write_path(file, path, None).map_err(write_error)?;
+    let report = if path == Path::new(PIPE) {
+        write_to_pipe(file)?
+    } else {
+        adwave_io::write_path(file, path, None).map_err(write_error)?
+    };
     if !report.not_written.is_empty() {
         note(global, &format!("{} cannot hold {}", path.display(), report.not_written.join(", ")));
     }
     Ok(report)
+}
+
+/// Writes a shape to the standard output, in the format that it came in or as PLY.
+fn write_to_pipe(file: &ShapeFile) -> Result<WriteReport, CliError> {
+    let format = file.format().filter(|format| format.can_write()).unwrap_or(Format::Ply);
+    let mut out = std::io::BufWriter::with_capacity(1 << 18, std::io::stdout().lock());
+    let written = adwave_io::write_bytes(file, format, &mut out);
+    let written = written.and_then(|report| out.flush().map(|()| report).map_err(WriteError::from));
+    written.map_err(|error| match error {
+        WriteError::Io(e) if e.kind() == std::io::ErrorKind::BrokenPipe => CliError::ClosedPipe,
+        error => write_error(error),
+    })
 }
 
 /// The command of these words, so that it can be typed.

@@ -2,6 +2,7 @@
 
 use crate::error::CliError;
 use crate::global::Global;
+use crate::output::available_memory;
 use adwave::operator::OperatorParams;
 use adwave::shape::Shape;
 use adwave::{Decomposer, Progress};
@@ -41,8 +42,37 @@ pub(crate) fn prepare(
             "--keep-creases is of normals, which a graph has not; leave it out".to_owned(),
         ));
     }
+    if let Some(free) = available_memory() {
+        check_neighbours(shape, params, free)?;
+    }
     with_progress(global, "preparing", |progress| Decomposer::with_params(shape, params, progress))
         .map_err(|_| CliError::Cancelled)
+}
+
+/// Refuses neighbourhoods that take more memory than is free.
+fn check_neighbours(shape: &Shape, params: &OperatorParams, free: u64) -> Result<(), CliError> {
+    /// Bytes of a neighbour: its number and weight, in the operator and while it is made.
+    const BYTES: u64 = 24;
+    let n = shape.n_vertices() as u64;
+    let (flag, of_each) = match shape {
+        Shape::Cloud(_) => (format!("--neighbours {}", params.neighbours), params.neighbours as u64),
+        // So many vertices are in r rings around one of six neighbours.
+        Shape::Mesh(_) => {
+            let r = params.rings as u64;
+            (format!("--rings {r}"), r.saturating_add(1).saturating_mul(r).saturating_mul(3))
+        }
+        Shape::Graph(_) => return Ok(()),
+    };
+    let bytes = of_each.min(n).saturating_mul(n).saturating_mul(BYTES);
+    if bytes <= free {
+        return Ok(());
+    }
+    let gib = |bytes: u64| bytes as f64 / (1_u64 << 30) as f64;
+    Err(CliError::Input(format!(
+        "{flag} of {n} vertices takes about {:.0} GiB, and {:.1} GiB are free; take fewer",
+        gib(bytes),
+        gib(free)
+    )))
 }
 
 /// A bar that is drawn on a terminal only.
@@ -52,4 +82,23 @@ pub(crate) fn bar(global: &Global<'_>, what: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("{spinner} {msg} {bar:32} {percent} % {eta}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::with_draw_target(None, target).with_style(style).with_message(what.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adwave::shape::PointCloud;
+
+    #[test]
+    fn neighbourhoods_that_do_not_fit_are_refused_with_numbers() {
+        let cloud = Shape::Cloud(PointCloud::new(vec![[0.0; 3]; 100_000]).unwrap());
+        let params = OperatorParams::default().with_neighbours(5000);
+        let error = check_neighbours(&cloud, &params, 8 << 30).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "--neighbours 5000 of 100000 vertices takes about 11 GiB, and 8.0 GiB are free; take fewer"
+        );
+        assert!(check_neighbours(&cloud, &params, 12 << 30).is_ok());
+        assert!(check_neighbours(&cloud, &OperatorParams::default(), 8 << 30).is_ok());
+    }
 }

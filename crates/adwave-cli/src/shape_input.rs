@@ -6,7 +6,7 @@ use crate::global::Global;
 use crate::output::note;
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Shape, triangulate, vertex_normals};
-use adwave_io::{ReadLimits, ShapeFile, ShapeKind, read_bytes, read_path};
+use adwave_io::{ReadError, ReadLimits, ShapeFile, ShapeKind, read_bytes, read_path};
 use std::io::Read;
 use std::path::Path;
 
@@ -39,13 +39,14 @@ impl<'a> Source<'a> {
 }
 
 /// Reads or makes the shape that the arguments ask for.
-pub(crate) fn load(args: &ShapeArgs) -> Result<Input, CliError> {
+pub(crate) fn load(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
     let ShapeArgs { shape, kind, vertices, noise, seed, .. } = args;
-    load_source(&Source { shape, kind: *kind, vertices: *vertices, noise: *noise, seed: *seed })
+    let source = Source { shape, kind: *kind, vertices: *vertices, noise: *noise, seed: *seed };
+    load_source(&source, global)
 }
 
 /// Reads or makes a shape.
-pub(crate) fn load_source(source: &Source<'_>) -> Result<Input, CliError> {
+pub(crate) fn load_source(source: &Source<'_>, global: &Global<'_>) -> Result<Input, CliError> {
     let name = source.shape.to_owned();
     let file = if let Some(sample) = source.shape.strip_prefix("sample:") {
         make_sample(sample, source.vertices, source.noise, source.seed)?
@@ -56,7 +57,7 @@ pub(crate) fn load_source(source: &Source<'_>) -> Result<Input, CliError> {
                 return Err(CliError::Input(format!("{flag} is for samples; '{name}' is a file")));
             }
         }
-        read(source.shape)?
+        read(source.shape, &global.limits)?
     };
     let kind = match source.kind {
         None => file.kind(),
@@ -82,8 +83,7 @@ pub(crate) fn make_sample(
     Ok(ShapeFile::from_mesh(sample.points, sample.faces))
 }
 
-fn read(source: &str) -> Result<ShapeFile, CliError> {
-    let limits = ReadLimits::default();
+fn read(source: &str, limits: &ReadLimits) -> Result<ShapeFile, CliError> {
     let read = if source == "-" {
         let mut bytes = Vec::new();
         std::io::stdin()
@@ -91,14 +91,22 @@ fn read(source: &str) -> Result<ShapeFile, CliError> {
             .take(limits.max_bytes.saturating_add(1))
             .read_to_end(&mut bytes)
             .map_err(|e| CliError::Environment(format!("cannot read the standard input: {e}")))?;
-        read_bytes(bytes, None, &limits)
+        read_bytes(bytes, None, limits)
     } else {
-        read_path(Path::new(source), &limits)
+        read_path(Path::new(source), limits)
     };
     read.map_err(|error| {
-        let text = error.to_string();
+        let mut text = error.to_string();
+        if matches!(cause(&error), ReadError::Limit { what: "bytes", .. }) {
+            text = text.replace("raise the limit", "raise the limit (--max-input 8G)");
+        }
         CliError::Input(if text.contains(source) { text } else { format!("{source}: {text}") })
     })
+}
+
+/// What is wrong with a file, without its name.
+fn cause(error: &ReadError) -> &ReadError {
+    if let ReadError::InFile { source, .. } = error { cause(source) } else { error }
 }
 
 /// Computes the file's normals of a mesh anew where that is asked for, or says that they are the old ones.

@@ -354,3 +354,29 @@ fn an_empty_recipe_says_that_it_does_nothing() {
     let told = String::from_utf8(done.get_output().stderr.clone()).unwrap();
     assert!(told.contains("nothing is changed"), "{told}");
 }
+
+#[test]
+fn inputs_beyond_the_limit_are_refused_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "a.xyz", "0 0 0\n".repeat(1000));
+    let error = refused(folder.path(), "info a.xyz --max-input 5K");
+    assert!(error.contains("6000") && error.contains("5120") && error.contains("--max-input"), "{error}");
+    adwave(folder.path()).args(words("info a.xyz --max-input 6000")).assert().success();
+    adwave(folder.path()).args(words("info a.xyz --max-input 1.5GiB")).assert().success();
+    assert!(refused(folder.path(), "info a.xyz --max-input much").contains("500M"));
+}
+
+#[test]
+fn a_result_on_the_standard_output_stands_there_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    adwave(folder.path()).args(words("sample knot --vertices 500 -o a.obj")).assert().success();
+    adwave(folder.path()).args(words("filter a.obj --preset smooth -o b.obj")).assert().success();
+    let piped = adwave(folder.path()).args(words("filter a.obj --preset smooth -o -")).output().unwrap();
+    assert!(piped.status.success());
+    assert_eq!(piped.stdout, fs::read(folder.path().join("b.obj")).unwrap());
+    assert!(String::from_utf8(piped.stderr).unwrap().contains("moved"));
+    let sample =
+        adwave(folder.path()).args(words("sample knot --vertices 500 --json -o -")).output().unwrap();
+    assert!(sample.stdout.starts_with(b"ply\n") && sample.stderr.starts_with(b"{"));
+    assert!(!folder.path().join("-").exists());
+}

@@ -18,6 +18,10 @@ fn with_temporaries<T>(change: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
     change(&mut TEMPORARIES.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
 }
 
+/// What the names of temporary files begin and end with.
+const PREFIX: &str = ".adwave-";
+const SUFFIX: &str = ".tmp";
+
 /// Deletes the temporary files of all writes under way. A program calls it when it ends before they are done, for
 /// instance from what it does at Ctrl-C; those writes then fail, and the files that they would replace are unchanged.
 pub fn remove_temporaries() {
@@ -117,12 +121,13 @@ fn replace<T>(
     if !folder.is_dir() {
         return Err(WriteError::NoFolder { folder: folder.display().to_string() });
     }
+    clear(folder);
     // A file that may not be written is not replaced either, though a rename could.
     if old.is_some() {
         OpenOptions::new().write(true).open(&target)?;
     }
     let mut listed = None;
-    let temporary = tempfile::Builder::new().prefix(".adwave-").suffix(".tmp").make_in(folder, |path| {
+    let temporary = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |path| {
         // On the list before it exists, so that none is missed; and with the permissions of any new file.
         with_temporaries(|paths| paths.insert(path.to_path_buf()));
         let entry = Listed(path.to_path_buf());
@@ -136,6 +141,7 @@ fn replace<T>(
     out.flush()?;
     let file: File = out.into_inner().map_err(io::IntoInnerError::into_error)?;
     if let Some(old) = old {
+        keep_owner(&file, &old);
         file.set_permissions(old.permissions())?;
     }
     flush_to_disk(file, progress)?;
@@ -143,6 +149,41 @@ fn replace<T>(
     drop(listed);
     Ok(result)
 }
+
+/// How old what a killed run left must be before the next one clears it.
+const LEFT_OVER: Duration = Duration::from_hours(24);
+
+/// Removes temporary files that a killed run left in a folder, once in each process.
+fn clear(folder: &Path) {
+    static CLEARED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    if !CLEARED.lock().unwrap_or_else(std::sync::PoisonError::into_inner).insert(folder.to_path_buf()) {
+        return;
+    }
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let is_ours = name.as_encoded_bytes().starts_with(PREFIX.as_bytes())
+            && name.as_encoded_bytes().ends_with(SUFFIX.as_bytes());
+        let age = || entry.metadata().ok().filter(fs::Metadata::is_file)?.modified().ok()?.elapsed().ok();
+        if is_ours && age().is_some_and(|age| age > LEFT_OVER) {
+            // Whoever may not remove it has no harm from it.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// A file that root replaces stays its owner's.
+#[cfg(unix)]
+fn keep_owner(file: &File, old: &fs::Metadata) {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    let is_other = file.metadata().is_ok_and(|new| (new.uid(), new.gid()) != (old.uid(), old.gid()));
+    if is_other {
+        // Others than root may not give files away; then the new one is theirs, as any file that they write.
+        let _ = fchown(file, Some(old.uid()), Some(old.gid()));
+    }
+}
+
+#[cfg(not(unix))]
+fn keep_owner(_: &File, _: &fs::Metadata) {}
 
 /// The file that symbolic links lead to, which need not exist.
 fn resolve(path: &Path) -> io::Result<PathBuf> {

@@ -36,6 +36,12 @@ pub enum Format {
     Mtx,
     /// GIFTI surface.
     Gifti,
+    /// ASTM E57, read only.
+    E57,
+    /// glTF 2.0 as one binary file.
+    Glb,
+    /// glTF 2.0 as text.
+    Gltf,
     /// VTK XML PolyData, written only.
     Vtp,
 }
@@ -210,6 +216,36 @@ const TABLE: &[Row] = &[
         loses: "faces of more than three corners",
     },
     Row {
+        format: Format::E57,
+        name: "e57",
+        title: "ASTM E57",
+        extensions: &["e57"],
+        reads: "all scans where their poses put them, in Cartesian or spherical coordinates, with all their records",
+        writes: "",
+        keeps: "",
+        loses: "records without a place, pictures",
+    },
+    Row {
+        format: Format::Glb,
+        name: "glb",
+        title: "glTF 2.0, binary",
+        extensions: &["glb", "vrm"],
+        reads: "meshes, lines and points where the scene's nodes put them, all attributes, sparse and quantised ones too",
+        writes: "triangles, lines, points and fields in 32-bit floats and whole numbers up to 16 bits",
+        keeps: "materials, pictures, nodes, animations, all else; only positions and fields that changed are replaced",
+        loses: "polygons (cut into triangles), face fields, weights of edges; compression by Draco or meshopt is not read",
+    },
+    Row {
+        format: Format::Gltf,
+        name: "gltf",
+        title: "glTF 2.0, text",
+        extensions: &["gltf"],
+        reads: "as GLB; buffers in the text or beside the file",
+        writes: "as GLB, with buffers and pictures in the text",
+        keeps: "as GLB",
+        loses: "as GLB",
+    },
+    Row {
         format: Format::Vtp,
         name: "vtp",
         title: "VTK XML PolyData",
@@ -307,7 +343,7 @@ impl Format {
     /// Names of all that can be read, for messages.
     pub(crate) fn readable_names() -> String {
         let own = Self::all().filter(|f| f.can_read() && f.family() == *f);
-        own.map(|f| f.name()).collect::<Vec<_>>().join(", ")
+        own.map(Self::name).collect::<Vec<_>>().join(", ")
     }
 
     /// Endings of all that can be written, for messages.

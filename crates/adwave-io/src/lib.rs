@@ -19,8 +19,9 @@
 //! | `shape_file`, `shape` | what was read, and the shape that it is |
 //! | `field`, `grouping` | values per vertex or face; columns as fields and back |
 //! | `original` | the bytes of a text that is written again with other coordinates |
-//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
+//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `gltf`, `e57`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
 //! | `npy`, `csv` | arrays and tables as fields, and written |
+//! | `single` | what 32-bit floats and triangles hold, for formats of such |
 //! | `subset` | a file with fewer vertices |
 //! | `signal` | signals by name: fields, what the shape gives itself, other files |
 //! | `texture` | colours of pictures at vertices |
@@ -37,10 +38,12 @@
 mod atomic;
 mod columns;
 mod csv;
+mod e57;
 mod error;
 mod field;
 mod format;
 mod gifti;
+mod gltf;
 mod grouping;
 mod las;
 mod limits;
@@ -58,6 +61,7 @@ mod recipe;
 mod shape;
 mod shape_file;
 mod signal;
+mod single;
 mod sniff;
 mod stl;
 mod subset;

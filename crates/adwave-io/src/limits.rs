@@ -1,6 +1,7 @@
 //! How much a file may ask for, and decompression that keeps to it.
 
 use std::io::Read;
+use std::sync::OnceLock;
 
 use adwave::Progress;
 
@@ -17,10 +18,21 @@ pub struct ReadLimits {
 }
 
 impl Default for ReadLimits {
-    /// 4 GiB, and 2³² − 1 vertices.
+    /// A quarter of the memory that the machine has free when this is first asked for, at least 256 MiB (4 GiB where the system does not
+    /// tell): a shape takes up to some four times the bytes of its file. And 2³² − 1 vertices.
     fn default() -> Self {
-        Self { max_bytes: 1 << 32, max_points: u64::from(u32::MAX) }
+        static MAX_BYTES: OnceLock<u64> = OnceLock::new();
+        let max_bytes =
+            *MAX_BYTES.get_or_init(|| free_memory().map_or(1 << 32, |free| (free / 4).max(1 << 28)));
+        Self { max_bytes, max_points: u64::from(u32::MAX) }
     }
+}
+
+/// The memory that a program may take without pushing others out, in bytes, where the system tells.
+fn free_memory() -> Option<u64> {
+    let info = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let free = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    free.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
 impl ReadLimits {

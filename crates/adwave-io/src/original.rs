@@ -18,6 +18,8 @@ pub(crate) enum Original {
     StlHeader(Vec<u8>),
     /// A GIFTI.
     Gifti(crate::gifti::update::GiftiOriginal),
+    /// A glTF or GLB.
+    Gltf(crate::gltf::update::GltfOriginal),
     /// A LAS or LAZ.
     Las(crate::las::write::LasOriginal),
     /// The `VIEWPOINT` line and the width and height of a PCD.

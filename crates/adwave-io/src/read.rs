@@ -32,7 +32,10 @@ pub fn read_path_with(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     read_file(path, limits, progress)
-        .and_then(|bytes| read_bytes_with(bytes, path.to_str(), limits, progress))
+        .and_then(|bytes| {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            read_shape(bytes, Some(&path.to_string_lossy()), Some(folder), limits, progress)
+        })
         .map_err(|e| e.in_file(path))
 }
 
@@ -124,6 +127,17 @@ pub fn read_bytes_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
+    read_shape(bytes, name_hint, None, limits, progress)
+}
+
+/// `folder` is where files are that this one names; none are read where it is not known.
+fn read_shape(
+    bytes: Vec<u8>,
+    name_hint: Option<&str>,
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let mut bytes = decompress(bytes, limits, progress)?;
     let mut format = sniff(&bytes, name_hint)?;
     if is_text(format, &bytes) && old_line_ends(&mut bytes, progress)? {
@@ -144,6 +158,8 @@ pub fn read_bytes_with(
         Format::Pcd => crate::pcd::read::read_pcd(bytes, limits, progress),
         Format::Las | Format::Laz => crate::las::read::read_las(bytes, limits, progress),
         Format::Gifti => crate::gifti::read::read_gifti(bytes, limits, progress),
+        Format::E57 => crate::e57::read::read_e57(bytes, limits, progress),
+        Format::Glb | Format::Gltf => crate::gltf::read::read_gltf(bytes, folder, limits, progress),
         Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits, progress),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
     }?;

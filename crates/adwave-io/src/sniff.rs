@@ -60,6 +60,15 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
     if bytes.len() >= 14 && bytes[..14].eq_ignore_ascii_case(b"%%MatrixMarket") {
         return Some(Format::Mtx);
     }
+    if bytes.starts_with(b"ASTM-E57") {
+        return Some(Format::E57);
+    }
+    if bytes.starts_with(b"glTF") {
+        return Some(Format::Glb);
+    }
+    if is_gltf(bytes) {
+        return Some(Format::Gltf);
+    }
     let is_xml = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<");
     if is_xml && crate::gifti::read::is_gifti(&bytes[..bytes.len().min(LOOK)]) {
         return Some(Format::Gifti);
@@ -81,14 +90,19 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
     matches!(keyword, Some(b"VERSION" | b"FIELDS" | b"COLUMNS")).then_some(Format::Pcd)
 }
 
+/// Whether it is JSON that says `asset`, as every glTF does.
+fn is_gltf(bytes: &[u8]) -> bool {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    text.starts_with(b"{") && memchr::memmem::find(text, b"\"asset\"").is_some()
+}
+
 /// What a file of a known other kind is, for the message.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
-    let begins: [(&[u8], &str); 11] = [
+    let begins: [(&[u8], &str); 10] = [
         (b"\x89PNG", "a PNG picture"),
         (b"\xff\xd8\xff", "a JPEG picture"),
         (b"PK\x03\x04", "a ZIP archive"),
-        (b"glTF", "binary glTF"),
         (b"MATLAB 5.0", "a MATLAB file"),
         (b"\x93NUMPY", "a NumPy array: give it as a field of a shape"),
         (b"# vtk DataFile", "legacy VTK"),

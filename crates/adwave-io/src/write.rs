@@ -115,9 +115,10 @@ pub fn write_bytes_with(
         let what = "a graph without coordinates".into();
         return Err(WriteError::CannotHold { format, what });
     }
-    if shape.format == Some(format)
-        && let Some(report) = update(shape, format, out, progress)?
-    {
+    let is_gltf = |format: Format| matches!(format, Format::Glb | Format::Gltf);
+    // Text and binary glTF hold the same.
+    let is_same = shape.format == Some(format) || (is_gltf(format) && shape.format.is_some_and(is_gltf));
+    if is_same && let Some(report) = update(shape, format, out, progress)? {
         return Ok(report);
     }
     let mut report = WriteReport::default();
@@ -144,7 +145,11 @@ pub fn write_bytes_with(
         }
         Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
         Format::Vtp => crate::vtp::write::write_vtp(shape, &mut report, out, progress)?,
+        Format::Glb | Format::Gltf => {
+            crate::gltf::write::write_gltf(shape, format, &mut report, out, progress)?;
+        }
         Format::Gifti => crate::gifti::write::write_gifti(shape, &mut report, out, progress)?,
+        Format::E57 => return Err(WriteError::ReadOnly { format }),
         Format::Las | Format::Laz => {
             crate::las::write::write_las(shape, format, &mut report, out, progress)?;
         }
@@ -165,7 +170,9 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
 
 /// Coordinates that are written in single precision must not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
-    if shape.precision == Precision::F64 && !matches!(format, Format::Stl | Format::Gifti) {
+    if shape.precision == Precision::F64
+        && !matches!(format, Format::Stl | Format::Gifti | Format::Glb | Format::Gltf)
+    {
         return Ok(());
     }
     let coordinates = shape.points.as_flattened();
@@ -206,6 +213,7 @@ fn update(
             Ok(Some(WriteReport::default()))
         }
         Original::Gifti(gifti) => crate::gifti::update::update_gifti(shape, gifti, out, progress),
+        Original::Gltf(gltf) => crate::gltf::update::update_gltf(shape, gltf, format, out, progress),
         Original::Ply(ply) => crate::ply::update::update_ply(shape, ply, out, progress).map(Some),
         _ => Ok(None),
     }

@@ -92,3 +92,40 @@ fn permissions_links_and_devices_are_respected() {
     write(std::path::Path::new("/dev/null"), "gone").unwrap();
     assert_eq!(names(folder.path()), ["a", "link", "plain"]);
 }
+
+#[test]
+fn what_a_killed_run_left_is_cleared_after_a_day() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in [".adwave-old.tmp", ".adwave-new.tmp", "adwave-mine.tmp", ".adwave-mine"] {
+        fs::write(at(name), "half").unwrap();
+    }
+    let long_ago = std::time::SystemTime::now() - std::time::Duration::from_hours(25);
+    for name in [".adwave-old.tmp", "adwave-mine.tmp", ".adwave-mine"] {
+        fs::File::options().write(true).open(at(name)).unwrap().set_modified(long_ago).unwrap();
+    }
+    atomic_write(&at("a.txt"), |w| Ok(w.write_all(b"whole")?)).unwrap();
+    assert!(!at(".adwave-old.tmp").exists());
+    assert!(
+        [".adwave-new.tmp", "adwave-mine.tmp", ".adwave-mine", "a.txt"].iter().all(|name| at(name).exists())
+    );
+}
+
+#[test]
+#[cfg(unix)]
+fn a_file_that_root_replaces_stays_its_owners() {
+    use std::os::unix::fs::{MetadataExt, chown};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.txt");
+    fs::write(&path, "old").unwrap();
+    if chown(&path, Some(1234), Some(1234)).is_err() {
+        println!("skipped: only root may give files away");
+        return;
+    }
+    atomic_write(&path, |w| Ok(w.write_all(b"new")?)).unwrap();
+    let metadata = fs::metadata(&path).unwrap();
+    assert_eq!(
+        (metadata.uid(), metadata.gid(), fs::read(&path).unwrap().as_slice()),
+        (1234, 1234, &b"new"[..])
+    );
+}

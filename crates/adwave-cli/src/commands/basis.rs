@@ -62,7 +62,7 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
         )));
     }
     let schedule = Schedule::dyadic(level)?;
-    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let n_vertices = input.shape.n_vertices();
     let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
     let start = Instant::now();
@@ -120,7 +120,7 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
     if let Some(bytes) = available_memory() {
         params = params.with_memory_limit(bytes);
     }
-    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
     let vertex_map = decomposer.geometry().vertex_map();
     let start = Instant::now();

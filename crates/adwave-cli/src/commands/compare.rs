@@ -89,7 +89,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
         (MethodArg::FeatureMap, COORDS) => CURVATURE,
         (_, field) => field,
     };
-    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let signal = signal::load(&input, field, args.field.texture.as_deref())?;
     let start = Instant::now();
     let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;

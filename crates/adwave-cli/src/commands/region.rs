@@ -49,7 +49,7 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
     if let Some(path) = &args.output {
         check(path)?;
     }
-    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
     let region = joined(&args.region);
     let weights =

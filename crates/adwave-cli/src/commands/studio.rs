@@ -66,7 +66,7 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     let Source { seed, .. } = Source::new(&args.shape);
     let source =
         Source { shape: &args.shape, kind: args.kind, vertices: args.vertices, noise: args.noise, seed };
-    let input = with_spinner(global, "reading", || load_source(&source))?;
+    let input = with_spinner(global, "reading", || load_source(&source, global))?;
     let path = Path::new(&input.name);
     let path = path.is_file().then(|| path.to_path_buf());
     let name = path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());

@@ -55,7 +55,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     check_writable(&args.output)?;
     let params = bands_params(&args.levels)?;
     let mut watch = Stopwatch::start();
-    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let field = args.field.name();
     let signal = signal::load(&input, field, args.field.texture.as_deref())?;
     let read = watch.lap();

@@ -6,8 +6,9 @@ use std::ops::Range;
 use adwave::Progress;
 
 use super::numbers::Numbers;
-use super::write::{check_range, left_out, write_field};
-use crate::{Field, ShapeFile, ValueType, WriteError, WriteReport};
+use super::write::{left_out, write_field};
+use crate::single::check_range;
+use crate::{Field, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Where an array's numbers stand, with the element around them, and how.
 type Place = (Range<usize>, Numbers);
@@ -81,7 +82,7 @@ fn changes<'a>(
             return Ok(None);
         }
         if numbers.kind != ValueType::F64 {
-            check_range("coordinates", coordinates.len(), progress, |i| coordinates[i])?;
+            check_range(Format::Gifti, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
         }
         changes.push((range.clone(), Change::Points(numbers)));
     }

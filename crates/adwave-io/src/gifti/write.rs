@@ -7,7 +7,6 @@ use std::io::Write;
 use std::path::Path;
 
 use adwave::Progress;
-use adwave::shape::triangulate;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
@@ -16,6 +15,7 @@ use super::numbers::{Encoding, Numbers};
 use crate::field::ByteOrder;
 use crate::grouping::column_names;
 use crate::progress::{Watched, all};
+use crate::single::{check_range, is_single, triangles};
 use crate::text::escape_xml;
 use crate::{
     Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport, atomic_write_with,
@@ -123,31 +123,6 @@ fn intent(name: &str, n_channels: usize) -> &'static str {
     }
 }
 
-/// Refuses numbers that would become infinite.
-pub(super) fn check_range(
-    what: &str,
-    n: usize,
-    progress: Progress<'_>,
-    value: impl Fn(usize) -> f64 + Sync,
-) -> Result<(), WriteError> {
-    let fits = |i: usize| !value(i).is_finite() || (value(i) as f32).is_finite();
-    if all(n, progress, fits)? {
-        return Ok(());
-    }
-    let what = format!("{what} beyond 3.4e38, the range of 32-bit floats");
-    Err(WriteError::CannotHold { format: Format::Gifti, what })
-}
-
-/// Whether rounding to 32-bit floats changes nothing.
-fn is_single(
-    n: usize,
-    progress: Progress<'_>,
-    value: impl Fn(usize) -> f64 + Sync,
-) -> Result<bool, WriteError> {
-    let keeps = |i: usize| f64::from(value(i) as f32).to_bits() == value(i).to_bits() || value(i).is_nan();
-    Ok(all(n, progress, keeps)?)
-}
-
 /// Writes points, triangles and vertex fields; polygons are cut into triangles.
 pub(crate) fn write_gifti(
     shape: &ShapeFile,
@@ -156,7 +131,7 @@ pub(crate) fn write_gifti(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let coordinates = shape.points.as_flattened();
-    check_range("coordinates", coordinates.len(), progress, |i| coordinates[i])?;
+    check_range(Format::Gifti, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
     if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
         report.leave_out("digits of coordinates beyond 32-bit floats");
     }
@@ -191,7 +166,7 @@ pub(super) fn left_out(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let (n, value) = (field.values.len(), |i: usize| field.values.get(i));
-    check_range(&format!("values of `{}`", field.name), n, progress, value)?;
+    check_range(Format::Gifti, &format!("values of `{}`", field.name), n, progress, value)?;
     // Whole numbers beyond this have more digits than even a 64-bit float.
     let has_more = |x: f64| field.values.value_type().is_integer() && x.abs() >= (1_u64 << 53) as f64;
     let keeps_all = is_single(n, progress, value)? && all(n, progress, |i| !has_more(value(i)))?;
@@ -210,21 +185,6 @@ pub(super) fn write_field(
     let (intent, about) = (intent(&field.name, field.n_channels), vec![("Name", field.name.as_str())]);
     let (kind, rows, columns) = (stored(&field.values), field.len(), field.n_channels);
     Array { intent, about, space: "", kind, rows, columns }.write(out, progress, |i| field.values.get(i))
-}
-
-/// The faces of three corners as they are; with others among them, all cut into triangles.
-fn triangles(shape: &ShapeFile, report: &mut WriteReport) -> Vec<[u32; 3]> {
-    if shape.faces.iter().all(|face| face.len() == 3) {
-        return shape.faces.iter().map(|face| [face[0], face[1], face[2]]).collect();
-    }
-    for face in shape.faces.iter() {
-        match face.len() {
-            3 => {}
-            0..3 => report.leave_out("faces of fewer than three corners"),
-            _ => report.leave_out("polygons (as triangles)"),
-        }
-    }
-    triangulate(&shape.points, &shape.faces)
 }
 
 /// Writes fields without a surface: an array for each channel, as the columns of functional and metric files are, named as in
@@ -277,7 +237,13 @@ fn write_fields(
     let out = &mut Watched::new(out, progress);
     for field in fields {
         let value = |i: usize| field.values.get(i);
-        check_range(&format!("values of `{}`", field.name), field.values.len(), progress, value)?;
+        check_range(
+            Format::Gifti,
+            &format!("values of `{}`", field.name),
+            field.values.len(),
+            progress,
+            value,
+        )?;
     }
     write_head(out, fields.iter().map(|field| field.n_channels).sum(), structure)?;
     for field in fields {

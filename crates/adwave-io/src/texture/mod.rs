@@ -1,5 +1,6 @@
 //! Colours of a texture at the vertices of a mesh: OBJ with its materials, or any shape with UVs and a picture.
 
+mod gltf_parts;
 mod materials;
 mod obj_corners;
 mod picture;
@@ -28,7 +29,9 @@ pub enum TextureError {
         shape: String,
     },
     /// Nothing names a picture.
-    #[error("{shape} names no texture (no map_Kd in its materials); name one with --texture FILE.png")]
+    #[error(
+        "{shape} names no texture (no map_Kd or baseColorTexture in its materials); name one with --texture FILE.png"
+    )]
     NoTexture {
         /// The shape's file.
         shape: String,
@@ -57,7 +60,7 @@ impl ClassifiedError for TextureError {
 
 /// The colours of a texture at the vertices: the field `texture`, red, green and blue in [0, 1] as the picture has them.
 ///
-/// `image` is the picture; without it an OBJ's materials name one for each part (`map_Kd`). Sampled between pixels, repeated
+/// `image` is the picture; without it an OBJ's materials name one for each part (`map_Kd`), and a glTF's (`baseColorTexture`). Sampled between pixels, repeated
 /// beyond the picture's edges, the first row of pixels at v = 1. A vertex on a seam gets the mean of its places in the
 /// picture; one without a place NaN.
 ///
@@ -75,6 +78,10 @@ pub fn texture_colors(
         let at = |i: usize| picture.sample(texcoord.get(i, 0), texcoord.get(i, 1));
         let colors: Vec<f64> = (0..texcoord.len()).flat_map(at).collect();
         return Ok(Field::new("texture", 3, FieldValues::F64(colors)));
+    }
+    if let Some(crate::original::Original::Gltf(original)) = shape.original.as_deref() {
+        let given = image.map(Picture::open).transpose()?;
+        return gltf_parts::colors(shape, original, given.as_ref(), &name());
     }
     if shape.format() != Some(crate::Format::Obj) {
         return Err(match shape.field("texcoord") {

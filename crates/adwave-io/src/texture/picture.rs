@@ -1,5 +1,6 @@
 //! A picture that can be sampled between its pixels.
 
+use std::io::Cursor;
 use std::path::Path;
 
 use super::TextureError;
@@ -20,10 +21,20 @@ pub(super) struct Picture {
 
 impl Picture {
     pub(super) fn open(path: &Path) -> Result<Self, TextureError> {
-        let wrong =
-            |kind, cause: String| TextureError::Picture { path: path.display().to_string(), cause, kind };
-        let mut reader = ImageReader::open(path)
-            .and_then(ImageReader::with_guessed_format)
+        let name = path.display().to_string();
+        let bytes = std::fs::read(path).map_err(|e| TextureError::Picture {
+            path: name.clone(),
+            cause: one_line(&e),
+            kind: kind_of_io(&e),
+        })?;
+        Self::of_bytes(&bytes, &name)
+    }
+
+    /// A picture in memory, called so in errors.
+    pub(super) fn of_bytes(bytes: &[u8], name: &str) -> Result<Self, TextureError> {
+        let wrong = |kind, cause: String| TextureError::Picture { path: name.to_owned(), cause, kind };
+        let mut reader = ImageReader::new(Cursor::new(bytes))
+            .with_guessed_format()
             .map_err(|e| wrong(kind_of_io(&e), one_line(&e)))?;
         let mut limits = image::Limits::default();
         (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));

@@ -18,7 +18,7 @@ use std::fmt::Write;
 
 pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliError> {
     check_result(&args.output)?;
-    let mut input = with_spinner(global, "reading", || load(&args.shape))?;
+    let mut input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let alone = FieldFile::for_result(&args.output, args.field.name(), &input.file);
     if args.field.name() != COORDS {
         return denoise_field(args.field.name(), input, alone, args, global);

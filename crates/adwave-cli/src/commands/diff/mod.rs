@@ -37,7 +37,7 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
     check_levels(&args.levels)?;
     let (first, mut second) = with_spinner(global, "reading", || {
         let other = ShapeArgs { shape: args.other.clone(), ..args.shape.clone() };
-        Ok::<_, CliError>((load(&args.shape)?, load(&other)?))
+        Ok::<_, CliError>((load(&args.shape, global)?, load(&other, global)?))
     })?;
     let walk = prepare(global, &first.shape, &args.shape.over_meshes().operator()?)?;
     let found = difference(args, &first, &mut second, &walk, global)?;

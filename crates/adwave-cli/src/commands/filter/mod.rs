@@ -38,7 +38,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     let in_recipe = recipe.as_ref().map_or(COORDS, |recipe| recipe.field.as_str());
     let field = args.field.asked().unwrap_or(in_recipe).to_owned();
 
-    let mut input = with_spinner(global, "reading", || load(&args.shape))?;
+    let mut input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let alone = FieldFile::for_result(&args.output, &field, &input.file);
     let signal = signal::load(&input, &field, args.field.texture.as_deref())?;
     let decomposer = prepare(global, &input.shape, &operator(args, recipe.as_ref())?)?;

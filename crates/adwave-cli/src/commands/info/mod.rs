@@ -49,7 +49,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     check_levels(&args.levels)?;
     detail::check(args)?;
     let (input, decomposer, health) = with_spinner(global, "reading", || {
-        let input = load(&args.shape)?;
+        let input = load(&args.shape, global)?;
         let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
         let health = decomposer.health();
         Ok::<_, CliError>((input, decomposer, health))

@@ -100,7 +100,7 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
     let shapes = [args.shape.clone(), ShapeArgs { shape: args.other.clone(), ..args.shape.clone() }];
     let mut prepared = Vec::new();
     for shape in &shapes {
-        let input = with_spinner(global, "reading", || load(shape))?;
+        let input = with_spinner(global, "reading", || load(shape, global))?;
         let walk = prepare(global, &input.shape, &shape.over_meshes().operator()?)?;
         prepared.push((input, walk));
     }

@@ -27,7 +27,7 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let start = Instant::now();
     check(args)?;
     let mut watch = Stopwatch::start();
-    let input = with_spinner(global, "reading", || load(&args.shape))?;
+    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let signal = args.field.or(default_signal(&input.file));
     let field = signal.name().to_owned();
     let upward = Upward::of(args.up, &input);

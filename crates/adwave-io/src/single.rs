@@ -1,0 +1,48 @@
+//! What formats of 32-bit floats and triangles hold of a shape, and what is said of the rest.
+
+use adwave::Progress;
+use adwave::shape::triangulate;
+
+use crate::progress::all;
+use crate::{Format, ShapeFile, WriteError, WriteReport};
+
+/// Refuses numbers that a 32-bit float cannot hold: they would become infinite.
+pub(crate) fn check_range(
+    format: Format,
+    what: &str,
+    n: usize,
+    progress: Progress<'_>,
+    value: impl Fn(usize) -> f64 + Sync,
+) -> Result<(), WriteError> {
+    let fits = |i: usize| !value(i).is_finite() || (value(i) as f32).is_finite();
+    if all(n, progress, fits)? {
+        return Ok(());
+    }
+    let what = format!("{what} beyond 3.4e38, the range of 32-bit floats");
+    Err(WriteError::CannotHold { format, what })
+}
+
+/// Whether rounding to 32-bit floats changes nothing.
+pub(crate) fn is_single(
+    n: usize,
+    progress: Progress<'_>,
+    value: impl Fn(usize) -> f64 + Sync,
+) -> Result<bool, WriteError> {
+    let keeps = |i: usize| f64::from(value(i) as f32).to_bits() == value(i).to_bits() || value(i).is_nan();
+    Ok(all(n, progress, keeps)?)
+}
+
+/// The faces as triangles.
+pub(crate) fn triangles(shape: &ShapeFile, report: &mut WriteReport) -> Vec<[u32; 3]> {
+    if shape.faces.iter().all(|face| face.len() == 3) {
+        return shape.faces.iter().map(|face| [face[0], face[1], face[2]]).collect();
+    }
+    for face in shape.faces.iter() {
+        match face.len() {
+            3 => {}
+            0..3 => report.leave_out("faces of fewer than three corners"),
+            _ => report.leave_out("polygons (as triangles)"),
+        }
+    }
+    triangulate(&shape.points, &shape.faces)
+}
