@@ -4,6 +4,7 @@ use crate::args::GlobalArgs;
 use crate::commands::{
     basis::BasisArgs,
     compare::CompareArgs,
+    convert::ConvertArgs,
     demo::DemoArgs,
     denoise::DenoiseArgs,
     diff::DiffArgs,
@@ -63,7 +64,8 @@ pub(crate) fn command() -> clap::Command {
 }
 
 /// Words that people try as a command or an option, and what does that here.
-const MEANT: [(&[&str], &str); 9] = [
+const MEANT: [(&[&str], &str); 10] = [
+    (&["export", "save", "transcode"], "adwave convert SHAPE -o OUT"),
     (&["smooth", "laplacian", "taubin", "suppress"], "adwave filter SHAPE -o OUT --preset smooth"),
     (&["sharpen", "enhance"], "adwave filter SHAPE -o OUT --preset enhance"),
     (&["decimate", "reduce", "lod", "remesh"], "adwave simplify SHAPE -o OUT --error 0.1%"),
@@ -132,6 +134,8 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Open an equaliser for the shape in the browser: a slider for each band, a brush, layers
     Studio(StudioArgs),
+    /// Write a shape in another format
+    Convert(ConvertArgs),
     /// List the formats of files: what is read, written, kept and lost
     Formats(FormatsArgs),
     /// Write a built-in shape

@@ -112,6 +112,7 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Region(args) => commands::region::run(args, global),
         Command::Report(args) => commands::report::run(args, global),
         Command::Studio(args) => commands::studio::run(args, global),
+        Command::Convert(args) => commands::convert::run(args, global),
         Command::Formats(args) => commands::formats::run(args, global),
         Command::Sample(args) => commands::sample::run(args, global),
         Command::Demo(args) => commands::demo::run(args, global),

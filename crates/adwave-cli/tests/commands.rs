@@ -22,6 +22,8 @@ fn every_command_explains_itself_with_examples() {
         "features",
         "evaluate",
         "basis",
+        "convert",
+        "formats",
         "sample",
     ] {
         adwave(folder.path()).args([command, "--help"]).assert().success().stdout(contains("Examples:"));
@@ -47,6 +49,21 @@ fn formats_are_listed_as_the_document_has_them() {
         list["formats"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
     assert_eq!(names, adwave_io::Format::all().map(adwave_io::Format::name).collect::<Vec<_>>());
     assert!(said(&[]).lines().any(|line| line.trim_start().starts_with("ply-ascii")));
+}
+
+#[test]
+fn a_shape_goes_over_into_another_format_and_back() {
+    let folder = tempfile::tempdir().unwrap();
+    adwave(folder.path()).args(["sample", "knot", "--vertices", "500", "-o", "a.ply"]).assert().success();
+    adwave(folder.path())
+        .args(["convert", "a.ply", "-o", "b.glb"])
+        .assert()
+        .success()
+        .stdout(contains("500 vertices"));
+    let told = json(folder.path(), "convert b.glb -o c.obj");
+    assert_eq!((&told["format"], &told["vertices"]), (&serde_json::json!("glb"), &serde_json::json!(500)));
+    let error = common::refused(folder.path(), "convert b.glb -o c.e57");
+    assert!(error.contains("e57") && error.contains("choose another format"), "{error}");
 }
 
 #[test]
