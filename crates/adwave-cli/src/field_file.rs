@@ -60,6 +60,21 @@ impl FieldFile {
     }
 }
 
+/// Whether a file of that name has a shape together with any fields of its vertices.
+pub(crate) fn holds_fields(path: &Path) -> bool {
+    Format::from_path(path).is_some_and(Format::holds_fields)
+}
+
+/// Refuses a name, with the endings that `what` can have: those of formats with fields, and `others`.
+pub(crate) fn no_fields(path: &Path, what: &str, others: &[&str]) -> CliError {
+    let with_fields = Format::all().filter(|format| format.holds_fields());
+    let mut endings: Vec<String> =
+        with_fields.filter_map(|f| Some(format!(".{}", f.extensions().first()?))).collect();
+    endings.extend(others.iter().map(|ending| (*ending).to_owned()));
+    let last = endings.pop().unwrap_or_default();
+    CliError::Input(format!("{}: {what} written as {} or {last}", path.display(), endings.join(", ")))
+}
+
 /// The channels of all fields beside each other, one row for each vertex.
 fn write_array(path: &Path, fields: &[Field]) -> Result<(), CliError> {
     let n = fields.first().map_or(0, Field::len);

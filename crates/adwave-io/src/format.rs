@@ -330,6 +330,11 @@ impl Format {
         !self.row().writes.is_empty()
     }
 
+    /// Whether a file of it has a shape together with any fields of its vertices, by their names.
+    pub fn holds_fields(self) -> bool {
+        matches!(self, Self::Ply | Self::PlyAscii | Self::Glb | Self::Gltf | Self::Vtp)
+    }
+
     /// The binary or text form that stands for both: `ply` for `ply-ascii`.
     pub(crate) fn family(self) -> Self {
         match self {

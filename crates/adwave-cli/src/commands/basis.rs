@@ -2,13 +2,14 @@
 
 use crate::args::ShapeArgs;
 use crate::error::CliError;
+use crate::field_file::{holds_fields, no_fields};
 use crate::global::Global;
 use crate::output::{available_memory, check_writable, number, print, table, write_error, write_shape};
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::load;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows};
-use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, MatrixValues};
+use adwave_io::{ArrayValues, Compression, Field, FieldValues, MatrixValues};
 use clap::Args;
 use serde_json::json;
 use std::ffi::OsStr;
@@ -55,11 +56,8 @@ pub(crate) fn run(args: &BasisArgs, global: &Global<'_>) -> Result<(), CliError>
 }
 
 fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize) -> Result<(), CliError> {
-    if !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
-        let path = args.output.display();
-        return Err(CliError::Input(format!(
-            "{path}: the functions of a vertex are written as .vtp or .ply"
-        )));
+    if !holds_fields(&args.output) {
+        return Err(no_fields(&args.output, "the functions of a vertex are", &[]));
     }
     let schedule = Schedule::dyadic(level)?;
     let input = with_spinner(global, "reading", || load(&args.shape, global))?;

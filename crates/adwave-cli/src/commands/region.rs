@@ -2,7 +2,7 @@
 
 use crate::args::ShapeArgs;
 use crate::error::CliError;
-use crate::field_file::{FieldFile, write_field};
+use crate::field_file::{FieldFile, holds_fields, no_fields, write_field};
 use crate::global::Global;
 use crate::output::{bounds_json, bounds_text, check_writable, note, number, print};
 use crate::progress::{prepare, with_progress, with_spinner};
@@ -11,7 +11,7 @@ use crate::shape_input::{Input, load};
 use adwave::Decomposer;
 use adwave::region::Region;
 use adwave::shape::bounding_box;
-use adwave_io::{Field, FieldValues, Format};
+use adwave_io::{Field, FieldValues};
 use clap::Args;
 use serde_json::json;
 use std::fmt::Write;
@@ -79,11 +79,8 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
 }
 
 fn check(path: &Path) -> Result<(), CliError> {
-    if FieldFile::of(path).is_none() && !matches!(Format::from_path(path), Some(Format::Ply | Format::Vtp)) {
-        return Err(CliError::Input(format!(
-            "{}: weights are written as .ply, .vtp, .npy, .csv or .gii",
-            path.display()
-        )));
+    if FieldFile::of(path).is_none() && !holds_fields(path) {
+        return Err(no_fields(path, "weights are", &[".npy", ".csv", ".gii"]));
     }
     check_writable(path)
 }

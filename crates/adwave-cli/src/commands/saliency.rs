@@ -4,12 +4,12 @@ use crate::analysis::{Analysis, Map};
 use crate::args::{BorderArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
 use crate::commands::transform::fresh;
 use crate::error::CliError;
-use crate::field_file::FieldFile;
+use crate::field_file::{FieldFile, holds_fields, no_fields};
 use crate::global::Global;
 use crate::output::{check_writable, number, print, table, write_shape};
 use crate::progress::with_spinner;
 use adwave::saliency::{Saliency, SaliencyLevel, saliency_per_level};
-use adwave_io::{Field, FieldValues, Format};
+use adwave_io::{Field, FieldValues};
 use adwave_render::{ColorMap, value_range};
 use clap::Args;
 use serde_json::json;
@@ -61,9 +61,8 @@ pub(crate) struct SaliencyArgs {
 
 pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliError> {
     let alone = FieldFile::of(&args.output);
-    if alone.is_none() && !matches!(Format::from_path(&args.output), Some(Format::Vtp | Format::Ply)) {
-        let output = args.output.display();
-        return Err(CliError::Input(format!("{output}: a map is written as .ply, .vtp, .npy, .csv or .gii")));
+    if alone.is_none() && !holds_fields(&args.output) {
+        return Err(no_fields(&args.output, "a map is", &[".npy", ".csv", ".gii"]));
     }
     check_writable(&args.output)?;
     let colors = color_map(args)?;

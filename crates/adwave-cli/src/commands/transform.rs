@@ -2,7 +2,7 @@
 
 use crate::args::{FieldArgs, LevelArgs, ShapeArgs};
 use crate::error::CliError;
-use crate::field_file::FieldFile;
+use crate::field_file::{FieldFile, holds_fields, no_fields};
 use crate::global::Global;
 use crate::output::{
     bands_params, check_writable, fwhm_json, fwhm_text, number, peak_memory, percent_of, print, schedule,
@@ -46,11 +46,8 @@ pub(crate) struct TransformArgs {
 pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliError> {
     let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     let format = Format::from_path(&args.output);
-    if !npz && !matches!(format, Some(Format::Vtp | Format::Ply | Format::Gifti)) {
-        return Err(CliError::Input(format!(
-            "{}: bands are written as .npz, .vtp, .ply or .gii",
-            args.output.display()
-        )));
+    if !npz && format != Some(Format::Gifti) && !holds_fields(&args.output) {
+        return Err(no_fields(&args.output, "bands are", &[".npz", ".gii"]));
     }
     check_writable(&args.output)?;
     let params = bands_params(&args.levels)?;

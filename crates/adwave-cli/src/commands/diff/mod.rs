@@ -5,6 +5,7 @@ mod distances;
 
 use crate::args::ShapeArgs;
 use crate::error::CliError;
+use crate::field_file::no_fields;
 use crate::global::Global;
 use crate::output::{
     bands_params, check_levels, check_writable, command_line, fwhm_json, fwhm_text, number, percent_of,
@@ -77,11 +78,8 @@ fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
         path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
     match Format::from_path(path) {
         _ if is_page => Ok(OutputKind::Page),
-        Some(Format::Ply | Format::Vtp) => Ok(OutputKind::Fields),
-        _ => Err(CliError::Input(format!(
-            "{}: a difference is written as .html, .ply or .vtp",
-            path.display()
-        ))),
+        Some(format) if format.holds_fields() => Ok(OutputKind::Fields),
+        _ => Err(no_fields(path, "a difference is", &[".html"])),
     }
 }
 
