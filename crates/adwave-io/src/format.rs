@@ -36,8 +36,18 @@ pub enum Format {
     Mtx,
     /// GIFTI surface.
     Gifti,
-    /// VTK XML PolyData, written only.
+    /// VTK XML PolyData.
     Vtp,
+    /// VTK XML UnstructuredGrid.
+    Vtu,
+    /// VTK XML ImageData, read as its surface.
+    Vti,
+    /// VTK XML RectilinearGrid, read as its surface.
+    Vtr,
+    /// VTK XML StructuredGrid, read as its surface.
+    Vts,
+    /// Legacy VTK, text and binary.
+    Vtk,
 }
 
 /// One row of the table of formats: the source of names, endings, messages and documents.
@@ -214,10 +224,60 @@ const TABLE: &[Row] = &[
         name: "vtp",
         title: "VTK XML PolyData",
         extensions: &["vtp"],
-        reads: "",
+        reads: "points, polygons, strips, lines, all arrays; text, base64 and appended data, by zlib or plain",
         writes: "points, faces, lines, all fields",
         keeps: "",
-        loses: "",
+        loses: "field data, values of lines",
+    },
+    Row {
+        format: Format::Vtu,
+        name: "vtu",
+        title: "VTK XML UnstructuredGrid",
+        extensions: &["vtu"],
+        reads: "as VTP; of volumes the boundary, cells of higher order by their corners",
+        writes: "points, faces, lines, all fields",
+        keeps: "",
+        loses: "volumes and the points inside them, field data, values of lines",
+    },
+    Row {
+        format: Format::Vti,
+        name: "vti",
+        title: "VTK XML ImageData",
+        extensions: &["vti"],
+        reads: "flat images as quadrilaterals, others as their boundary, with all arrays",
+        writes: "",
+        keeps: "",
+        loses: "what is inside",
+    },
+    Row {
+        format: Format::Vtr,
+        name: "vtr",
+        title: "VTK XML RectilinearGrid",
+        extensions: &["vtr"],
+        reads: "as VTI",
+        writes: "",
+        keeps: "",
+        loses: "what is inside",
+    },
+    Row {
+        format: Format::Vts,
+        name: "vts",
+        title: "VTK XML StructuredGrid",
+        extensions: &["vts"],
+        reads: "as VTI",
+        writes: "",
+        keeps: "",
+        loses: "what is inside",
+    },
+    Row {
+        format: Format::Vtk,
+        name: "vtk",
+        title: "legacy VTK",
+        extensions: &["vtk"],
+        reads: "text and binary up to version 5.1, all that VTP, VTU, VTI, VTR and VTS hold",
+        writes: "points, faces, lines, all fields, binary",
+        keeps: "",
+        loses: "what is inside volumes, field data, tables of colours, values of lines",
     },
 ];
 
@@ -307,7 +367,7 @@ impl Format {
     /// Names of all that can be read, for messages.
     pub(crate) fn readable_names() -> String {
         let own = Self::all().filter(|f| f.can_read() && f.family() == *f);
-        own.map(|f| f.name()).collect::<Vec<_>>().join(", ")
+        own.map(Self::name).collect::<Vec<_>>().join(", ")
     }
 
     /// Endings of all that can be written, for messages.

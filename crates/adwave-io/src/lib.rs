@@ -19,7 +19,7 @@
 //! | `shape_file`, `shape` | what was read, and the shape that it is |
 //! | `field`, `grouping` | values per vertex or face; columns as fields and back |
 //! | `original` | the bytes of a text that is written again with other coordinates |
-//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
+//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtk_xml`, `vtk_legacy` | a folder per format: `read`, `write`, and what only this format needs |
 //! | `npy`, `csv` | arrays and tables as fields, and written |
 //! | `subset` | a file with fewer vertices |
 //! | `signal` | signals by name: fields, what the shape gives itself, other files |
@@ -27,6 +27,8 @@
 //! | `recipe` | edits as TOML |
 //! | `atomic` | files replaced as a whole |
 //! | `progress` | how far reading and writing are, and whether to stop |
+//! | `cells` | cells of grids and the surface that they make |
+//! | `numbers` | arrays of numbers, binary or text, as lists |
 //! | `text`, `lines` | numbers, words and lines of text formats |
 
 // Headers are a few lines of text; `write!` into a string would bring an error that cannot happen.
@@ -35,6 +37,7 @@
 #![allow(clippy::cast_possible_wrap)]
 
 mod atomic;
+mod cells;
 mod columns;
 mod csv;
 mod error;
@@ -47,6 +50,7 @@ mod limits;
 mod lines;
 mod mtx;
 mod npy;
+mod numbers;
 mod obj;
 mod off;
 mod original;
@@ -63,7 +67,8 @@ mod stl;
 mod subset;
 mod text;
 mod texture;
-mod vtp;
+mod vtk_legacy;
+mod vtk_xml;
 mod write;
 
 pub use atomic::{atomic_write, atomic_write_with, remove_temporaries};

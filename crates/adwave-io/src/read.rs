@@ -145,6 +145,10 @@ pub fn read_bytes_with(
         Format::Las | Format::Laz => crate::las::read::read_las(bytes, limits, progress),
         Format::Gifti => crate::gifti::read::read_gifti(bytes, limits, progress),
         Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits, progress),
+        Format::Vtp | Format::Vtu | Format::Vti | Format::Vtr | Format::Vts => {
+            crate::vtk_xml::read::read_vtk_xml(&bytes, format, limits, progress)
+        }
+        Format::Vtk => crate::vtk_legacy::read::read_vtk(&bytes, limits, progress),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
     }?;
     shape.n_original_fields = shape.vertex_fields.len();

@@ -60,9 +60,15 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
     if bytes.len() >= 14 && bytes[..14].eq_ignore_ascii_case(b"%%MatrixMarket") {
         return Some(Format::Mtx);
     }
+    if bytes.starts_with(crate::vtk_legacy::read::MAGIC) {
+        return Some(Format::Vtk);
+    }
     let is_xml = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<");
     if is_xml && crate::gifti::read::is_gifti(&bytes[..bytes.len().min(LOOK)]) {
         return Some(Format::Gifti);
+    }
+    if is_xml && let Some(Ok(format)) = crate::vtk_xml::read::kind_of(&bytes[..bytes.len().min(LOOK)]) {
+        return Some(format);
     }
     // Many binary STL begin with `solid` too; only the length tells.
     if crate::stl::read::binary_count(bytes).is_some_and(|n| bytes.len() as u64 == 84 + 50 * n) {
@@ -84,19 +90,21 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
 /// What a file of a known other kind is, for the message.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
-    let begins: [(&[u8], &str); 11] = [
+    let begins: [(&[u8], &str); 10] = [
         (b"\x89PNG", "a PNG picture"),
         (b"\xff\xd8\xff", "a JPEG picture"),
         (b"PK\x03\x04", "a ZIP archive"),
         (b"glTF", "binary glTF"),
         (b"MATLAB 5.0", "a MATLAB file"),
         (b"\x93NUMPY", "a NumPy array: give it as a field of a shape"),
-        (b"# vtk DataFile", "legacy VTK"),
         (b"<", "XML or HTML"),
         (b"{", "JSON"),
         (b"newmtl", "a material library of an OBJ"),
         (b"\x89HDF", "HDF5"),
     ];
+    if let Some(Err(found)) = crate::vtk_xml::read::kind_of(&text[..text.len().min(LOOK)]) {
+        return Some(found);
+    }
     begins.iter().find(|(magic, _)| text.starts_with(magic)).map(|(_, name)| *name)
 }
 

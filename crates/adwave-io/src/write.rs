@@ -143,11 +143,14 @@ pub fn write_bytes_with(
             crate::pcd::write::write_pcd(shape, format, &mut report, out, progress)?;
         }
         Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
-        Format::Vtp => crate::vtp::write::write_vtp(shape, &mut report, out, progress)?,
+        Format::Vtp => crate::vtk_xml::write::write_vtp(shape, &mut report, out, progress)?,
+        Format::Vtu => crate::vtk_xml::write::write_vtu(shape, &mut report, out, progress)?,
+        Format::Vtk => crate::vtk_legacy::write::write_vtk(shape, &mut report, out, progress)?,
         Format::Gifti => crate::gifti::write::write_gifti(shape, &mut report, out, progress)?,
         Format::Las | Format::Laz => {
             crate::las::write::write_las(shape, format, &mut report, out, progress)?;
         }
+        Format::Vti | Format::Vtr | Format::Vts => return Err(WriteError::ReadOnly { format }),
     }
     Ok(report)
 }
@@ -165,7 +168,9 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
 
 /// Coordinates that are written in single precision must not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
-    if shape.precision == Precision::F64 && !matches!(format, Format::Stl | Format::Gifti) {
+    if shape.precision == Precision::F64
+        && !matches!(format, Format::Stl | Format::Gifti)
+    {
         return Ok(());
     }
     let coordinates = shape.points.as_flattened();
