@@ -107,22 +107,16 @@ impl Numbers<'_> {
             Self::Bytes { bytes, kind, order } => {
                 let (n, order) = (self.len(), *order);
                 match kind {
-                    ValueType::U8 => indices::<u8>(bytes, n, order, progress),
-                    ValueType::I8 => indices::<i8>(bytes, n, order, progress),
-                    ValueType::U16 => indices::<u16>(bytes, n, order, progress),
-                    ValueType::I16 => indices::<i16>(bytes, n, order, progress),
                     ValueType::U32 => indices::<u32>(bytes, n, order, progress),
                     ValueType::I32 => indices::<i32>(bytes, n, order, progress),
                     ValueType::U64 => indices::<u64>(bytes, n, order, progress),
                     ValueType::I64 => indices::<i64>(bytes, n, order, progress),
-                    ValueType::F32 | ValueType::F64 => return Err(NoIndex::Fractions),
+                    _ if kind.is_integer() => collect(n, progress, |i| whole(self.get(i))),
+                    _ => return Err(NoIndex::Fractions),
                 }
             }
             Self::Values(FieldValues::F32(_) | FieldValues::F64(_)) => return Err(NoIndex::Fractions),
-            Self::Values(values) => collect(values.len(), progress, |i| {
-                let x = values.get(i);
-                if (0.0..f64::from(u32::MAX)).contains(&x) { x as u32 } else { u32::MAX }
-            }),
+            Self::Values(values) => collect(values.len(), progress, |i| whole(values.get(i))),
         }?;
         // No list is so long that the largest number is an index, so that it stands for all that are none.
         let is_index = |i: usize| indices[i] < limit;
@@ -132,6 +126,11 @@ impl Numbers<'_> {
         let at = indices.iter().position(|&i| i >= limit).unwrap_or(0);
         Err(NoIndex::At(at, self.get(at)))
     }
+}
+
+/// The index that a number is; the largest where it is none.
+fn whole(x: f64) -> u32 {
+    if (0.0..f64::from(u32::MAX)).contains(&x) { x as u32 } else { u32::MAX }
 }
 
 fn indices<T: Number + TryInto<u32>>(
@@ -158,12 +157,12 @@ pub(crate) fn from_bytes(
     Ok(values)
 }
 
-/// Rows of a list: row `i` of what is given is row `row(i)` of `values`, which have `n_channels` numbers each.
+/// Rows of a list (`row` is no type parameter, or the compiler makes it for each caller and each type of numbers): row `i` of what is given is row `row(i)` of `values`, which have `n_channels` numbers each.
 pub(crate) fn gathered(
     field: &Field,
     n: usize,
     progress: Progress<'_>,
-    row: impl Fn(usize) -> usize + Sync + Send,
+    row: &(dyn Fn(usize) -> usize + Sync),
 ) -> Result<Field, Cancelled> {
     let k = field.n_channels;
     let mut values = field.values.value_type().empty();
@@ -262,38 +261,39 @@ pub(crate) fn from_text(
     kind: ValueType,
     progress: Progress<'_>,
 ) -> Result<FieldValues, NoNumber> {
-    let mut values = kind.empty();
-    with_values!(&mut values, v => *v = parse_all(text, progress)?);
-    Ok(values)
-}
-
-fn parse_all<T: TextNumber>(text: &[u8], progress: Progress<'_>) -> Result<Vec<T>, NoNumber> {
     let parts = parts(text);
-    let parse = |part: &Range<usize>| -> Result<Vec<T>, NoNumber> {
+    let parse = |part: &Range<usize>| -> Result<FieldValues, NoNumber> {
         progress.check()?;
-        let mut values = Vec::new();
-        for word in text[part.clone()].split(|&b| is_space(b)).filter(|word| !word.is_empty()) {
-            values.push(T::from_word(word).ok_or_else(|| {
-                let at = word.as_ptr() as usize - text.as_ptr() as usize;
-                NoNumber::At(at, format!("{} stands where a number belongs", show(word)))
-            })?);
-        }
+        let mut values = kind.empty();
+        with_values!(&mut values, v => parse_words(&text[part.clone()], v))
+            .map_err(|(at, message)| NoNumber::At(part.start + at, message))?;
         Ok(values)
     };
     if let [one] = &parts[..] {
         progress.step(0, text.len() as u64)?;
         return parse(one);
     }
-    let mut values = Vec::new();
+    let mut values = kind.empty();
     // The first part in the order of the text that fails is the one that is told.
     for some in parts.chunks(8) {
         progress.step(some[0].start as u64, text.len() as u64)?;
         let lists: Vec<_> = some.par_iter().map(parse).collect();
         for list in lists {
-            values.extend(list?);
+            append(&mut values, list?);
         }
     }
     Ok(values)
+}
+
+/// Adds the numbers of a text, or gives the place of the word that is none and what it is.
+fn parse_words<T: TextNumber>(text: &[u8], values: &mut Vec<T>) -> Result<(), (usize, String)> {
+    for word in text.split(|&b| is_space(b)).filter(|word| !word.is_empty()) {
+        values.push(T::from_word(word).ok_or_else(|| {
+            let at = word.as_ptr() as usize - text.as_ptr() as usize;
+            (at, format!("{} stands where a number belongs", show(word)))
+        })?);
+    }
+    Ok(())
 }
 
 /// Parts of a text that end between words.

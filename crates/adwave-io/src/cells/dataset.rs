@@ -87,7 +87,7 @@ fn keep_corners(
     let points = &shape.points;
     let points = collect(kept.len(), progress, |i| points[kept[i] as usize])?;
     for field in &mut shape.vertex_fields {
-        *field = gathered(field, kept.len(), progress, |i| kept[i] as usize)?;
+        *field = gathered(field, kept.len(), progress, &|i| kept[i] as usize)?;
     }
     shape.n_vertices = points.len();
     shape.points = points.into();
@@ -129,8 +129,8 @@ fn cell_values(
         }
         shape.face_fields.push(match &surface.sources {
             Sources::From(0) if field.len() == n_faces => field,
-            Sources::From(first) => gathered(&field, n_faces, progress, |f| first + f)?,
-            Sources::List(cells) => gathered(&field, n_faces, progress, |f| cells[f] as usize)?,
+            Sources::From(first) => gathered(&field, n_faces, progress, &|f| first + f)?,
+            Sources::List(cells) => gathered(&field, n_faces, progress, &|f| cells[f] as usize)?,
         });
     }
     Ok(())

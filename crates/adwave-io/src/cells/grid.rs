@@ -188,7 +188,7 @@ impl Grid {
         let mut shape = ShapeFile::from_cloud(collect(n, progress, |i| self.point(index(i)))?);
         for field in &self.point_fields {
             let rows = self.point_rows.as_ref();
-            shape.vertex_fields.push(gathered(field, n, progress, |i| row(rows, index(i)))?);
+            shape.vertex_fields.push(gathered(field, n, progress, &|i| row(rows, index(i)))?);
         }
         let mut quads = Quads { lattice, corners: Vec::new(), cells: Vec::new(), is_outer: kept.is_some() };
         match axes[..] {
@@ -222,7 +222,7 @@ impl Grid {
             }
             let rows = self.cell_rows.as_ref();
             let cells = &quads.cells;
-            shape.face_fields.push(gathered(&field, n_faces, progress, |f| row(rows, cells[f] as usize))?);
+            shape.face_fields.push(gathered(&field, n_faces, progress, &|f| row(rows, cells[f] as usize))?);
         }
         let offsets = collect(n_faces + 1, progress, |f| 4 * f as u32)?;
         let faces = Polygons::from_parts(offsets, quads.corners.into_flattened());
