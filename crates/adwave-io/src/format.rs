@@ -48,6 +48,8 @@ pub enum Format {
     Vts,
     /// Legacy VTK, text and binary.
     Vtk,
+    /// FreeSurfer surface.
+    FreeSurfer,
 }
 
 /// One row of the table of formats: the source of names, endings, messages and documents.
@@ -278,6 +280,16 @@ const TABLE: &[Row] = &[
         writes: "points, faces, lines, all fields, binary",
         keeps: "",
         loses: "what is inside volumes, field data, tables of colours, values of lines",
+    },
+    Row {
+        format: Format::FreeSurfer,
+        name: "freesurfer",
+        title: "FreeSurfer surface",
+        extensions: &["white", "pial", "inflated", "sphere", "orig", "smoothwm"],
+        reads: "triangles and both forms of quadrangles; values alone (curv, annot, MGH, MGZ) with `--field`",
+        writes: "triangles in 32-bit floats",
+        keeps: "creator, volume information",
+        loses: "fields, faces of more than three corners",
     },
 ];
 

@@ -19,8 +19,9 @@
 //! | `shape_file`, `shape` | what was read, and the shape that it is |
 //! | `field`, `grouping` | values per vertex or face; columns as fields and back |
 //! | `original` | the bytes of a text that is written again with other coordinates |
-//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtk_xml`, `vtk_legacy` | a folder per format: `read`, `write`, and what only this format needs |
+//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtk_xml`, `vtk_legacy`, `freesurfer` | a folder per format: `read`, `write`, and what only this format needs |
 //! | `npy`, `csv` | arrays and tables as fields, and written |
+//! | `cifti`, `surface_values` | values at the vertices of a surface, in files of their own |
 //! | `subset` | a file with fewer vertices |
 //! | `signal` | signals by name: fields, what the shape gives itself, other files |
 //! | `texture` | colours of pictures at vertices |
@@ -38,11 +39,13 @@
 
 mod atomic;
 mod cells;
+mod cifti;
 mod columns;
 mod csv;
 mod error;
 mod field;
 mod format;
+mod freesurfer;
 mod gifti;
 mod grouping;
 mod las;
@@ -65,6 +68,7 @@ mod signal;
 mod sniff;
 mod stl;
 mod subset;
+mod surface_values;
 mod text;
 mod texture;
 mod vtk_legacy;
@@ -92,5 +96,6 @@ pub use signal::{
     named_axis, named_signal, with_axis, written_signal,
 };
 pub use subset::Subset;
+pub use surface_values::{parse_surface_values, read_surface_values};
 pub use texture::{TextureError, texture_colors};
 pub use write::{WriteReport, write_bytes, write_bytes_with, write_path, write_path_with};

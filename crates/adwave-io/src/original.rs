@@ -18,6 +18,8 @@ pub(crate) enum Original {
     StlHeader(Vec<u8>),
     /// A GIFTI.
     Gifti(crate::gifti::update::GiftiOriginal),
+    /// A FreeSurfer surface.
+    FreeSurfer(crate::freesurfer::read::FreeSurferOriginal),
     /// A LAS or LAZ.
     Las(crate::las::write::LasOriginal),
     /// The `VIEWPOINT` line and the width and height of a PCD.

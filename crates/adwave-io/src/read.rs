@@ -148,6 +148,7 @@ pub fn read_bytes_with(
         Format::Vtp | Format::Vtu | Format::Vti | Format::Vtr | Format::Vts => {
             crate::vtk_xml::read::read_vtk_xml(&bytes, format, limits, progress)
         }
+        Format::FreeSurfer => crate::freesurfer::read::read_surface(&bytes, name_hint, limits, progress),
         Format::Vtk => crate::vtk_legacy::read::read_vtk(&bytes, limits, progress),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
     }?;

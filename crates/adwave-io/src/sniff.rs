@@ -60,6 +60,9 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
     if bytes.len() >= 14 && bytes[..14].eq_ignore_ascii_case(b"%%MatrixMarket") {
         return Some(Format::Mtx);
     }
+    if crate::freesurfer::read::is_surface(bytes) {
+        return Some(Format::FreeSurfer);
+    }
     if bytes.starts_with(crate::vtk_legacy::read::MAGIC) {
         return Some(Format::Vtk);
     }
@@ -102,6 +105,9 @@ fn foreign(bytes: &[u8]) -> Option<&'static str> {
         (b"newmtl", "a material library of an OBJ"),
         (b"\x89HDF", "HDF5"),
     ];
+    if let Some(found) = crate::surface_values::kind_of(bytes) {
+        return Some(found);
+    }
     if let Some(Err(found)) = crate::vtk_xml::read::kind_of(&text[..text.len().min(LOOK)]) {
         return Some(found);
     }

@@ -145,6 +145,9 @@ pub fn write_bytes_with(
         Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
         Format::Vtp => crate::vtk_xml::write::write_vtp(shape, &mut report, out, progress)?,
         Format::Vtu => crate::vtk_xml::write::write_vtu(shape, &mut report, out, progress)?,
+        Format::FreeSurfer => {
+            crate::freesurfer::write::write_surface(shape, None, &mut report, out, progress)?;
+        }
         Format::Vtk => crate::vtk_legacy::write::write_vtk(shape, &mut report, out, progress)?,
         Format::Gifti => crate::gifti::write::write_gifti(shape, &mut report, out, progress)?,
         Format::Las | Format::Laz => {
@@ -169,7 +172,7 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
 /// Coordinates that are written in single precision must not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
     if shape.precision == Precision::F64
-        && !matches!(format, Format::Stl | Format::Gifti)
+        && !matches!(format, Format::Stl | Format::Gifti | Format::FreeSurfer)
     {
         return Ok(());
     }
@@ -209,6 +212,11 @@ fn update(
             let Some(rows) = &pcd.rows else { return Ok(None) };
             rows.write_all(shape, &RowEdit::default(), out, progress)?;
             Ok(Some(WriteReport::default()))
+        }
+        Original::FreeSurfer(original) => {
+            let mut report = WriteReport::default();
+            crate::freesurfer::write::write_surface(shape, Some(original), &mut report, out, progress)?;
+            Ok(Some(report))
         }
         Original::Gifti(gifti) => crate::gifti::update::update_gifti(shape, gifti, out, progress),
         Original::Ply(ply) => crate::ply::update::update_ply(shape, ply, out, progress).map(Some),

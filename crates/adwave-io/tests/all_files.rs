@@ -120,7 +120,7 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         }
         return;
     }
-    if format == Format::Gifti {
+    if matches!(format, Format::Gifti | Format::FreeSurfer) {
         for (x, y) in a.points().as_flattened().iter().zip(b.points().as_flattened()) {
             assert!(same_bits(f64::from(*x as f32), *y), "{what}: {x} became {y}");
         }

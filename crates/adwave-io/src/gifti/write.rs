@@ -139,7 +139,7 @@ pub(super) fn check_range(
 }
 
 /// Whether rounding to 32-bit floats changes nothing.
-fn is_single(
+pub(crate) fn is_single(
     n: usize,
     progress: Progress<'_>,
     value: impl Fn(usize) -> f64 + Sync,
@@ -213,7 +213,7 @@ pub(super) fn write_field(
 }
 
 /// The faces of three corners as they are; with others among them, all cut into triangles.
-fn triangles(shape: &ShapeFile, report: &mut WriteReport) -> Vec<[u32; 3]> {
+pub(crate) fn triangles(shape: &ShapeFile, report: &mut WriteReport) -> Vec<[u32; 3]> {
     if shape.faces.iter().all(|face| face.len() == 3) {
         return shape.faces.iter().map(|face| [face[0], face[1], face[2]]).collect();
     }
