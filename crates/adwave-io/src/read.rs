@@ -32,7 +32,7 @@ pub fn read_path_with(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     read_file(path, limits, progress)
-        .and_then(|bytes| read_bytes_with(bytes, path.to_str(), limits, progress))
+        .and_then(|bytes| read_named(bytes, path.to_str(), path.parent(), limits, progress))
         .map_err(|e| e.in_file(path))
 }
 
@@ -124,6 +124,17 @@ pub fn read_bytes_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
+    read_named(bytes, name_hint, None, limits, progress)
+}
+
+/// Reads the shape in bytes. Files that it names are looked for in the folder, where there is one.
+fn read_named(
+    bytes: Vec<u8>,
+    name_hint: Option<&str>,
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
     let mut bytes = decompress(bytes, limits, progress)?;
     let mut format = sniff(&bytes, name_hint)?;
     if is_text(format, &bytes) && old_line_ends(&mut bytes, progress)? {
@@ -143,7 +154,7 @@ pub fn read_bytes_with(
         }
         Format::Pcd => crate::pcd::read::read_pcd(bytes, limits, progress),
         Format::Las | Format::Laz => crate::las::read::read_las(bytes, limits, progress),
-        Format::Gifti => crate::gifti::read::read_gifti(bytes, limits, progress),
+        Format::Gifti => crate::gifti::read::read_gifti(bytes, folder, limits, progress),
         Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits, progress),
         Format::Vtp | Format::Vtu | Format::Vti | Format::Vtr | Format::Vts => {
             crate::vtk_xml::read::read_vtk_xml(&bytes, format, limits, progress)
