@@ -98,7 +98,13 @@ fn render_picture<'py>(
     };
     let up = match up {
         Some(up) => up.parse::<Up>().map_err(|e| value(e.to_string()))?,
-        None if matches!(content.file.format(), Some(Format::Las | Format::Laz | Format::Gifti)) => Up::Z,
+        None if matches!(
+            content.file.format(),
+            Some(Format::Las | Format::Laz | Format::Gifti | Format::FreeSurfer)
+        ) =>
+        {
+            Up::Z
+        }
         None => Up::guess(points, || !matches!(own, Shape::Mesh(_))),
     };
     let params = RenderParams {

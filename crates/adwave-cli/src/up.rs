@@ -21,6 +21,8 @@ enum Why {
     Las,
     /// In the spaces of GIFTI z is towards the top of the head.
     Gifti,
+    /// So it is in FreeSurfer's.
+    FreeSurfer,
     /// Low and open, as scans of land are.
     Land,
     /// As most models have it.
@@ -28,7 +30,7 @@ enum Why {
 }
 
 impl Upward {
-    /// The axis asked for; else z for LAS, LAZ, GIFTI and what looks like land, else y.
+    /// The axis asked for; else z for LAS, LAZ, GIFTI, FreeSurfer and what looks like land, else y.
     pub(crate) fn of(asked: Option<Up>, input: &Input) -> Self {
         if let Some(up) = asked {
             return Self { up, why: Why::Asked };
@@ -36,6 +38,7 @@ impl Upward {
         match input.file.format() {
             Some(Format::Las | Format::Laz) => return Self { up: Up::Z, why: Why::Las },
             Some(Format::Gifti) => return Self { up: Up::Z, why: Why::Gifti },
+            Some(Format::FreeSurfer) => return Self { up: Up::Z, why: Why::FreeSurfer },
             _ => {}
         }
         let up = Up::guess(input.shape.points().unwrap_or_default(), || is_open(&input.shape));
@@ -60,6 +63,7 @@ impl Upward {
             Why::Asked => None,
             Why::Las => Some("guessed from the LAS file"),
             Why::Gifti => Some("guessed from the GIFTI"),
+            Why::FreeSurfer => Some("guessed from the FreeSurfer surface"),
             Why::Land => Some("guessed from a shape as low and open as land"),
             Why::Usual => Some("as most models have it"),
         }

@@ -42,8 +42,20 @@ pub enum Format {
     Glb,
     /// glTF 2.0 as text.
     Gltf,
-    /// VTK XML PolyData, written only.
+    /// VTK XML PolyData.
     Vtp,
+    /// VTK XML UnstructuredGrid.
+    Vtu,
+    /// VTK XML ImageData, read as its surface.
+    Vti,
+    /// VTK XML RectilinearGrid, read as its surface.
+    Vtr,
+    /// VTK XML StructuredGrid, read as its surface.
+    Vts,
+    /// Legacy VTK, text and binary.
+    Vtk,
+    /// FreeSurfer surface.
+    FreeSurfer,
 }
 
 /// One row of the table of formats: the source of names, endings, messages and documents.
@@ -250,10 +262,70 @@ const TABLE: &[Row] = &[
         name: "vtp",
         title: "VTK XML PolyData",
         extensions: &["vtp"],
-        reads: "",
+        reads: "points, polygons, strips, lines, all arrays; text, base64 and appended data, by zlib or plain",
         writes: "points, faces, lines, all fields",
         keeps: "",
-        loses: "",
+        loses: "field data, values of lines",
+    },
+    Row {
+        format: Format::Vtu,
+        name: "vtu",
+        title: "VTK XML UnstructuredGrid",
+        extensions: &["vtu"],
+        reads: "as VTP; of volumes the boundary, cells of higher order by their corners",
+        writes: "points, faces, lines, all fields",
+        keeps: "",
+        loses: "volumes and the points inside them, field data, values of lines",
+    },
+    Row {
+        format: Format::Vti,
+        name: "vti",
+        title: "VTK XML ImageData",
+        extensions: &["vti"],
+        reads: "flat images as quadrilaterals, others as their boundary, with all arrays",
+        writes: "",
+        keeps: "",
+        loses: "what is inside",
+    },
+    Row {
+        format: Format::Vtr,
+        name: "vtr",
+        title: "VTK XML RectilinearGrid",
+        extensions: &["vtr"],
+        reads: "as VTI",
+        writes: "",
+        keeps: "",
+        loses: "what is inside",
+    },
+    Row {
+        format: Format::Vts,
+        name: "vts",
+        title: "VTK XML StructuredGrid",
+        extensions: &["vts"],
+        reads: "as VTI",
+        writes: "",
+        keeps: "",
+        loses: "what is inside",
+    },
+    Row {
+        format: Format::Vtk,
+        name: "vtk",
+        title: "legacy VTK",
+        extensions: &["vtk"],
+        reads: "text and binary up to version 5.1, all that VTP, VTU, VTI, VTR and VTS hold",
+        writes: "points, faces, lines, all fields, binary",
+        keeps: "",
+        loses: "what is inside volumes, field data, tables of colours, values of lines",
+    },
+    Row {
+        format: Format::FreeSurfer,
+        name: "freesurfer",
+        title: "FreeSurfer surface",
+        extensions: &["white", "pial", "inflated", "sphere", "orig", "smoothwm"],
+        reads: "triangles and both forms of quadrangles; values alone (curv, annot, MGH, MGZ) with `--field`",
+        writes: "triangles in 32-bit floats",
+        keeps: "creator, volume information",
+        loses: "fields, faces of more than three corners",
     },
 ];
 
@@ -332,7 +404,10 @@ impl Format {
 
     /// Whether a file of it has a shape together with any fields of its vertices, by their names.
     pub fn holds_fields(self) -> bool {
-        matches!(self, Self::Ply | Self::PlyAscii | Self::Glb | Self::Gltf | Self::Vtp)
+        matches!(
+            self,
+            Self::Ply | Self::PlyAscii | Self::Glb | Self::Gltf | Self::Vtp | Self::Vtu | Self::Vtk
+        )
     }
 
     /// The binary or text form that stands for both: `ply` for `ply-ascii`.

@@ -19,8 +19,9 @@
 //! | `shape_file`, `shape` | what was read, and the shape that it is |
 //! | `field`, `grouping` | values per vertex or face; columns as fields and back |
 //! | `original` | the bytes of a text that is written again with other coordinates |
-//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `gltf`, `e57`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
+//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `gltf`, `e57`, `vtk_xml`, `vtk_legacy`, `freesurfer` | a folder per format: `read`, `write`, and what only this format needs |
 //! | `npy`, `csv` | arrays and tables as fields, and written |
+//! | `cifti`, `surface_values` | values at the vertices of a surface, in files of their own |
 //! | `single` | what 32-bit floats and triangles hold, for formats of such |
 //! | `subset` | a file with fewer vertices |
 //! | `signal` | signals by name: fields, what the shape gives itself, other files |
@@ -28,6 +29,8 @@
 //! | `recipe` | edits as TOML |
 //! | `atomic` | files replaced as a whole |
 //! | `progress` | how far reading and writing are, and whether to stop |
+//! | `cells` | cells of grids and the surface that they make |
+//! | `numbers` | arrays of numbers, binary or text, as lists |
 //! | `text`, `lines` | numbers, words and lines of text formats |
 
 // Headers are a few lines of text; `write!` into a string would bring an error that cannot happen.
@@ -36,12 +39,15 @@
 #![allow(clippy::cast_possible_wrap)]
 
 mod atomic;
+mod cells;
+mod cifti;
 mod columns;
 mod csv;
 mod e57;
 mod error;
 mod field;
 mod format;
+mod freesurfer;
 mod gifti;
 mod gltf;
 mod grouping;
@@ -50,6 +56,7 @@ mod limits;
 mod lines;
 mod mtx;
 mod npy;
+mod numbers;
 mod obj;
 mod off;
 mod original;
@@ -65,9 +72,11 @@ mod single;
 mod sniff;
 mod stl;
 mod subset;
+mod surface_values;
 mod text;
 mod texture;
-mod vtp;
+mod vtk_legacy;
+mod vtk_xml;
 mod write;
 
 pub use atomic::{atomic_write, atomic_write_with, remove_temporaries};
@@ -91,5 +100,6 @@ pub use signal::{
     named_axis, named_signal, with_axis, written_signal,
 };
 pub use subset::Subset;
+pub use surface_values::{parse_surface_values, read_surface_values};
 pub use texture::{TextureError, texture_colors};
 pub use write::{WriteReport, write_bytes, write_bytes_with, write_path, write_path_with};

@@ -20,6 +20,8 @@ pub(crate) enum Original {
     Gifti(crate::gifti::update::GiftiOriginal),
     /// A glTF or GLB.
     Gltf(crate::gltf::update::GltfOriginal),
+    /// A FreeSurfer surface.
+    FreeSurfer(crate::freesurfer::read::FreeSurferOriginal),
     /// A LAS or LAZ.
     Las(crate::las::write::LasOriginal),
     /// The `VIEWPOINT` line and the width and height of a PCD.

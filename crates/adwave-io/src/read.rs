@@ -32,10 +32,7 @@ pub fn read_path_with(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     read_file(path, limits, progress)
-        .and_then(|bytes| {
-            let folder = path.parent().unwrap_or(Path::new(""));
-            read_shape(bytes, Some(&path.to_string_lossy()), Some(folder), limits, progress)
-        })
+        .and_then(|bytes| read_named(bytes, Some(&path.to_string_lossy()), path.parent(), limits, progress))
         .map_err(|e| e.in_file(path))
 }
 
@@ -127,11 +124,11 @@ pub fn read_bytes_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    read_shape(bytes, name_hint, None, limits, progress)
+    read_named(bytes, name_hint, None, limits, progress)
 }
 
-/// `folder` is where files are that this one names; none are read where it is not known.
-fn read_shape(
+/// Reads the shape in bytes. Files that it names are looked for in the folder, where there is one.
+fn read_named(
     bytes: Vec<u8>,
     name_hint: Option<&str>,
     folder: Option<&Path>,
@@ -157,10 +154,15 @@ fn read_shape(
         }
         Format::Pcd => crate::pcd::read::read_pcd(bytes, limits, progress),
         Format::Las | Format::Laz => crate::las::read::read_las(bytes, limits, progress),
-        Format::Gifti => crate::gifti::read::read_gifti(bytes, limits, progress),
+        Format::Gifti => crate::gifti::read::read_gifti(bytes, folder, limits, progress),
         Format::E57 => crate::e57::read::read_e57(bytes, limits, progress),
         Format::Glb | Format::Gltf => crate::gltf::read::read_gltf(bytes, folder, limits, progress),
         Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits, progress),
+        Format::Vtp | Format::Vtu | Format::Vti | Format::Vtr | Format::Vts => {
+            crate::vtk_xml::read::read_vtk_xml(&bytes, format, limits, progress)
+        }
+        Format::FreeSurfer => crate::freesurfer::read::read_surface(&bytes, name_hint, limits, progress),
+        Format::Vtk => crate::vtk_legacy::read::read_vtk(&bytes, limits, progress),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
     }?;
     shape.n_original_fields = shape.vertex_fields.len();

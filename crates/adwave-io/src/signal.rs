@@ -99,8 +99,8 @@ pub struct SignalSource<'a> {
 
 /// The coordinates (`coords`, or one of `x`, `y`, `z`), a field of the file by its name, a signal that the shape gives by itself
 /// ([`SurfaceSignal`], the `degree` of a graph), `luminance` or `lightness` of its colours, the same of a texture after
-/// `texture-`, or the content of another file: `FILE.npy`, `FILE.csv` or `FILE.gii`, the last two with `:NAME` for one of
-/// several columns.
+/// `texture-`, or the content of another file: `FILE.npy`, `FILE.csv`, `FILE.gii`, or what
+/// [`read_surface_values`](crate::read_surface_values) reads, all but the first with `:NAME` for one of several columns.
 ///
 /// `texture` is the picture of the texture, in the place of the one that the shape's materials name.
 ///
@@ -164,8 +164,8 @@ pub fn named_signal(
         }
         _ => {}
     }
-    if let Some(field) = from_file(name)? {
-        let n_vertices = shape.n_vertices();
+    let n_vertices = shape.n_vertices();
+    if let Some(field) = from_file(name, file.structure(), n_vertices)? {
         if field.len() != n_vertices {
             return Err(NamedSignalError::Unknown(format!(
                 "{name} has {} rows, but {} has {n_vertices} vertices",
@@ -185,7 +185,7 @@ pub fn named_signal(
         .chain(own)
         .collect();
     Err(NamedSignalError::Unknown(format!(
-        "{} has no field '{name}'; there is {}, or a file .npy, .csv or .gii",
+        "{} has no field '{name}'; there is {}, or a file .npy, .csv, .gii, .nii, .mgh or of FreeSurfer's values",
         of,
         known.join(", ")
     )))
@@ -214,13 +214,20 @@ pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, values: V
     Field::new(stem, n_channels, FieldValues::F64(values))
 }
 
-/// A field of another file: `FILE.npy`, `FILE.csv`, `FILE.gii`, the last two with `:NAME` for one of several.
-fn from_file(name: &str) -> Result<Option<Field>, NamedSignalError> {
+/// A field of another file, with `:NAME` for one of several. Files of values that have no ending of their own are known by
+/// their content.
+fn from_file(
+    name: &str,
+    structure: Option<&str>,
+    n_vertices: usize,
+) -> Result<Option<Field>, NamedSignalError> {
     let limits = ReadLimits::default();
     let kind = |path: &str| {
-        let path = path.to_ascii_lowercase();
-        let plain = path.strip_suffix(".gz").unwrap_or(&path).to_owned();
-        [".npy", ".csv", ".tsv", ".gii"].into_iter().find(|ending| plain.ends_with(ending))
+        let lower = path.to_ascii_lowercase();
+        let plain = lower.strip_suffix(".gz").unwrap_or(&lower).to_owned();
+        let known = [".npy", ".csv", ".tsv", ".gii", ".nii", ".mgh", ".mgz", ".annot"];
+        let ending = known.into_iter().find(|ending| plain.ends_with(ending));
+        ending.or_else(|| Path::new(path).is_file().then_some(""))
     };
     let (path, column) = match name.rsplit_once(':') {
         Some((path, column)) if kind(path).is_some() && kind(name).is_none() => (path, Some(column)),
@@ -231,7 +238,8 @@ fn from_file(name: &str) -> Result<Option<Field>, NamedSignalError> {
             vec![crate::read_npy(Path::new(path), &limits)?.into_field(name)]
         }
         Some(".csv" | ".tsv") => crate::read_csv_fields(Path::new(path), &limits)?,
-        Some(_) => crate::read_gifti_fields(Path::new(path), &limits)?,
+        Some(".gii") => crate::read_gifti_fields(Path::new(path), &limits)?,
+        Some(_) => crate::read_surface_values(Path::new(path), structure, n_vertices, &limits)?,
         None => return Ok(None),
     };
     let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();

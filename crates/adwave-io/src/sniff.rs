@@ -69,9 +69,18 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
     if is_gltf(bytes) {
         return Some(Format::Gltf);
     }
+    if crate::freesurfer::read::is_surface(bytes) {
+        return Some(Format::FreeSurfer);
+    }
+    if bytes.starts_with(crate::vtk_legacy::read::MAGIC) {
+        return Some(Format::Vtk);
+    }
     let is_xml = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<");
     if is_xml && crate::gifti::read::is_gifti(&bytes[..bytes.len().min(LOOK)]) {
         return Some(Format::Gifti);
+    }
+    if is_xml && let Some(Ok(format)) = crate::vtk_xml::read::kind_of(&bytes[..bytes.len().min(LOOK)]) {
+        return Some(format);
     }
     // Many binary STL begin with `solid` too; only the length tells.
     if crate::stl::read::binary_count(bytes).is_some_and(|n| bytes.len() as u64 == 84 + 50 * n) {
@@ -105,12 +114,17 @@ fn foreign(bytes: &[u8]) -> Option<&'static str> {
         (b"PK\x03\x04", "a ZIP archive"),
         (b"MATLAB 5.0", "a MATLAB file"),
         (b"\x93NUMPY", "a NumPy array: give it as a field of a shape"),
-        (b"# vtk DataFile", "legacy VTK"),
         (b"<", "XML or HTML"),
         (b"{", "JSON"),
         (b"newmtl", "a material library of an OBJ"),
         (b"\x89HDF", "HDF5"),
     ];
+    if let Some(found) = crate::surface_values::kind_of(bytes) {
+        return Some(found);
+    }
+    if let Some(Err(found)) = crate::vtk_xml::read::kind_of(&text[..text.len().min(LOOK)]) {
+        return Some(found);
+    }
     begins.iter().find(|(magic, _)| text.starts_with(magic)).map(|(_, name)| *name)
 }
 

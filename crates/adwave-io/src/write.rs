@@ -144,7 +144,12 @@ pub fn write_bytes_with(
             crate::pcd::write::write_pcd(shape, format, &mut report, out, progress)?;
         }
         Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
-        Format::Vtp => crate::vtp::write::write_vtp(shape, &mut report, out, progress)?,
+        Format::Vtp => crate::vtk_xml::write::write_vtp(shape, &mut report, out, progress)?,
+        Format::Vtu => crate::vtk_xml::write::write_vtu(shape, &mut report, out, progress)?,
+        Format::FreeSurfer => {
+            crate::freesurfer::write::write_surface(shape, None, &mut report, out, progress)?;
+        }
+        Format::Vtk => crate::vtk_legacy::write::write_vtk(shape, &mut report, out, progress)?,
         Format::Glb | Format::Gltf => {
             crate::gltf::write::write_gltf(shape, format, &mut report, out, progress)?;
         }
@@ -153,6 +158,7 @@ pub fn write_bytes_with(
         Format::Las | Format::Laz => {
             crate::las::write::write_las(shape, format, &mut report, out, progress)?;
         }
+        Format::Vti | Format::Vtr | Format::Vts => return Err(WriteError::ReadOnly { format }),
     }
     Ok(report)
 }
@@ -171,7 +177,7 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
 /// Coordinates that are written in single precision must not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
     if shape.precision == Precision::F64
-        && !matches!(format, Format::Stl | Format::Gifti | Format::Glb | Format::Gltf)
+        && !matches!(format, Format::Stl | Format::Gifti | Format::FreeSurfer | Format::Glb | Format::Gltf)
     {
         return Ok(());
     }
@@ -211,6 +217,11 @@ fn update(
             let Some(rows) = &pcd.rows else { return Ok(None) };
             rows.write_all(shape, &RowEdit::default(), out, progress)?;
             Ok(Some(WriteReport::default()))
+        }
+        Original::FreeSurfer(original) => {
+            let mut report = WriteReport::default();
+            crate::freesurfer::write::write_surface(shape, Some(original), &mut report, out, progress)?;
+            Ok(Some(report))
         }
         Original::Gifti(gifti) => crate::gifti::update::update_gifti(shape, gifti, out, progress),
         Original::Gltf(gltf) => crate::gltf::update::update_gltf(shape, gltf, format, out, progress),

@@ -40,6 +40,7 @@ const BROKEN: &[&str] = &[
     "messy/tinyobjloader/models/invalid-relative-texture-index.obj",
     "messy/tinyobjloader/models/invalid-relative-vertex-index.obj",
     "messy/tinyobjloader/models/issue-140-zero-face-idx.obj",
+    "messy/vtkio/assets/field.vtk",
 ];
 
 #[data_test]
@@ -79,12 +80,15 @@ fn every_file_gives_a_shape_or_an_error_of_one_line() {
     // Formats that are read must be read wherever such a file is sound; the broken ones are known.
     for name in outcomes.keys() {
         let ending = name.extension().and_then(|e| e.to_str()).unwrap_or("");
-        let ours = matches!(ending, "obj" | "ply" | "off" | "stl" | "pcd" | "las" | "xyz" | "pwn");
+        let ours = matches!(ending, "obj" | "ply" | "off" | "stl" | "pcd" | "las" | "xyz" | "pwn")
+            || matches!(ending, "vtk" | "vtp" | "vtu" | "vti" | "vtr" | "vts");
         // A GIFTI of values alone is a field and no shape.
         let file = name.file_name().and_then(|f| f.to_str()).unwrap_or("");
         let is_surface = ["flat", "infl", "pial", "sphere", "white"].iter().any(|s| file.starts_with(s));
         let ours = ours || (file.ends_with(".gii.gz") && is_surface);
-        let broken = BROKEN.iter().any(|b| Path::new(b) == name);
+        // No library for these compressions is kept that this one uses.
+        let is_packed = file.contains("lz4") || file.contains("lzma");
+        let broken = is_packed || BROKEN.iter().any(|b| Path::new(b) == name);
         assert_eq!(shape(name), ours && !broken, "{}: {}", name.display(), outcomes[name]);
     }
 }
@@ -116,7 +120,7 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         }
         return;
     }
-    if format == Format::Gifti {
+    if matches!(format, Format::Gifti | Format::FreeSurfer) {
         for (x, y) in a.points().as_flattened().iter().zip(b.points().as_flattened()) {
             assert!(same_bits(f64::from(*x as f32), *y), "{what}: {x} became {y}");
         }
@@ -131,10 +135,16 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         return;
     }
     assert!(same_points(a, b), "{what}: points");
-    if matches!(format, Format::Obj | Format::Off | Format::Ply | Format::PlyAscii) {
+    if matches!(
+        format,
+        Format::Obj | Format::Off | Format::Ply | Format::PlyAscii | Format::Vtp | Format::Vtu | Format::Vtk
+    ) {
         assert_eq!(a.faces(), b.faces(), "{what}: faces");
     }
-    if matches!(format, Format::Obj | Format::Ply | Format::PlyAscii) {
+    if matches!(
+        format,
+        Format::Obj | Format::Ply | Format::PlyAscii | Format::Vtp | Format::Vtu | Format::Vtk
+    ) {
         assert_eq!(a.edges().pairs, b.edges().pairs, "{what}: edges");
     }
 }
@@ -220,7 +230,7 @@ fn moved_points_keep_everything_else() {
     for (path, name) in all_files() {
         let Ok(mut shape) = read_path(&path, &ReadLimits::default()) else { continue };
         let format = shape.format().unwrap();
-        if shape.points().is_empty() {
+        if shape.points().is_empty() || !format.can_write() {
             continue;
         }
         let points: Vec<[f64; 3]> = shape.points().iter().map(|p| p.map(|x| x * 0.5 + 1.0)).collect();

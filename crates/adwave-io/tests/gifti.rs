@@ -201,3 +201,35 @@ fn a_surface_of_the_brain_keeps_its_bits_and_its_side() {
     write_gifti_fields(&path, &thickness, None).unwrap();
     assert_eq!(read_gifti_fields(&path, &limits()).unwrap(), thickness);
 }
+
+#[test]
+fn arrays_in_files_of_their_own_lie_beside_the_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |name: &str| {
+        format!(
+            "<GIFTI Version=\"1.0\" NumberOfDataArrays=\"1\"><DataArray Intent=\"NIFTI_INTENT_POINTSET\" \
+             DataType=\"NIFTI_TYPE_FLOAT32\" ArrayIndexingOrder=\"RowMajorOrder\" Dimensionality=\"2\" Dim0=\"2\" \
+             Dim1=\"3\" Encoding=\"ExternalFileBinary\" Endian=\"LittleEndian\" ExternalFileName=\"{name}\" \
+             ExternalFileOffset=\"4\"><Data/></DataArray></GIFTI>"
+        )
+    };
+    let path = folder.path().join("a.surf.gii");
+    let numbers = [9.0_f32, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+    let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+    std::fs::write(folder.path().join("a.data"), &bytes).unwrap();
+    std::fs::write(&path, text("a.data")).unwrap();
+    let shape = read_path(&path, &limits()).unwrap();
+    assert_eq!(shape.points(), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+    // It is written with its numbers in it.
+    assert_eq!(read_bytes(written(&shape).0, None, &limits()).unwrap().points(), shape.points());
+    std::fs::write(folder.path().join("a.data"), &bytes[..20]).unwrap();
+    let error = read_path(&path, &limits()).unwrap_err().to_string();
+    assert!(error.contains("fewer than the 24 bytes"), "{error}");
+    for name in ["../a.data", "/etc/hostname", "..", ""] {
+        std::fs::write(&path, text(name)).unwrap();
+        let error = read_path(&path, &limits()).unwrap_err().to_string();
+        assert!(error.contains("put it beside the GIFTI"), "{error}");
+    }
+    let error = read_bytes(text("a.data").into_bytes(), None, &limits()).unwrap_err().to_string();
+    assert!(error.contains("give the GIFTI by its path"), "{error}");
+}

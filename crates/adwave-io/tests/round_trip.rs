@@ -159,7 +159,8 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
             let fields = shape.vertex_fields().iter().flat_map(Field::to_f64);
             let is_large = |x: f64| x.is_finite() && (x as f32).is_infinite();
             let beyond = shape.points().as_flattened().iter().copied().chain(fields).any(is_large);
-            let is_single = matches!(format, Format::Gifti | Format::Stl) || is_gltf(format);
+            let is_single =
+                matches!(format, Format::Gifti | Format::Stl | Format::FreeSurfer) || is_gltf(format);
             let is_expected = (stl && shape.faces().is_empty()) || (is_single && beyond);
             assert!(is_expected, "{format}: {error}");
             return None;
@@ -180,7 +181,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
         shape.points().as_flattened().iter().filter(|x| x.is_finite()).fold(0.0, |a: f64, x| a.max(x.abs()));
     for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
         let is_rounded = is_rounded(&report, "coordinates");
-        let x = stored(*x, format == Format::Gifti && is_rounded);
+        let x = stored(*x, matches!(format, Format::Gifti | Format::FreeSurfer) && is_rounded);
         // Far from the origin a glTF has them about their centre, with more digits than 32-bit floats have there.
         let is_near = is_gltf(format) && is_rounded && (x - y).abs() <= 1e-7 * x.abs().max(extent);
         assert!(same(x, *y) || is_near, "{what}: {x} became {y}");

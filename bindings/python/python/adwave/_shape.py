@@ -389,7 +389,7 @@ def read(path: Path, *, kind: Kind | None = None, progress: ProgressLike = None)
     """Read a shape from a file.
 
     The format is found from the content first and from the name second: OBJ, PLY, OFF, STL, XYZ, PTS, PWN, CSV, PCD, LAS, LAZ,
-    GIFTI, MatrixMarket (a graph); plain or gzip.
+    GIFTI, FreeSurfer, VTK (VTP, VTU, VTI, VTR, VTS, legacy), MatrixMarket (a graph); plain or gzip.
 
     Parameters
     ----------

@@ -1,7 +1,9 @@
 //! One array of a GIFTI as it is read: its metadata and its numbers.
 
-use std::io::Read;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
+use std::path::Path;
 
 use adwave::{Cancelled, Progress};
 use base64::Engine;
@@ -9,8 +11,9 @@ use base64::engine::general_purpose::STANDARD;
 use roxmltree::Node;
 
 use super::numbers::{Encoding, Numbers};
-use crate::field::{ByteOrder, Number, with_values};
-use crate::progress::{BYTES_PER_STEP, at_row, extend};
+use crate::field::ByteOrder;
+use crate::numbers::from_bytes;
+use crate::progress::{BYTES_PER_STEP, at_row};
 use crate::text::{parse_f64, show};
 use crate::{FieldValues, ReadLimits, ValueType};
 
@@ -54,7 +57,12 @@ impl From<&str> for Stop {
 }
 
 /// Reads an array.
-pub(super) fn array(node: Node<'_, '_>, limits: &ReadLimits, progress: Progress<'_>) -> Result<Array, Stop> {
+pub(super) fn array(
+    node: Node<'_, '_>,
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Array, Stop> {
     let attribute = |name: &str| {
         node.attribute(name).ok_or_else(|| format!("the array has no {name}; save the file again"))
     };
@@ -99,7 +107,7 @@ pub(super) fn array(node: Node<'_, '_>, limits: &ReadLimits, progress: Progress<
         "GZipBase64Binary" => {
             (Encoding::ZlibBase64, whole(inflate(&base64(&text, progress)?, n_bytes, progress)?)?)
         }
-        "ExternalFileBinary" => return Err("the array is in another file; save it within this one".into()),
+        "ExternalFileBinary" => (Encoding::Base64, whole(external(node, folder, n_bytes)?)?),
         other => return Err(format!("the encoding {} is not known", show(other.as_bytes())).into()),
     };
     if values.len() != n {
@@ -113,8 +121,37 @@ pub(super) fn array(node: Node<'_, '_>, limits: &ReadLimits, progress: Progress<
     }
     let structure = about(node, STRUCTURE);
     let numbers = Numbers { kind, order, encoding, by_column, rows, columns };
-    let place = data.map(|data| (data.range(), numbers));
+    let is_external = node.attribute("Encoding") == Some("ExternalFileBinary");
+    let place = data.filter(|_| !is_external).map(|data| (data.range(), numbers));
     Ok(Array { intent, name: name(node), structure, rows, columns, values, place })
+}
+
+/// The bytes of an array in a file of its own, which must lie beside the GIFTI.
+fn external(node: Node<'_, '_>, folder: Option<&Path>, n_bytes: usize) -> Result<Vec<u8>, Stop> {
+    let name = node.attribute("ExternalFileName").unwrap_or("").trim();
+    let shown = show(name.as_bytes());
+    let Some(folder) = folder else {
+        return Err(format!("the array is in the file {shown}; give the GIFTI by its path").into());
+    };
+    // No file elsewhere is opened because a shape says so.
+    if name.is_empty() || name.contains(['/', '\\', ':']) || matches!(name, "." | "..") {
+        return Err(
+            format!("the array is in the file {shown}; put it beside the GIFTI and name it alone").into()
+        );
+    }
+    let offset = node.attribute("ExternalFileOffset").unwrap_or("").trim();
+    let offset: u64 = match offset {
+        "" => 0,
+        _ => offset.parse().map_err(|_| format!("the offset {} is no number", show(offset.as_bytes())))?,
+    };
+    let fails = |error: std::io::Error| {
+        format!("the array's file {shown} cannot be read ({error}); put it beside the GIFTI")
+    };
+    let mut file = File::open(folder.join(name)).map_err(fails)?;
+    file.seek(SeekFrom::Start(offset)).map_err(fails)?;
+    let mut bytes = Vec::new();
+    file.take(n_bytes as u64).read_to_end(&mut bytes).map_err(fails)?;
+    Ok(bytes)
 }
 
 fn value_type(text: &str) -> Result<ValueType, String> {
@@ -178,19 +215,6 @@ fn inflate(packed: &[u8], n_bytes: usize, progress: Progress<'_>) -> Result<Vec<
             return Ok(plain);
         }
     }
-}
-
-fn from_bytes(
-    bytes: &[u8],
-    kind: ValueType,
-    order: ByteOrder,
-    progress: Progress<'_>,
-) -> Result<FieldValues, Cancelled> {
-    let (mut values, width) = (kind.empty(), kind.n_bytes());
-    with_values!(&mut values, v => extend(v, bytes.len() / width, progress, |i| {
-        Number::from_bytes(&bytes[i * width..], order)
-    }))?;
-    Ok(values)
 }
 
 fn transposed(

@@ -35,14 +35,17 @@ pub(crate) fn is_gifti(head: &[u8]) -> bool {
     memchr::memmem::find(head, b"<GIFTI").is_some()
 }
 
-/// Reads the surface in a GIFTI: its points, its triangles, and every other array of values per vertex as a field.
+/// Reads the surface in a GIFTI, with arrays in other files where these lie in its folder: its points, its triangles, and every other array of values per vertex as a field.
 pub(crate) fn read_gifti(
     bytes: Vec<u8>,
+    folder: Option<&Path>,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let Content { mut arrays, structure, count, end } = content(&bytes, limits, progress)?;
+    let Content { mut arrays, structure, count, end } = content(&bytes, folder, limits, progress)?;
     let n_arrays = arrays.len();
+    // A copy elsewhere would have no file beside it.
+    let is_whole = arrays.iter().all(|array| array.place.is_some());
     let Some(at) = arrays.iter().position(|a| a.intent == "pointset") else {
         return Err(ReadError::Whole(
             "this GIFTI has no points, only values; give it as a field of a surface (--field FILE.gii)"
@@ -77,6 +80,7 @@ pub(crate) fn read_gifti(
     // Places are counted without the mark of UTF-8, which hardly any file has.
     if let (Some(points), Some(count)) = (points.place, count)
         && !bytes.starts_with(MARK)
+        && is_whole
     {
         let original = GiftiOriginal { bytes, points, fields: places, count, n_arrays, end };
         shape.original = Some(Arc::new(Original::Gifti(original)));
@@ -106,7 +110,7 @@ pub fn read_gifti_fields_with(
 ) -> Result<Vec<Field>, ReadError> {
     read_file(path, limits, progress)
         .and_then(|bytes| decompress(bytes, limits, progress))
-        .and_then(|bytes| parse_fields(&bytes, limits, progress))
+        .and_then(|bytes| parse_fields(&bytes, path.parent(), limits, progress))
         .map_err(|e| e.in_file(path))
 }
 
@@ -115,12 +119,17 @@ pub fn read_gifti_fields_with(
 /// # Errors
 /// As [`read_gifti_fields`], without the file's name.
 pub fn parse_gifti_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
-    parse_fields(bytes, limits, Progress::none())
+    parse_fields(bytes, None, limits, Progress::none())
 }
 
-fn parse_fields(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Vec<Field>, ReadError> {
+fn parse_fields(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Vec<Field>, ReadError> {
     let mut fields: Vec<Field> = Vec::new();
-    for array in content(bytes, limits, progress)?.arrays {
+    for array in content(bytes, folder, limits, progress)?.arrays {
         if !matches!(array.intent.as_str(), "pointset" | "triangle") && !array.values.is_empty() {
             let name = array.name.unwrap_or(array.intent);
             let name = unused(&name, |name| fields.iter().any(|f| f.name == name));
@@ -168,7 +177,12 @@ fn faces(array: &Array, n_vertices: usize, progress: Progress<'_>) -> Result<Pol
     Ok(Polygons::from_triangles(&triangles))
 }
 
-fn content(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Content, ReadError> {
+fn content(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Content, ReadError> {
     let bytes = bytes.strip_prefix(MARK).unwrap_or(bytes);
     let text = std::str::from_utf8(bytes)
         .map_err(|e| ReadError::at_byte(e.valid_up_to(), "the XML is not UTF-8; save it as UTF-8"))?;
@@ -190,7 +204,7 @@ fn content(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<
     let nodes = root.children().filter(|n| n.has_tag_name("DataArray"));
     let arrays = nodes
         .map(|node| {
-            array(node, limits, progress).map_err(|stop| match stop {
+            array(node, folder, limits, progress).map_err(|stop| match stop {
                 Stop::Cancelled(cancelled) => cancelled.into(),
                 Stop::Broken(message) => {
                     let line = u64::from(document.text_pos_at(node.range().start).row);

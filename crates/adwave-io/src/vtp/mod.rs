@@ -1,3 +1,0 @@
-//! VTK XML PolyData, written only.
-
-pub(crate) mod write;
