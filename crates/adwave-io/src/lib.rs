@@ -34,22 +34,34 @@
 // Counts are below 2^32 where they become signed.
 #![allow(clippy::cast_possible_wrap)]
 
+mod amf;
 mod atomic;
+mod binary_rows;
+mod cells;
 mod columns;
 mod csv;
+mod cursor;
+mod dmat;
+mod encoding;
 mod error;
 mod field;
 mod format;
+mod geomview;
 mod gifti;
+mod graph;
 mod grouping;
+mod instances;
 mod las;
 mod limits;
 mod lines;
+mod medit;
+mod msh;
 mod mtx;
 mod npy;
 mod obj;
 mod off;
 mod original;
+mod package;
 mod pcd;
 mod ply;
 mod progress;
@@ -63,12 +75,16 @@ mod stl;
 mod subset;
 mod text;
 mod texture;
+mod threemf;
+mod tokens;
 mod vtp;
 mod write;
+mod xml;
 
 pub use atomic::{atomic_write, atomic_write_with, remove_temporaries};
 pub use csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
 pub use csv::write::{csv_number, push_csv_row, write_csv_fields};
+pub use dmat::read::{parse_dmat_field, read_dmat_field};
 pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;

@@ -32,7 +32,7 @@ pub fn read_path_with(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     read_file(path, limits, progress)
-        .and_then(|bytes| read_bytes_with(bytes, path.to_str(), limits, progress))
+        .and_then(|bytes| read_bytes_with(bytes, Some(&path.to_string_lossy()), limits, progress))
         .map_err(|e| e.in_file(path))
 }
 
@@ -125,6 +125,11 @@ pub fn read_bytes_with(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let mut bytes = decompress(bytes, limits, progress)?;
+    if let Some(text) = crate::encoding::from_utf16(&bytes)
+        && !text.contains(&0)
+    {
+        bytes = text;
+    }
     let mut format = sniff(&bytes, name_hint)?;
     if is_text(format, &bytes) && old_line_ends(&mut bytes, progress)? {
         // What was one long remark may be rows now.
@@ -144,6 +149,16 @@ pub fn read_bytes_with(
         Format::Pcd => crate::pcd::read::read_pcd(bytes, limits, progress),
         Format::Las | Format::Laz => crate::las::read::read_las(bytes, limits, progress),
         Format::Gifti => crate::gifti::read::read_gifti(bytes, limits, progress),
+        Format::Msh => crate::msh::read::read_msh(bytes, limits, progress),
+        Format::Medit => crate::medit::read::read_medit(bytes, limits, progress),
+        Format::MeditBinary => crate::medit::binary::read_meshb(bytes, limits, progress),
+        Format::Amf => crate::amf::read::read_amf(bytes, limits, progress),
+        Format::ThreeMf => crate::threemf::read::read_3mf(&bytes, limits, progress),
+        Format::Dmat => crate::dmat::read::read_dmat(&bytes, limits, progress),
+        Format::Tgf => crate::graph::tgf::read_tgf(&bytes, limits, progress),
+        Format::EdgeList => crate::graph::edge_list::read_edge_list(&bytes, limits, progress),
+        Format::GraphMl => crate::graph::graphml::read_graphml(bytes, limits, progress),
+        Format::Geomview => crate::geomview::read::read_geomview(&bytes, limits, progress),
         Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits, progress),
         _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
     }?;
@@ -154,7 +169,15 @@ pub fn read_bytes_with(
 fn is_text(format: Format, bytes: &[u8]) -> bool {
     let text = matches!(
         format,
-        Format::Obj | Format::Off | Format::StlAscii | Format::Xyz | Format::Pts | Format::Csv | Format::Mtx
+        Format::Obj
+            | Format::Off
+            | Format::StlAscii
+            | Format::Xyz
+            | Format::Pts
+            | Format::Csv
+            | Format::Mtx
+            | Format::Tgf
+            | Format::EdgeList
     );
     text || (format == Format::Ply && bytes.starts_with(b"ply\rformat ascii"))
 }

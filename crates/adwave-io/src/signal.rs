@@ -99,7 +99,7 @@ pub struct SignalSource<'a> {
 
 /// The coordinates (`coords`, or one of `x`, `y`, `z`), a field of the file by its name, a signal that the shape gives by itself
 /// ([`SurfaceSignal`], the `degree` of a graph), `luminance` or `lightness` of its colours, the same of a texture after
-/// `texture-`, or the content of another file: `FILE.npy`, `FILE.csv` or `FILE.gii`, the last two with `:NAME` for one of
+/// `texture-`, or the content of another file: `FILE.npy`, `FILE.dmat`, `FILE.csv` or `FILE.gii`, the last two with `:NAME` for one of
 /// several columns.
 ///
 /// `texture` is the picture of the texture, in the place of the one that the shape's materials name.
@@ -185,7 +185,7 @@ pub fn named_signal(
         .chain(own)
         .collect();
     Err(NamedSignalError::Unknown(format!(
-        "{} has no field '{name}'; there is {}, or a file .npy, .csv or .gii",
+        "{} has no field '{name}'; there is {}, or a file .npy, .dmat, .csv or .gii",
         of,
         known.join(", ")
     )))
@@ -214,13 +214,13 @@ pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, values: V
     Field::new(stem, n_channels, FieldValues::F64(values))
 }
 
-/// A field of another file: `FILE.npy`, `FILE.csv`, `FILE.gii`, the last two with `:NAME` for one of several.
+/// A field of another file: `FILE.npy`, `FILE.dmat`, `FILE.csv`, `FILE.gii`, the last two with `:NAME` for one of several.
 fn from_file(name: &str) -> Result<Option<Field>, NamedSignalError> {
     let limits = ReadLimits::default();
     let kind = |path: &str| {
         let path = path.to_ascii_lowercase();
         let plain = path.strip_suffix(".gz").unwrap_or(&path).to_owned();
-        [".npy", ".csv", ".tsv", ".gii"].into_iter().find(|ending| plain.ends_with(ending))
+        [".npy", ".dmat", ".csv", ".tsv", ".gii"].into_iter().find(|ending| plain.ends_with(ending))
     };
     let (path, column) = match name.rsplit_once(':') {
         Some((path, column)) if kind(path).is_some() && kind(name).is_none() => (path, Some(column)),
@@ -230,6 +230,7 @@ fn from_file(name: &str) -> Result<Option<Field>, NamedSignalError> {
         Some(".npy") => {
             vec![crate::read_npy(Path::new(path), &limits)?.into_field(name)]
         }
+        Some(".dmat") => vec![crate::read_dmat_field(Path::new(path), &limits)?],
         Some(".csv" | ".tsv") => crate::read_csv_fields(Path::new(path), &limits)?,
         Some(_) => crate::read_gifti_fields(Path::new(path), &limits)?,
         None => return Ok(None),

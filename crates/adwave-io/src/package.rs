@@ -1,0 +1,89 @@
+//! ZIP archives that hold a shape: read with a limit on what they grow to.
+
+use std::io::{Cursor, Read};
+
+use adwave::Progress;
+use zip::ZipArchive;
+
+use crate::progress::BYTES_PER_STEP;
+use crate::text::one_line;
+use crate::{Format, ReadError, ReadLimits};
+
+/// An archive, and how many bytes may still come out of it.
+pub(crate) struct Package<'a> {
+    archive: ZipArchive<Cursor<&'a [u8]>>,
+    limit: u64,
+    left: u64,
+}
+
+/// The format of the shape in an archive, by the names in it.
+pub(crate) fn format_of_archive(bytes: &[u8]) -> Option<Format> {
+    let archive = ZipArchive::new(Cursor::new(bytes)).ok()?;
+    let has = |ending: &str| archive.file_names().any(|name| ends_with(name, ending));
+    if has(".model") {
+        return Some(Format::ThreeMf);
+    }
+    has(".amf").then_some(Format::Amf)
+}
+
+fn ends_with(name: &str, ending: &str) -> bool {
+    name.len() >= ending.len()
+        && name.as_bytes()[name.len() - ending.len()..].eq_ignore_ascii_case(ending.as_bytes())
+}
+
+impl<'a> Package<'a> {
+    pub(crate) fn open(bytes: &'a [u8], limits: &ReadLimits) -> Result<Self, ReadError> {
+        let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| {
+            ReadError::Whole(format!("the ZIP archive is broken ({}); get the whole file", one_line(&e)))
+        })?;
+        Ok(Self { archive, limit: limits.max_bytes, left: limits.max_bytes })
+    }
+
+    /// The names of all files in the archive.
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.archive.file_names().filter(|name| !name.ends_with('/')).map(ToString::to_string).collect()
+    }
+
+    /// The first name that ends so.
+    pub(crate) fn find(&self, ending: &str) -> Option<String> {
+        let mut found: Vec<String> =
+            self.names().into_iter().filter(|name| ends_with(name, ending)).collect();
+        found.sort();
+        found.into_iter().next()
+    }
+
+    /// The text of a file in the archive; its name may begin with a slash and have other capitals.
+    pub(crate) fn text(&mut self, name: &str, progress: Progress<'_>) -> Result<String, ReadError> {
+        let plain = name.trim_start_matches('/');
+        let own =
+            self.names().into_iter().find(|own| own.trim_start_matches('/').eq_ignore_ascii_case(plain));
+        let shown: String = plain.chars().filter(|c| !c.is_control()).take(80).collect();
+        let broken = |what: &dyn std::fmt::Display| {
+            let what = one_line(what);
+            ReadError::Whole(format!("part `{shown}` of the archive is broken ({what}); get the whole file"))
+        };
+        let Some(own) = own else {
+            return Err(ReadError::Whole(format!(
+                "part `{shown}` is not in the archive; get the whole file"
+            )));
+        };
+        let file = self.archive.by_name(&own).map_err(|e| broken(&e))?;
+        let mut reader = file.take(self.left.saturating_add(1));
+        let mut bytes = Vec::new();
+        loop {
+            progress.check()?;
+            let before = bytes.len();
+            let step = reader.by_ref().take(BYTES_PER_STEP as u64);
+            { step }.read_to_end(&mut bytes).map_err(|e| broken(&e))?;
+            if bytes.len() == before {
+                break;
+            }
+        }
+        let Some(left) = self.left.checked_sub(bytes.len() as u64) else {
+            let found = self.limit.saturating_add(1);
+            return Err(ReadError::Limit { what: "bytes", found, limit: self.limit });
+        };
+        self.left = left;
+        crate::encoding::to_utf8(bytes).map_err(|_| broken(&"it is no text"))
+    }
+}
