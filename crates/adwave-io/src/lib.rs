@@ -18,8 +18,9 @@
 //! | `sniff`, `format`, `limits`, `error` | which format, its names, how much a file may ask for, what went wrong |
 //! | `shape_file`, `shape` | what was read, and the shape that it is |
 //! | `field`, `grouping` | values per vertex or face; columns as fields and back |
-//! | `original` | the bytes of a text that is written again with other coordinates |
-//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtp` | a folder per format: `read`, `write`, and what only this format needs |
+//! | `cells`, `instances` | the boundary of volume cells; objects that are placed several times |
+//! | `original`, `binary_rows` | the bytes of a file that is written again with other coordinates |
+//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `vtp`, `msh`, `medit`, `amf`, `threemf`, `dmat`, `graph`, `geomview` | a folder per format: `read`, `write`, and what only this format needs |
 //! | `npy`, `csv` | arrays and tables as fields, and written |
 //! | `subset` | a file with fewer vertices |
 //! | `signal` | signals by name: fields, what the shape gives itself, other files |
@@ -27,7 +28,8 @@
 //! | `recipe` | edits as TOML |
 //! | `atomic` | files replaced as a whole |
 //! | `progress` | how far reading and writing are, and whether to stop |
-//! | `text`, `lines` | numbers, words and lines of text formats |
+//! | `text`, `lines`, `tokens`, `encoding`, `cursor` | numbers, words and lines of text formats; numbers of binary ones |
+//! | `xml`, `package` | documents of XML, and ZIP archives |
 
 // Headers are a few lines of text; `write!` into a string would bring an error that cannot happen.
 #![allow(clippy::format_push_string, clippy::format_collect)]

@@ -88,6 +88,10 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
     if is_xml && crate::gifti::read::is_gifti(&bytes[..bytes.len().min(LOOK)]) {
         return Some(Format::Gifti);
     }
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    if [&b"$MeshFormat"[..], b"$Comments", b"$NOD"].iter().any(|begin| start.starts_with(begin)) {
+        return Some(Format::Msh);
+    }
     // Many binary STL begin with `solid` too; only the length tells.
     if crate::stl::read::binary_count(bytes).is_some_and(|n| bytes.len() as u64 == 84 + 50 * n) {
         return Some(Format::Stl);
@@ -97,9 +101,6 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
     let text = &head[start..];
     if text.len() >= 5 && text[..5].eq_ignore_ascii_case(b"solid") && !head.contains(&0) {
         return Some(Format::StlAscii);
-    }
-    if [&b"$MeshFormat"[..], b"$Comments", b"$NOD"].iter().any(|begin| text.starts_with(begin)) {
-        return Some(Format::Msh);
     }
     if text.starts_with(b"# .PCD") {
         return Some(Format::Pcd);

@@ -122,6 +122,15 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         }
         return;
     }
+    let is_there = |p: &&[f64; 3]| p.iter().all(|x| x.is_finite());
+    if format.name().starts_with("pcd")
+        && a.points().iter().any(|p| !is_there(&p))
+        && a.points().iter().any(|p| is_there(&p))
+    {
+        // Points without a place are left out of it.
+        assert!(a.points().iter().filter(is_there).eq(b.points()), "{what}: points");
+        return;
+    }
     assert!(same_points(a, b), "{what}: points");
     if matches!(format, Format::Obj | Format::Off | Format::Ply | Format::PlyAscii) {
         assert_eq!(a.faces(), b.faces(), "{what}: faces");

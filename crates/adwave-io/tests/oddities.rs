@@ -57,7 +57,10 @@ fn obj_errors_name_line_and_token() {
         error("v 0 0 0\n\nf 1 2 3\n", "a.obj"),
         "line 3: face 0 names vertex 2, but there are 1; correct the face"
     );
-    assert_eq!(error("v 1 2\n", "a.obj"), "line 1: a vertex has 2 numbers and needs 3; add the missing ones");
+    assert_eq!(
+        error("v 1 2 3\nv 1 2\n", "a.obj"),
+        "line 2: a vertex has 2 numbers and needs 3; add the missing ones"
+    );
     assert!(error("v 0 0 0\nl 1 7\n", "a.obj").starts_with("line 2: "));
 }
 
@@ -89,7 +92,7 @@ fn content_overrules_the_name() {
     assert_eq!(read("v 1 2 3\n", "a.stl").format(), Some(Format::Obj));
     assert_eq!(read("1 2 3\n", "a.obj").format(), Some(Format::Xyz));
     assert!(error("newmtl a\n", "a.obj").contains("a material library"));
-    assert!(error("import numpy\n", "a.py").contains("formats that can be read: OBJ, PLY"));
+    assert!(error("import numpy\n", "a.py").contains("formats that can be read: obj, ply"));
     assert!(error("", "a.obj").contains("is empty"));
 }
 

@@ -167,6 +167,14 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
         assert_eq!(again.faces().len(), triangles);
         return Some(again);
     }
+    let is_there = |p: &&[f64; 3]| p.iter().all(|x| x.is_finite());
+    let n_there = shape.points().iter().filter(is_there).count();
+    if what.starts_with("pcd") && n_there > 0 && n_there < shape.n_vertices() {
+        // Points without a place are left out of it, and come back when it is written.
+        let points = shape.points().iter().filter(is_there);
+        assert!(points.copied().eq(again.points().iter().copied()), "{what}");
+        return Some(again);
+    }
     assert_eq!(again.n_vertices(), shape.n_vertices(), "{what}");
     for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
         let x = stored(
@@ -177,7 +185,8 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
     }
     if left("the order of faces (triangles come first)") {
         let by_size = |n: usize| shape.faces().iter().filter(move |f| f.len() == n);
-        assert!(again.faces().iter().eq(by_size(3).chain(by_size(4))), "{what}");
+        let is_split = left("polygons (as triangles)");
+        assert!(is_split || again.faces().iter().eq(by_size(3).chain(by_size(4))), "{what}");
         return Some(again);
     }
     if !left("faces") && !left("polygons (as triangles)") {

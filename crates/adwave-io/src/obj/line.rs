@@ -68,14 +68,18 @@ pub(crate) fn parse_line(chunk: &mut Chunk, line: &Line<'_>) -> Result<(), Wrong
             cursor.skip_gaps();
             chunk.rows.push((line.start + cursor.position) as u64);
             let mut point = [0.0; 3];
-            let mut n = 0;
-            while n < 3
-                && let Ok(Some(x)) = cursor.number()
-            {
-                point[n] = x;
-                n += 1;
+            let (mut n, mut is_end) = (0, false);
+            while n < 3 && !is_end {
+                match cursor.number() {
+                    Ok(Some(x)) => {
+                        point[n] = x;
+                        n += 1;
+                    }
+                    Ok(None) => is_end = true,
+                    Err(_) => break,
+                }
             }
-            if n == 2 && cursor.word().is_none() {
+            if n == 2 && is_end {
                 chunk.flat.get_or_insert(line.start);
                 chunk.n_flat += 1;
             } else if n < 3 {

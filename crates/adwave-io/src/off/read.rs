@@ -171,7 +171,8 @@ pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout
     if is_n && letters.contains(&b'4') {
         return wrong("4nOFF cannot be read; write plain OFF");
     }
-    for word in first_words {
+    // Where words count and not lines, vertices may follow.
+    for word in first_words.take(if is_n { 4 } else { 3 }) {
         match parse_u64(word) {
             Some(n) => counts.push(n),
             None if word == b"BINARY" => return wrong("BINARY must end the first line; get it anew"),

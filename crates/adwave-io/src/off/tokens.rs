@@ -20,7 +20,8 @@ pub(crate) fn read_by_tokens(
     let mut lines = Statements::new(&bytes);
     let (layout, [n_vertices, n_faces]) = header(&bytes, &mut lines)?;
     limits.check_points(n_vertices)?;
-    let mut tokens = Tokens::new(&bytes, lines.position.min(bytes.len()));
+    let start = after_counts(&bytes).unwrap_or(lines.position);
+    let mut tokens = Tokens::new(&bytes, start.min(bytes.len()));
     tokens.check(n_vertices, 6, "vertex")?;
     let mut values = Values::default();
     for row in 0..n_vertices {
@@ -50,6 +51,19 @@ pub(crate) fn read_by_tokens(
         _ => faces(&mut tokens, n_faces, n_vertices, Colors::ToEndOfLine, progress)?.0,
     };
     finish(bytes, &layout, values, Separator::OverLines, progress)
+}
+
+/// Where the counts end, when vertices follow them on the line of the keyword.
+fn after_counts(bytes: &[u8]) -> Option<usize> {
+    let mut tokens = Tokens::new(bytes, if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 });
+    let (start, keyword) = tokens.next()?;
+    let (letters, rest) = crate::sniff::off_keyword(keyword)?;
+    let end = crate::text::line_end(bytes, start);
+    for _ in 0..if letters.contains(&b'n') { 4 } else { 3 } {
+        tokens.count("the counts", 0).ok()?;
+    }
+    let has_more = Tokens::new(&bytes[..end], tokens.position.min(end)).next().is_some();
+    (rest.is_empty() && tokens.position < end && has_more).then_some(tokens.position)
 }
 
 /// Faces and what stands after their corners.

@@ -1,11 +1,12 @@
 //! Medit meshes: hand-written files of each version, real ones, and broken ones.
 
 use adwave::shape::Polygons;
-use crate::common;
 use adwave_io::{
     Field, FieldValues, Format, Precision, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes,
 };
 use adwave_test_data::data_test;
+
+use crate::common;
 
 fn read(bytes: &[u8]) -> ShapeFile {
     read_bytes(bytes.to_vec(), None, &ReadLimits::default()).unwrap()
@@ -121,7 +122,7 @@ fn broken_files_are_errors_of_one_line() {
         }
     }
     for (from, to, said) in [
-        ("1 2 5 7", "1 2 6 7", "line 16: face 0 names vertex 6, but there are 5"),
+        ("1 2 5 7", "1 2 6 7", "line 17: face 0 names vertex 6, but there are 5"),
         ("Vertices\n5", "Vertices\n5000000000", "more than the limit"),
         ("Vertices\n5", "Vertices\n4", "line 12: \"0\" stands where a keyword belongs"),
         ("Dimension\n3", "Dimension\n4", "line 3: points of dimension 4"),
