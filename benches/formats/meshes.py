@@ -43,11 +43,44 @@ def same(a, b):
     return a.shape == b.shape and bool(np.array_equal(a, b, equal_nan=True))
 
 
+TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
+         "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8"}
+
+
+def read_ply(path):
+    """Points, faces and fields of the vertices in a binary PLY: meshio stops at fields of faces."""
+    raw = path.read_bytes()
+    head, _, body = raw.partition(b"end_header\n")
+    counts, properties = {}, {}
+    for words in map(str.split, head.decode().splitlines()):
+        if words[0] == "element":
+            name, counts[words[1]], properties[words[1]] = words[1], int(words[2]), []
+        elif words[0] == "property":
+            properties[name].append(words[1:])
+    kind = np.dtype([(p[-1], "<" + TYPES[p[0]]) for p in properties["vertex"]])
+    vertices = np.frombuffer(body, kind, counts["vertex"])
+    at, lists = kind.itemsize * counts["vertex"], []
+    for _ in range(counts.get("face", 0)):
+        for p in properties["face"]:
+            n = 1
+            if p[0] == "list":
+                size = np.dtype("<" + TYPES[p[1]])
+                n = int(np.frombuffer(body, size, 1, at)[0])
+                at += size.itemsize
+            item = np.dtype("<" + TYPES[p[-2]])
+            if p[0] == "list":
+                lists.append(np.frombuffer(body, item, n, at))
+            at += n * item.itemsize
+    cells = [(name, np.array([f for f in lists if len(f) == n])) for name, n in (("triangle", 3), ("quad", 4))]
+    points = np.stack([vertices[a] for a in "xyz"], axis=1)
+    return meshio.Mesh(points, [c for c in cells if len(c[1])], point_data={n: vertices[n] for n in kind.names if n not in "xyz"})
+
+
 def by_ply(path, folder):
-    """What adwave reads of a file, by way of a PLY and meshio."""
+    """What adwave reads of a file, by way of a PLY."""
     ply = folder / "read.ply"
     run("saliency", path, "-o", ply)
-    return meshio.read(ply)
+    return read_ply(ply)
 
 
 def faces(mesh, *kinds):

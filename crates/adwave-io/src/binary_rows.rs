@@ -27,6 +27,8 @@ pub(crate) struct BinaryRows {
     pub(crate) runs: Vec<Run>,
     /// Whether numbers have 64 bits, or 32.
     pub(crate) is_double: bool,
+    /// How many coordinates there are: 3, or 2 of the plane.
+    pub(crate) n_axes: usize,
     pub(crate) order: ByteOrder,
 }
 
@@ -70,7 +72,7 @@ impl BinaryRows {
     }
 
     fn n_row_bytes(&self) -> usize {
-        if self.is_double { 24 } else { 12 }
+        self.n_axes * if self.is_double { 8 } else { 4 }
     }
 
     fn put(&self, row: &mut [u8], point: [f64; 3]) {

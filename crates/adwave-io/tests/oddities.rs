@@ -150,7 +150,7 @@ fn off_letters_say_what_follows_the_coordinates() {
     assert_eq!(shape.field_names(), ["normal", "color", "texcoord"]);
     assert_eq!(shape.field("color").unwrap().values, FieldValues::U8(vec![255, 0, 9, 255]));
     assert_eq!(shape.field("texcoord").unwrap().to_f64(), [0.5, 0.25]);
-    assert!(error("OFF BINARY\n", "a.off").contains("write it as text"));
+    assert!(error("OFF BINARY\n", "a.off").contains("get the whole file"));
     assert!(
         error("OFF\n3 1 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 3\n", "a.off")
             .starts_with("line 6: face 0 names vertex 3")

@@ -93,13 +93,12 @@ pub(crate) fn read_meshb(
     let Some(run) = run else {
         return Err(ReadError::Whole("the Medit mesh has no vertices; get the whole file".into()));
     };
-    let is_flat = input.dimension == 2;
+    let n_axes = input.dimension;
+    let is_flat = n_axes == 2;
     let mut shape = found.into_shape(Format::MeditBinary, progress)?;
     shape.precision = if version == 1 { Precision::F32 } else { Precision::F64 };
-    if !is_flat {
-        let rows = Rows::Binary(BinaryRows { bytes, runs: vec![run], is_double: version > 1, order });
-        shape.original = Some(Arc::new(Original::Medit(MeditOriginal { rows, is_flat })));
-    }
+    let rows = Rows::Binary(BinaryRows { bytes, runs: vec![run], is_double: version > 1, n_axes, order });
+    shape.original = Some(Arc::new(Original::Medit(MeditOriginal { rows, is_flat })));
     Ok(shape)
 }
 

@@ -7,9 +7,9 @@ use adwave::Progress;
 use crate::ReadError;
 use crate::cells::Cells;
 use crate::field::Number;
+use crate::msh::input::Input;
 use crate::msh::kinds::Kind;
 use crate::msh::nodes::{NONE, Tags};
-use crate::msh::read::Input;
 use crate::progress::{at_row, extend};
 
 /// Elements of one dimension: corners as rows of nodes, and what names them.

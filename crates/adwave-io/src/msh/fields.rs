@@ -4,7 +4,7 @@ use adwave::Progress;
 
 use crate::ReadError;
 use crate::field::Number;
-use crate::msh::read::Input;
+use crate::msh::input::Input;
 use crate::progress::at_row;
 use crate::text::line_end;
 use crate::tokens::Tokens;

@@ -5,6 +5,7 @@
 
 pub(crate) mod elements;
 pub(crate) mod fields;
+pub(crate) mod input;
 pub(crate) mod kinds;
 pub(crate) mod nodes;
 pub(crate) mod read;

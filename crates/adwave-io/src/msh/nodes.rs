@@ -7,7 +7,7 @@ use adwave::{Cancelled, Progress};
 use crate::binary_rows::Run;
 use crate::cursor::Cursor;
 use crate::field::{ByteOrder, Number};
-use crate::msh::read::Input;
+use crate::msh::input::Input;
 use crate::progress::{at_row, extend};
 use crate::{ReadError, ReadLimits};
 

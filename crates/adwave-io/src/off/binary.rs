@@ -71,10 +71,18 @@ pub(crate) fn read_off_binary(
         offset += 4 * n_channels;
     }
     read_faces(&mut cursor, n_faces, &mut shape, progress)?;
-    let is_divided = divide(&mut shape);
-    if !is_divided {
+    if divide(&mut shape) {
+        // What was divided has the precision of the file, or goes into a text.
+        let rounded: Vec<[f64; 3]> = shape.points.iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
+        if rounded.as_flattened().iter().all(|x| x.is_finite()) {
+            shape.points = rounded.into();
+            shape.precision = Precision::F32;
+        } else {
+            shape.format = Some(Format::Off);
+        }
+    } else {
         let runs = vec![Run { start: first, n, stride }];
-        let rows = BinaryRows { bytes, runs, is_double: false, order: ByteOrder::Big };
+        let rows = BinaryRows { bytes, runs, is_double: false, n_axes: 3, order: ByteOrder::Big };
         shape.original = Some(Arc::new(Original::OffBinary(rows)));
     }
     Ok(shape)

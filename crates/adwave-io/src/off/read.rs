@@ -255,6 +255,10 @@ impl Tails {
         self.has_fraction[column] |= word.iter().any(|b| !b.is_ascii_digit());
     }
 
+    pub(crate) fn n_values(&self) -> usize {
+        self.values.len()
+    }
+
     pub(crate) fn end_row(&mut self) {
         let start = self.ends.last().copied().unwrap_or(0);
         self.longest = self.longest.max(self.values.len() - start);

@@ -48,7 +48,13 @@ pub(crate) fn read_by_tokens(
     (values.faces, values.face_tails) = match plain {
         Ok(found) if is_whole(&found) => found.0,
         Err(ReadError::Cancelled(e)) => return Err(e.into()),
-        _ => faces(&mut tokens, n_faces, n_vertices, Colors::ToEndOfLine, progress)?.0,
+        _ => {
+            let found = faces(&mut tokens, n_faces, n_vertices, Colors::ToEndOfLine, progress)?;
+            if !is_whole(&found) {
+                return Err(tokens.wrong("the face after", n_faces, "the end of the file"));
+            }
+            found.0
+        }
     };
     finish(bytes, &layout, values, Separator::OverLines, progress)
 }
@@ -86,7 +92,14 @@ fn faces(
     let mut face = Vec::new();
     for row in 0..n {
         at_row(progress, row, n)?;
+        tokens.skip();
+        let start = tokens.position;
         let n_corners = tokens.count("face", row)?;
+        // Words that are shifted by a missing one should not look like faces.
+        if n_corners < 2 {
+            let message = format!("face {row} has {n_corners} corners; correct it");
+            return Err(ReadError::in_line(tokens.bytes, start, message));
+        }
         face.clear();
         for _ in 0..n_corners {
             tokens.skip();
@@ -99,6 +112,7 @@ fn faces(
             face.push(index as u32);
         }
         faces.push(&face);
+        let first = tails.n_values();
         loop {
             if colors == Colors::None {
                 break;
@@ -115,6 +129,9 @@ fn faces(
                 return Err(tokens.wrong("face", row, "a number"));
             };
             tails.push(x, word);
+        }
+        if !matches!(tails.n_values() - first, 0 | 1 | 3 | 4) {
+            return Err(tokens.wrong("face", row, "a colour of 1, 3 or 4 numbers"));
         }
         tails.end_row();
     }
