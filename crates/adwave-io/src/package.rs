@@ -1,5 +1,6 @@
 //! ZIP archives that hold a shape: read with a limit on what they grow to.
 
+use std::collections::HashMap;
 use std::io::{Cursor, Read};
 
 use adwave::Progress;
@@ -12,6 +13,8 @@ use crate::{Format, ReadError, ReadLimits};
 /// An archive, and how many bytes may still come out of it.
 pub(crate) struct Package<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
+    /// The name of each file, by the same without slash and capitals.
+    names: HashMap<String, String>,
     limit: u64,
     left: u64,
 }
@@ -31,33 +34,40 @@ fn ends_with(name: &str, ending: &str) -> bool {
         && name.as_bytes()[name.len() - ending.len()..].eq_ignore_ascii_case(ending.as_bytes())
 }
 
+/// A name without slash and capitals.
+fn plain(name: &str) -> String {
+    name.trim_start_matches('/').to_ascii_lowercase()
+}
+
 impl<'a> Package<'a> {
     pub(crate) fn open(bytes: &'a [u8], limits: &ReadLimits) -> Result<Self, ReadError> {
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| {
             ReadError::Whole(format!("the ZIP archive is broken ({}); get the whole file", one_line(&e)))
         })?;
-        Ok(Self { archive, limit: limits.max_bytes, left: limits.max_bytes })
+        let names = archive.file_names().filter(|name| !name.ends_with('/'));
+        let names = names.map(|name| (plain(name), name.to_owned())).collect();
+        Ok(Self { archive, names, limit: limits.max_bytes, left: limits.max_bytes })
     }
 
     /// The names of all files in the archive.
-    pub(crate) fn names(&self) -> Vec<String> {
-        self.archive.file_names().filter(|name| !name.ends_with('/')).map(ToString::to_string).collect()
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.values().map(String::as_str)
+    }
+
+    /// Whether there is a file of that name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.names.contains_key(&plain(name))
     }
 
     /// The first name that ends so.
     pub(crate) fn find(&self, ending: &str) -> Option<String> {
-        let mut found: Vec<String> =
-            self.names().into_iter().filter(|name| ends_with(name, ending)).collect();
-        found.sort();
-        found.into_iter().next()
+        self.names().filter(|name| ends_with(name, ending)).min().map(ToString::to_string)
     }
 
     /// The text of a file in the archive; its name may begin with a slash and have other capitals.
     pub(crate) fn text(&mut self, name: &str, progress: Progress<'_>) -> Result<String, ReadError> {
-        let plain = name.trim_start_matches('/');
-        let own =
-            self.names().into_iter().find(|own| own.trim_start_matches('/').eq_ignore_ascii_case(plain));
-        let shown: String = plain.chars().filter(|c| !c.is_control()).take(80).collect();
+        let own = self.names.get(&plain(name)).cloned();
+        let shown: String = name.chars().filter(|c| !c.is_control()).take(80).collect();
         let broken = |what: &dyn std::fmt::Display| {
             let what = one_line(what);
             ReadError::Whole(format!("part `{shown}` of the archive is broken ({what}); get the whole file"))

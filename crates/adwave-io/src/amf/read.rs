@@ -220,7 +220,7 @@ impl Assembly<'_> {
     fn place(&mut self, id: &str, transform: &Transform, depth: usize) -> Result<(), ReadError> {
         self.n_visits += 1;
         at_row(self.progress, self.n_visits, 0)?;
-        if depth > DEEPEST || self.n_visits > 1_000_000 + self.n_bytes as u64 {
+        if depth > DEEPEST || self.n_visits > 1_000_000 + self.n_bytes as u64 / 16 {
             let message = "constellations hold one another too often; is there a circle? correct them";
             return Err(ReadError::Whole(message.into()));
         }

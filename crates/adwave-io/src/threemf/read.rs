@@ -48,16 +48,13 @@ pub(crate) fn read_3mf(
         models.insert(path, model);
     }
     let mut extras = Vec::new();
-    let n_parts = package
-        .names()
-        .iter()
-        .filter(|name| name.to_ascii_lowercase().rsplit('.').next() == Some("model"))
-        .count();
-    let is_plain = |name: &String| {
+    let n_parts =
+        package.names().filter(|name| name.to_ascii_lowercase().rsplit('.').next() == Some("model")).count();
+    let is_plain = |name: &str| {
         let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
         matches!(ending.as_str(), "model" | "rels") || name.eq_ignore_ascii_case("[content_types].xml")
     };
-    if n_parts > models.len() || package.names().iter().any(|name| !is_plain(name)) {
+    if n_parts > models.len() || !package.names().all(is_plain) {
         extras.push("other parts of the archive".to_owned());
     }
     if models.values().any(|m| m.has_materials) {
@@ -95,7 +92,7 @@ fn in_part(path: &str, error: ReadError) -> ReadError {
 /// The model that the archive begins with.
 fn root_of(package: &mut Package<'_>, progress: Progress<'_>) -> Result<String, ReadError> {
     let path = "_rels/.rels";
-    if package.names().iter().any(|name| name.trim_start_matches('/') == path) {
+    if package.has(path) {
         let text = package.text(path, progress)?;
         let document = parse(&text).map_err(|e| in_part(path, e))?;
         let is_model = |node: &roxmltree::Node<'_, '_>| {
@@ -122,7 +119,7 @@ impl Assembly<'_> {
         depth: usize,
     ) -> Result<(), ReadError> {
         self.n_visits += 1;
-        let limit = 1_000_000 + self.n_bytes as u64;
+        let limit = 1_000_000 + self.n_bytes as u64 / 16;
         if depth > DEEPEST || self.n_visits > limit {
             let message = "objects hold one another too often; is there a circle? correct the components";
             return Err(ReadError::Whole(message.into()));
