@@ -63,6 +63,51 @@ const TEXTS: &[(&str, &str, &str)] = &[
         "two",
         "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 3/1 2/2 1/3\n|newmtl a\nmap_Kd -s 1 1 1 a.png\nnewmtl b\nKd 1 0 0\nmap_Kd a.png\n",
     ),
+    ("off", "words", "OFF 3 1 0 0 0 0 1 0 0\n0 1 0 3\n0 1 # c\n2"),
+    ("off", "dimension", "4OFF\n2 0 0\n2 4 6 2\n1 1 1 1\n"),
+    ("obj", "plane", "v 0 0\nv 1 0\nv 0 1\nl 1 2 3\n"),
+    (
+        "pcd",
+        "missing",
+        "version .7\nfields X Y Z\nWIDTH 3\nHEIGHT 1\nDATA ascii\n0 0 0\nnan nan nan\n1 0 0\n",
+    ),
+    (
+        "msh",
+        "two",
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n20 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n3\n1 1 2 0 1 1 20\n2 4 2 7 1 1 20 3 4\n3 2 2 7 2 1 20 3\n$EndElements\n$NodeData\n1\n\"a\"\n1\n0\n3\n0\n1\n1\n3 0.5\n$EndNodeData\n",
+    ),
+    (
+        "msh",
+        "four",
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 1 5 0\n$EndEntities\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n$ElementData\n1\n\"b\"\n0\n3\n0\n2\n1\n1 1 2\n$EndElementData\n",
+    ),
+    (
+        "medit",
+        "all",
+        "MeshVersionFormatted 2\nDimension 3\nVertices 5\n0 0 0 1\n1 0 0 1\n1 1 0 1\n0 1 0 1\n0 0 1 2\nTriangles 1\n1 2 5 7\nQuadrilaterals 1\n1 2 3 4 9\nTetrahedra 1\n1 2 3 5 0\nEnd\n",
+    ),
+    ("medit", "flat", "MeshVersionFormatted 1 Dimension 2 Vertices 3 0 0 0 1 0 0 0 1 0 Edges 1 1 2 0"),
+    (
+        "amf",
+        "placed",
+        "<amf><object id=\"1\"><mesh><vertices><vertex><coordinates><x>0</x><y>0</y><z>0</z></coordinates><color><r>1</r><g>0</g><b>0</b></color></vertex><vertex><coordinates><x>1</x><y>0</y><z>0</z></coordinates></vertex><vertex><coordinates><x>0</x><y>1</y><z>0</z></coordinates></vertex></vertices><volume><triangle><v1>0</v1><v2>1</v2><v3>2</v3></triangle></volume></mesh></object><constellation id=\"2\"><instance objectid=\"1\"><deltax>1</deltax><rz>90</rz></instance></constellation></amf>",
+    ),
+    ("dmat", "cloud", "3 2\n0\n1\n2\n3\n4\n5\n"),
+    ("tgf", "places", "a 0 0 0\nb 1 0 0\n#\na b 0.5\n"),
+    ("tgf", "names", "1 a\n2\n#\n1 2 likes\n#\n3\n"),
+    ("edgelist", "snap", "# Nodes: 4 Edges: 2\n0\t1\n3\t1\n"),
+    ("edgelist", "networkx", "a b {'weight': 0.5}\nb c {}\n"),
+    (
+        "graphml",
+        "all",
+        "<graphml><key id=\"x\" for=\"node\" attr.name=\"pos\" attr.type=\"string\"/><key id=\"w\" for=\"edge\" attr.name=\"weight\" attr.type=\"double\"/><key id=\"a\" for=\"node\" attr.name=\"age\" attr.type=\"int\"><default>1</default></key><graph edgedefault=\"directed\"><node id=\"1\"><data key=\"x\">[0, 1]</data><data key=\"a\">3</data></node><node id=\"2\"><data key=\"x\">1 2 3</data></node><edge source=\"1\" target=\"2\"><data key=\"w\">2</data></edge></graph></graphml>",
+    ),
+    ("geomview", "grid", "4uvMESH\n2 2\n0 0 0 1\n2 0 0 2\n0 1 0 1\n1 1 0 1\n"),
+    (
+        "geomview",
+        "list",
+        "{ LIST { appearance { a } { = CNMESH 1 2 0 0 0 0 0 1 1 0 0 1 1 0 0 0 0 1 1 0 0 1 } } { OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n} { QUAD 0 0 0 1 0 0 1 1 0 0 1 0 } { SKEL 2 1 0 0 0 1 1 1 2 0 1 } { VECT 1 2 0 2 0 0 0 0 1 1 1 } }",
+    ),
     (
         "recipe",
         "levels",
@@ -105,6 +150,13 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
         ("xyz", Format::Xyz, "cloud"),
         ("csv", Format::Csv, "cloud"),
         ("pcd", Format::Pcd, "cloud"),
+        ("pcd", Format::PcdCompressed, "packed"),
+        ("off", Format::OffBinary, "binary"),
+        ("msh", Format::Msh, "binary"),
+        ("msh", Format::MshAscii, "text"),
+        ("meshb", Format::MeditBinary, "mesh"),
+        ("3mf", Format::ThreeMf, "mesh"),
+        ("dmat", Format::DmatBinary, "binary"),
     ] {
         let mut bytes = Vec::new();
         write_bytes(&mesh()?, format, &mut bytes)?;

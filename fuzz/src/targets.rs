@@ -96,6 +96,61 @@ const XML: &[&str] = &[
     "<![CDATA[",
     "=",
 ];
+const MSH: &[&str] = &[
+    "$MeshFormat\n",
+    "$EndMeshFormat\n",
+    "$Nodes\n",
+    "$EndNodes\n",
+    "$Elements\n",
+    "$EndElements\n",
+    "$Entities\n",
+    "$NodeData\n",
+    "$ElementData\n",
+    "2.2 0 8\n",
+    "4.1 0 8\n",
+    "4 0 8\n",
+];
+const MEDIT: &[&str] = &[
+    "MeshVersionFormatted",
+    "Dimension",
+    "Vertices",
+    "Triangles",
+    "Quadrilaterals",
+    "Tetrahedra",
+    "Hexahedra",
+    "Edges",
+    "TrianglesP2",
+    "End",
+];
+const MANUFACTURING: &[&str] = &[
+    "<object id=\"1\">",
+    "</object>",
+    "<mesh>",
+    "<vertices>",
+    "<vertex ",
+    "<triangle ",
+    "<component objectid=\"1\" ",
+    "<item objectid=\"1\" ",
+    "transform=\"1 0 0 0 1 0 0 0 1 0 0 0\"",
+    "<coordinates>",
+    "<instance objectid=\"1\">",
+    "<color>",
+    "pid=\"2\"",
+];
+const GRAPHML: &[&str] = &[
+    "<node id=\"",
+    "<edge source=\"",
+    "target=\"",
+    "<data key=\"",
+    "<key id=\"",
+    "attr.name=\"weight\"",
+    "attr.name=\"pos\"",
+    "attr.type=\"double\"",
+    "edgedefault=\"directed\"",
+    "<default>",
+];
+const GEOMVIEW: &[&str] =
+    &["{", "}", "LIST", "MESH", "4uvCN", "Z", "QUAD", "VECT", "SKEL", "OFF", "appearance", "=", "#"];
 const REGION: &[&str] = &[
     "all",
     "ball",
@@ -156,7 +211,9 @@ pub(crate) fn all() -> Vec<Target> {
     vec![
         shape("obj", OBJ, |b| shape_file(b, "a.obj")),
         shape("ply", PLY, |b| shape_file(b, "a.ply")),
-        shape("off", &["OFF", "C", "N", "ST", "4", "#", "\r\n"], |b| shape_file(b, "a.off")),
+        shape("off", &["OFF", "C", "N", "ST", "4", "n", " BINARY\n", "#", "\r\n"], |b| {
+            shape_file(b, "a.off")
+        }),
         shape(
             "stl",
             &["solid", "facet", "normal", "vertex", "outer", "loop", "endloop", "endfacet", "endsolid"],
@@ -171,6 +228,16 @@ pub(crate) fn all() -> Vec<Target> {
         shape("mtx", &["general", "symmetric", "pattern", "real", "coordinate", "%"], |b| {
             shape_file(b, "a.mtx")
         }),
+        shape("msh", MSH, |b| shape_file(b, "a.msh")),
+        shape("medit", MEDIT, |b| shape_file(b, "a.mesh")),
+        shape("meshb", &[], |b| shape_file(b, "a.meshb")),
+        shape("amf", MANUFACTURING, |b| shape_file(b, "a.amf")),
+        shape("3mf", MANUFACTURING, |b| shape_file(b, "a.3mf")),
+        shape("dmat", &["0 0\n", "3 ", "nan"], |b| shape_file(b, "a.dmat")),
+        shape("tgf", &["#\n", "1 ", "nan"], |b| shape_file(b, "a.tgf")),
+        shape("edgelist", &["# Nodes: ", "{'weight': ", "%", ","], |b| shape_file(b, "a.edges")),
+        shape("graphml", GRAPHML, |b| shape_file(b, "a.graphml")),
+        shape("geomview", GEOMVIEW, |b| shape_file(b, "a.list")),
         shape("gifti", XML, |b| shape_file(b, "a.gii")),
         shape("gzip", &[], |b| shape_file(b, "a.obj.gz")),
         Target {

@@ -14,6 +14,8 @@ pub enum Format {
     PlyAscii,
     /// Object file format with its variants (COFF, NOFF, STOFF, …), text.
     Off,
+    /// Object file format, binary.
+    OffBinary,
     /// Stereolithography, binary.
     Stl,
     /// Stereolithography, text.
@@ -28,6 +30,8 @@ pub enum Format {
     Pcd,
     /// Point Cloud Library, text.
     PcdAscii,
+    /// Point Cloud Library, compressed.
+    PcdCompressed,
     /// LAS, uncompressed.
     Las,
     /// LAS, compressed.
@@ -56,6 +60,30 @@ pub enum Format {
     Vtk,
     /// FreeSurfer surface.
     FreeSurfer,
+    /// Gmsh, binary.
+    Msh,
+    /// Gmsh, text.
+    MshAscii,
+    /// Medit of INRIA, text.
+    Medit,
+    /// Medit of INRIA, binary.
+    MeditBinary,
+    /// Additive manufacturing file, XML.
+    Amf,
+    /// 3D manufacturing format, an archive of XML.
+    ThreeMf,
+    /// Matrix of libigl, text.
+    Dmat,
+    /// Matrix of libigl, binary.
+    DmatBinary,
+    /// Trivial graph format.
+    Tgf,
+    /// List of edges, as SNAP and NetworkX have it.
+    EdgeList,
+    /// GraphML.
+    GraphMl,
+    /// Objects of Geomview, read only.
+    Geomview,
 }
 
 /// One row of the table of formats: the source of names, endings, messages and documents.
@@ -110,11 +138,21 @@ const TABLE: &[Row] = &[
     Row {
         format: Format::Off,
         name: "off",
-        title: "Object file format",
+        title: "Object file format, text",
         extensions: &["off", "coff", "noff", "cnoff", "stoff"],
-        reads: "OFF, COFF, NOFF, STOFF and their mixtures",
+        reads: "OFF, COFF, NOFF, STOFF, nOFF and their mixtures, by lines or by words; 4OFF divided by the fourth coordinate",
         writes: "points, faces, colours, normals, texture coordinates",
         keeps: "all text but coordinates that moved",
+        loses: "other fields",
+    },
+    Row {
+        format: Format::OffBinary,
+        name: "off-binary",
+        title: "Object file format, binary",
+        extensions: &[],
+        reads: "big-endian, as Geomview has it, with the same variants",
+        writes: "points in 32-bit floats, faces, fields of 32-bit floats that it has",
+        keeps: "all bytes but coordinates that moved",
         loses: "other fields",
     },
     Row {
@@ -124,7 +162,7 @@ const TABLE: &[Row] = &[
         extensions: &["stl"],
         reads: "triangles, normals, attributes",
         writes: "triangles in 32-bit floats",
-        keeps: "header, attributes",
+        keeps: "header, attributes, normals of triangles that did not move",
         loses: "which triangles share a vertex (found again by equal coordinates), vertex fields",
     },
     Row {
@@ -132,10 +170,10 @@ const TABLE: &[Row] = &[
         name: "stl-ascii",
         title: "Stereolithography, text",
         extensions: &[],
-        reads: "triangles, normals",
-        writes: "triangles",
-        keeps: "the solid's name",
-        loses: "which triangles share a vertex, fields",
+        reads: "triangles, normals, solids",
+        writes: "triangles, solids",
+        keeps: "names of solids, normals of triangles that did not move",
+        loses: "which triangles share a vertex, other fields",
     },
     Row {
         format: Format::Xyz,
@@ -172,9 +210,9 @@ const TABLE: &[Row] = &[
         name: "pcd",
         title: "Point Cloud Library, binary",
         extensions: &["pcd"],
-        reads: "binary and compressed",
-        writes: "binary",
-        keeps: "view point, width and height",
+        reads: "points and fields; points without a place are left out",
+        writes: "points and fields",
+        keeps: "view point, width and height, points without a place",
         loses: "faces",
     },
     Row {
@@ -185,6 +223,16 @@ const TABLE: &[Row] = &[
         reads: "points and fields",
         writes: "points and fields",
         keeps: "all text but coordinates that moved",
+        loses: "faces",
+    },
+    Row {
+        format: Format::PcdCompressed,
+        name: "pcd-compressed",
+        title: "Point Cloud Library, compressed",
+        extensions: &[],
+        reads: "as binary",
+        writes: "points and fields",
+        keeps: "view point, width and height, points without a place",
         loses: "faces",
     },
     Row {
@@ -327,6 +375,127 @@ const TABLE: &[Row] = &[
         keeps: "creator, volume information",
         loses: "fields, faces of more than three corners",
     },
+    Row {
+        format: Format::Msh,
+        name: "msh",
+        title: "Gmsh, binary",
+        extensions: &["msh"],
+        reads: "versions 2 and 4, both byte orders: triangles, quadrilaterals, higher orders by their corners, else the boundary of \
+                volume cells, else lines; tags and fields",
+        writes: "version 2.2 with all fields",
+        keeps: "all sections, cells and bytes but coordinates that moved and fields that changed",
+        loses: "polygons of more than four corners, edges beside faces",
+    },
+    Row {
+        format: Format::MshAscii,
+        name: "msh-ascii",
+        title: "Gmsh, text",
+        extensions: &[],
+        reads: "as binary",
+        writes: "version 2.2 with all fields",
+        keeps: "all text but coordinates that moved and fields that changed",
+        loses: "as binary",
+    },
+    Row {
+        format: Format::Medit,
+        name: "medit",
+        title: "Medit, text",
+        extensions: &["mesh"],
+        reads: "triangles, quadrilaterals, else the boundary of volume cells, else edges; references",
+        writes: "points, triangles, quadrilaterals or edges, references",
+        keeps: "all text but coordinates that moved",
+        loses: "other fields, polygons of more than four corners, the order of triangles among quadrilaterals",
+    },
+    Row {
+        format: Format::MeditBinary,
+        name: "meshb",
+        title: "Medit, binary",
+        extensions: &["meshb"],
+        reads: "versions 1 to 4, both byte orders, as text",
+        writes: "as text",
+        keeps: "all bytes but coordinates that moved",
+        loses: "as text",
+    },
+    Row {
+        format: Format::Amf,
+        name: "amf",
+        title: "Additive manufacturing file",
+        extensions: &["amf"],
+        reads: "objects placed by constellations, plain or zipped; colours of vertices, triangles, volumes and materials",
+        writes: "one object of triangles, colours of vertices and faces",
+        keeps: "",
+        loses: "other fields, metadata, materials, the unit of length",
+    },
+    Row {
+        format: Format::ThreeMf,
+        name: "3mf",
+        title: "3D manufacturing format",
+        extensions: &["3mf"],
+        reads: "what is built, with components of all parts, transforms and units; colours of vertices or faces",
+        writes: "one object of triangles, colours of vertices or faces in bytes",
+        keeps: "",
+        loses: "other fields, metadata, materials, textures, the unit of length",
+    },
+    Row {
+        format: Format::Dmat,
+        name: "dmat",
+        title: "DMAT of libigl, text",
+        extensions: &["dmat"],
+        reads: "matrices of three columns as points, others with `--field`",
+        writes: "points",
+        keeps: "",
+        loses: "faces, fields",
+    },
+    Row {
+        format: Format::DmatBinary,
+        name: "dmat-binary",
+        title: "DMAT of libigl, binary",
+        extensions: &[],
+        reads: "as text",
+        writes: "points",
+        keeps: "",
+        loses: "faces, fields",
+    },
+    Row {
+        format: Format::Tgf,
+        name: "tgf",
+        title: "Trivial graph format",
+        extensions: &["tgf"],
+        reads: "graphs; labels of three numbers as points, of edges as weights",
+        writes: "points, edges with weights",
+        keeps: "",
+        loses: "faces, fields, other labels",
+    },
+    Row {
+        format: Format::EdgeList,
+        name: "edgelist",
+        title: "list of edges",
+        extensions: &["edgelist", "edges", "el"],
+        reads: "graphs, as SNAP and NetworkX write them; weights",
+        writes: "edges with weights",
+        keeps: "",
+        loses: "points, faces, fields, names",
+    },
+    Row {
+        format: Format::GraphMl,
+        name: "graphml",
+        title: "GraphML",
+        extensions: &["graphml"],
+        reads: "graphs; points from `x`, `y`, `z` or `pos`, weights, numbers of nodes as fields",
+        writes: "points, edges with weights, vertex fields",
+        keeps: "",
+        loses: "faces, texts of nodes, other attributes of edges",
+    },
+    Row {
+        format: Format::Geomview,
+        name: "geomview",
+        title: "Geomview",
+        extensions: &["oogl", "list", "quad", "vect", "skel"],
+        reads: "MESH grids, QUAD, VECT, SKEL, OFF, and lists of these; normals, colours; the fourth coordinate divides",
+        writes: "",
+        keeps: "",
+        loses: "appearance, transforms, curved surfaces",
+    },
 ];
 
 impl Format {
@@ -410,12 +579,20 @@ impl Format {
         )
     }
 
+    /// Whether it holds graphs, without coordinates too.
+    pub fn holds_graphs(self) -> bool {
+        matches!(self, Self::Mtx | Self::Tgf | Self::EdgeList | Self::GraphMl)
+    }
+
     /// The binary or text form that stands for both: `ply` for `ply-ascii`.
     pub(crate) fn family(self) -> Self {
         match self {
             Self::PlyAscii => Self::Ply,
+            Self::OffBinary => Self::Off,
             Self::StlAscii => Self::Stl,
-            Self::PcdAscii => Self::Pcd,
+            Self::PcdAscii | Self::PcdCompressed => Self::Pcd,
+            Self::MshAscii => Self::Msh,
+            Self::DmatBinary => Self::Dmat,
             other => other,
         }
     }

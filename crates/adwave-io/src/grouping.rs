@@ -91,7 +91,8 @@ fn numbered(columns: &Columns, used: &[bool], i: usize) -> Option<FieldColumns> 
     (n > 1).then(|| find(columns, used, &names).map(|positions| (base.to_string(), positions)))?
 }
 
-fn unique(fields: &[Field], name: String) -> String {
+/// The name, or where a field has it already one with a number after it.
+pub(crate) fn unique(fields: &[Field], name: String) -> String {
     let taken = |name: &str| fields.iter().any(|f| f.name == name);
     if !taken(&name) {
         return name;

@@ -18,8 +18,9 @@
 //! | `sniff`, `format`, `limits`, `error` | which format, its names, how much a file may ask for, what went wrong |
 //! | `shape_file`, `shape` | what was read, and the shape that it is |
 //! | `field`, `grouping` | values per vertex or face; columns as fields and back |
-//! | `original` | the bytes of a text that is written again with other coordinates |
-//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `gltf`, `e57`, `vtk_xml`, `vtk_legacy`, `freesurfer` | a folder per format: `read`, `write`, and what only this format needs |
+//! | `cells`, `volume`, `instances` | cells of grids and volumes, and the surface around them; objects that are placed several times |
+//! | `original`, `binary_rows` | the bytes of a file that is written again with other coordinates |
+//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `gltf`, `e57`, `vtk_xml`, `vtk_legacy`, `freesurfer`, `msh`, `medit`, `amf`, `threemf`, `dmat`, `graph`, `geomview` | a folder per format: `read`, `write`, and what only this format needs |
 //! | `npy`, `csv` | arrays and tables as fields, and written |
 //! | `cifti`, `surface_values` | values at the vertices of a surface, in files of their own |
 //! | `single` | what 32-bit floats and triangles hold, for formats of such |
@@ -29,37 +30,48 @@
 //! | `recipe` | edits as TOML |
 //! | `atomic` | files replaced as a whole |
 //! | `progress` | how far reading and writing are, and whether to stop |
-//! | `cells` | cells of grids and the surface that they make |
 //! | `numbers` | arrays of numbers, binary or text, as lists |
-//! | `text`, `lines` | numbers, words and lines of text formats |
+//! | `text`, `lines`, `tokens`, `encoding`, `cursor` | numbers, words and lines of text formats; numbers of binary ones |
+//! | `xml`, `package` | documents of XML, and ZIP archives |
 
 // Headers are a few lines of text; `write!` into a string would bring an error that cannot happen.
 #![allow(clippy::format_push_string, clippy::format_collect)]
 // Counts are below 2^32 where they become signed.
 #![allow(clippy::cast_possible_wrap)]
 
+mod amf;
 mod atomic;
+mod binary_rows;
 mod cells;
 mod cifti;
 mod columns;
 mod csv;
+mod cursor;
+mod dmat;
 mod e57;
+mod encoding;
 mod error;
 mod field;
 mod format;
 mod freesurfer;
+mod geomview;
 mod gifti;
 mod gltf;
+mod graph;
 mod grouping;
+mod instances;
 mod las;
 mod limits;
 mod lines;
+mod medit;
+mod msh;
 mod mtx;
 mod npy;
 mod numbers;
 mod obj;
 mod off;
 mod original;
+mod package;
 mod pcd;
 mod ply;
 mod progress;
@@ -75,13 +87,18 @@ mod subset;
 mod surface_values;
 mod text;
 mod texture;
+mod threemf;
+mod tokens;
+mod volume;
 mod vtk_legacy;
 mod vtk_xml;
 mod write;
+mod xml;
 
 pub use atomic::{atomic_write, atomic_write_with, remove_temporaries};
 pub use csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
 pub use csv::write::{csv_number, push_csv_row, write_csv_fields};
+pub use dmat::read::{parse_dmat_field, read_dmat_field};
 pub use error::{ReadError, WriteError};
 pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;

@@ -4,6 +4,7 @@
 use crate::ply::header::PlyOriginal;
 use crate::progress::at_row;
 use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
+use crate::tokens::Tokens;
 use crate::{Precision, ShapeFile, WriteError};
 use adwave::Progress;
 
@@ -14,8 +15,14 @@ pub(crate) enum Original {
     Rows(TextRows),
     /// A PLY, text or binary.
     Ply(PlyOriginal),
-    /// The header line or 80 bytes of an STL.
-    StlHeader(Vec<u8>),
+    /// A binary OFF.
+    OffBinary(crate::binary_rows::BinaryRows),
+    /// The header, names and points of an STL.
+    Stl(crate::stl::read::StlOriginal),
+    /// A Gmsh mesh.
+    Msh(crate::msh::write::MshOriginal),
+    /// A Medit mesh.
+    Medit(crate::medit::write::MeditOriginal),
     /// A GIFTI.
     Gifti(crate::gifti::update::GiftiOriginal),
     /// A glTF or GLB.
@@ -37,6 +44,8 @@ pub(crate) enum Separator {
     BlanksUntilRemark,
     /// This byte, once; there may be blanks around the values.
     Byte(u8),
+    /// Blanks, line ends and remarks; only the first three values are looked at.
+    OverLines,
 }
 
 /// A text in which every vertex has a row of values.
@@ -176,6 +185,13 @@ impl TextRows {
         let bytes = &self.bytes;
         let mut begin = position;
         match self.separator {
+            Separator::OverLines => {
+                if column > 2 {
+                    return None;
+                }
+                let mut tokens = Tokens::new(bytes, begin);
+                tokens.next().map(|(begin, word)| (begin, begin + word.len()))
+            }
             Separator::Byte(separator) => {
                 if column > 0 {
                     if bytes.get(begin) != Some(&separator) {

@@ -136,6 +136,11 @@ fn read_named(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let mut bytes = decompress(bytes, limits, progress)?;
+    if let Some(text) = crate::encoding::from_utf16(&bytes)
+        && !text.contains(&0)
+    {
+        bytes = text;
+    }
     let mut format = sniff(&bytes, name_hint)?;
     if is_text(format, &bytes) && old_line_ends(&mut bytes, progress)? {
         // What was one long remark may be rows now.
@@ -157,6 +162,16 @@ fn read_named(
         Format::Gifti => crate::gifti::read::read_gifti(bytes, folder, limits, progress),
         Format::E57 => crate::e57::read::read_e57(bytes, limits, progress),
         Format::Glb | Format::Gltf => crate::gltf::read::read_gltf(bytes, folder, limits, progress),
+        Format::Msh => crate::msh::read::read_msh(bytes, limits, progress),
+        Format::Medit => crate::medit::read::read_medit(bytes, limits, progress),
+        Format::MeditBinary => crate::medit::binary::read_meshb(bytes, limits, progress),
+        Format::Amf => crate::amf::read::read_amf(bytes, limits, progress),
+        Format::ThreeMf => crate::threemf::read::read_3mf(&bytes, limits, progress),
+        Format::Dmat => crate::dmat::read::read_dmat(&bytes, limits, progress),
+        Format::Tgf => crate::graph::tgf::read_tgf(&bytes, limits, progress),
+        Format::EdgeList => crate::graph::edge_list::read_edge_list(&bytes, limits, progress),
+        Format::GraphMl => crate::graph::graphml::read_graphml(bytes, limits, progress),
+        Format::Geomview => crate::geomview::read::read_geomview(&bytes, limits, progress),
         Format::Mtx => crate::mtx::read::read_mtx(&bytes, limits, progress),
         Format::Vtp | Format::Vtu | Format::Vti | Format::Vtr | Format::Vts => {
             crate::vtk_xml::read::read_vtk_xml(&bytes, format, limits, progress)
@@ -172,7 +187,15 @@ fn read_named(
 fn is_text(format: Format, bytes: &[u8]) -> bool {
     let text = matches!(
         format,
-        Format::Obj | Format::Off | Format::StlAscii | Format::Xyz | Format::Pts | Format::Csv | Format::Mtx
+        Format::Obj
+            | Format::Off
+            | Format::StlAscii
+            | Format::Xyz
+            | Format::Pts
+            | Format::Csv
+            | Format::Mtx
+            | Format::Tgf
+            | Format::EdgeList
     );
     text || (format == Format::Ply && bytes.starts_with(b"ply\rformat ascii"))
 }

@@ -87,12 +87,12 @@ impl ClassifiedError for ShapeFileError {
 }
 
 impl ShapeFile {
-    /// What the content is when nothing else is asked for: a mesh where there are faces, a cloud where there are points, else
-    /// a graph.
+    /// What the content is when nothing else is asked for: a mesh where there are faces, a graph where there are edges alone, else
+    /// a cloud.
     pub fn kind(&self) -> ShapeKind {
         if !self.faces.is_empty() {
             ShapeKind::Mesh
-        } else if !self.points.is_empty() || self.edges.pairs.is_empty() {
+        } else if self.edges.pairs.is_empty() {
             ShapeKind::Cloud
         } else {
             ShapeKind::Graph

@@ -99,8 +99,8 @@ pub struct SignalSource<'a> {
 
 /// The coordinates (`coords`, or one of `x`, `y`, `z`), a field of the file by its name, a signal that the shape gives by itself
 /// ([`SurfaceSignal`], the `degree` of a graph), `luminance` or `lightness` of its colours, the same of a texture after
-/// `texture-`, or the content of another file: `FILE.npy`, `FILE.csv`, `FILE.gii`, or what
-/// [`read_surface_values`](crate::read_surface_values) reads, all but the first with `:NAME` for one of several columns.
+/// `texture-`, or the content of another file: `FILE.npy`, `FILE.dmat`, `FILE.csv`, `FILE.gii`, or what
+/// [`read_surface_values`](crate::read_surface_values) reads, all but the first two with `:NAME` for one of several columns.
 ///
 /// `texture` is the picture of the texture, in the place of the one that the shape's materials name.
 ///
@@ -185,7 +185,7 @@ pub fn named_signal(
         .chain(own)
         .collect();
     Err(NamedSignalError::Unknown(format!(
-        "{} has no field '{name}'; there is {}, or a file .npy, .csv, .gii, .nii, .mgh or of FreeSurfer's values",
+        "{} has no field '{name}'; there is {}, or a file .npy, .dmat, .csv, .gii, .nii, .mgh or of FreeSurfer's values",
         of,
         known.join(", ")
     )))
@@ -225,7 +225,7 @@ fn from_file(
     let kind = |path: &str| {
         let lower = path.to_ascii_lowercase();
         let plain = lower.strip_suffix(".gz").unwrap_or(&lower).to_owned();
-        let known = [".npy", ".csv", ".tsv", ".gii", ".nii", ".mgh", ".mgz", ".annot"];
+        let known = [".npy", ".dmat", ".csv", ".tsv", ".gii", ".nii", ".mgh", ".mgz", ".annot"];
         let ending = known.into_iter().find(|ending| plain.ends_with(ending));
         ending.or_else(|| Path::new(path).is_file().then_some(""))
     };
@@ -237,6 +237,7 @@ fn from_file(
         Some(".npy") => {
             vec![crate::read_npy(Path::new(path), &limits)?.into_field(name)]
         }
+        Some(".dmat") => vec![crate::read_dmat_field(Path::new(path), &limits)?],
         Some(".csv" | ".tsv") => crate::read_csv_fields(Path::new(path), &limits)?,
         Some(".gii") => crate::read_gifti_fields(Path::new(path), &limits)?,
         Some(_) => crate::read_surface_values(Path::new(path), structure, n_vertices, &limits)?,

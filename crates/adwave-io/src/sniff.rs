@@ -17,6 +17,15 @@ pub(crate) fn sniff(bytes: &[u8], name: Option<&str>) -> Result<Format, ReadErro
     if let Some(format) = by_magic(bytes) {
         return Ok(format);
     }
+    // Their words may be anything.
+    if let Some(format @ (Format::Tgf | Format::EdgeList)) = hint
+        && !bytes[..bytes.len().min(LOOK)].contains(&0)
+    {
+        return Ok(format);
+    }
+    if hint == Some(Format::Dmat) || crate::dmat::read::begins_as_dmat(bytes) {
+        return Ok(Format::Dmat);
+    }
     if let Some(found) = foreign(bytes) {
         return Err(ReadError::UnknownFormat { found: found.into() });
     }
@@ -54,6 +63,12 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
     {
         return Some(Format::Ply);
     }
+    if crate::off::binary::head(bytes).is_some() {
+        return Some(Format::Off);
+    }
+    if crate::medit::binary::begins_as_meshb(bytes).is_some() {
+        return Some(Format::MeditBinary);
+    }
     if bytes.starts_with(b"LASF") {
         return Some(Format::Las);
     }
@@ -76,11 +91,24 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
         return Some(Format::Vtk);
     }
     let is_xml = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start().starts_with(b"<");
+    if bytes.starts_with(b"PK\x03\x04") {
+        return crate::package::format_of_archive(bytes);
+    }
+    if is_xml && has_element(&bytes[..bytes.len().min(LOOK)], b"graphml") {
+        return Some(Format::GraphMl);
+    }
+    if is_xml && has_element(&bytes[..bytes.len().min(LOOK)], b"amf") {
+        return Some(Format::Amf);
+    }
     if is_xml && crate::gifti::read::is_gifti(&bytes[..bytes.len().min(LOOK)]) {
         return Some(Format::Gifti);
     }
     if is_xml && let Some(Ok(format)) = crate::vtk_xml::read::kind_of(&bytes[..bytes.len().min(LOOK)]) {
         return Some(format);
+    }
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    if [&b"$MeshFormat"[..], b"$Comments", b"$NOD"].iter().any(|begin| start.starts_with(begin)) {
+        return Some(Format::Msh);
     }
     // Many binary STL begin with `solid` too; only the length tells.
     if crate::stl::read::binary_count(bytes).is_some_and(|n| bytes.len() as u64 == 84 + 50 * n) {
@@ -96,7 +124,35 @@ fn by_magic(bytes: &[u8]) -> Option<Format> {
         return Some(Format::Pcd);
     }
     let keyword = statements(head).next().and_then(|line| words(line).next());
-    matches!(keyword, Some(b"VERSION" | b"FIELDS" | b"COLUMNS")).then_some(Format::Pcd)
+    if is_geomview(text, keyword) {
+        return Some(Format::Geomview);
+    }
+    if keyword == Some(b"MeshVersionFormatted") {
+        return Some(Format::Medit);
+    }
+    let is_pcd =
+        |word: &[u8]| [&b"VERSION"[..], b"FIELDS", b"COLUMNS"].iter().any(|k| word.eq_ignore_ascii_case(k));
+    keyword.is_some_and(is_pcd).then_some(Format::Pcd)
+}
+
+/// Whether the first word is an object of Geomview, in braces or not.
+fn is_geomview(text: &[u8], keyword: Option<&[u8]>) -> bool {
+    let Some(inside) = text.strip_prefix(b"{") else {
+        return keyword.is_some_and(crate::geomview::read::begins_object);
+    };
+    let mut words = words(inside).map(|w| w.strip_prefix(b"{").unwrap_or(w)).filter(|w| !w.is_empty());
+    words.next().is_some_and(|w| {
+        crate::geomview::read::begins_object(w)
+            || off_keyword(w).is_some()
+            || matches!(w, b"=" | b"appearance" | b"geom" | b"define" | b"INST")
+    })
+}
+
+/// Whether `<name` stands in a text, with no other letter after it.
+fn has_element(text: &[u8], name: &[u8]) -> bool {
+    memchr::memmem::find_iter(text, name).any(|at| {
+        at > 0 && text[at - 1] == b'<' && text.get(at + name.len()).is_none_or(|b| !b.is_ascii_alphanumeric())
+    })
 }
 
 /// Whether it is JSON that says `asset`, as every glTF does.
@@ -108,7 +164,7 @@ fn is_gltf(bytes: &[u8]) -> bool {
 /// What a file of a known other kind is, for the message.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
-    let begins: [(&[u8], &str); 10] = [
+    let begins: &[(&[u8], &str)] = &[
         (b"\x89PNG", "a PNG picture"),
         (b"\xff\xd8\xff", "a JPEG picture"),
         (b"PK\x03\x04", "a ZIP archive"),

@@ -111,9 +111,15 @@ pub fn write_bytes_with(
     let out = &mut Watched::new(out, progress);
     check_indices(shape, format, progress)?;
     check_range(shape, format, progress)?;
-    if shape.points.len() != shape.n_vertices && format != Format::Mtx {
+    if shape.points.len() != shape.n_vertices && !format.holds_graphs() {
         let what = "a graph without coordinates".into();
         return Err(WriteError::CannotHold { format, what });
+    }
+    if let Some(Original::Pcd(pcd)) = shape.original.as_deref()
+        && let Some(whole) = &pcd.whole
+        && format.family() == Format::Pcd
+    {
+        return write_bytes_with(&whole.with(shape, progress)?, format, out, progress);
     }
     let is_gltf = |format: Format| matches!(format, Format::Glb | Format::Gltf);
     // Text and binary glTF hold the same.
@@ -134,13 +140,14 @@ pub fn write_bytes_with(
             crate::ply::write::write_ply(shape, format, &mut report, out, progress)?;
         }
         Format::Off => crate::off::write::write_off(shape, &mut report, out, progress)?,
+        Format::OffBinary => crate::off::binary::write_off_binary(shape, &mut report, out, progress)?,
         Format::Stl | Format::StlAscii => {
             crate::stl::write::write_stl(shape, format, &mut report, out, progress)?;
         }
         Format::Xyz | Format::Pts | Format::Csv => {
             crate::columns::write::write_columns(shape, format, &mut report, out, progress)?;
         }
-        Format::Pcd | Format::PcdAscii => {
+        Format::Pcd | Format::PcdAscii | Format::PcdCompressed => {
             crate::pcd::write::write_pcd(shape, format, &mut report, out, progress)?;
         }
         Format::Mtx => crate::mtx::write::write_mtx(shape, &mut report, out, progress)?,
@@ -154,11 +161,26 @@ pub fn write_bytes_with(
             crate::gltf::write::write_gltf(shape, format, &mut report, out, progress)?;
         }
         Format::Gifti => crate::gifti::write::write_gifti(shape, &mut report, out, progress)?,
-        Format::E57 => return Err(WriteError::ReadOnly { format }),
+        Format::Amf => crate::amf::write::write_amf(shape, &mut report, out, progress)?,
+        Format::ThreeMf => crate::threemf::write::write_3mf(shape, &mut report, out, progress)?,
+        Format::Dmat | Format::DmatBinary => {
+            crate::dmat::write::write_dmat(shape, format, &mut report, out, progress)?;
+        }
+        Format::Tgf => crate::graph::write::write_tgf(shape, &mut report, out, progress)?,
+        Format::EdgeList => crate::graph::write::write_edge_list(shape, &mut report, out, progress)?,
+        Format::GraphMl => crate::graph::write::write_graphml(shape, &mut report, out, progress)?,
+        Format::Medit | Format::MeditBinary => {
+            crate::medit::write::write_medit(shape, format, &mut report, out, progress)?;
+        }
+        Format::Msh | Format::MshAscii => {
+            crate::msh::write::write_msh(shape, format, &mut report, out, progress)?;
+        }
         Format::Las | Format::Laz => {
             crate::las::write::write_las(shape, format, &mut report, out, progress)?;
         }
-        Format::Vti | Format::Vtr | Format::Vts => return Err(WriteError::ReadOnly { format }),
+        Format::E57 | Format::Geomview | Format::Vti | Format::Vtr | Format::Vts => {
+            return Err(WriteError::ReadOnly { format });
+        }
     }
     Ok(report)
 }
@@ -176,9 +198,11 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
 
 /// Coordinates that are written in single precision must not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
-    if shape.precision == Precision::F64
-        && !matches!(format, Format::Stl | Format::Gifti | Format::FreeSurfer | Format::Glb | Format::Gltf)
-    {
+    let is_single = matches!(
+        format,
+        Format::Stl | Format::Gifti | Format::FreeSurfer | Format::Glb | Format::Gltf | Format::OffBinary
+    );
+    if shape.precision == Precision::F64 && !is_single {
         return Ok(());
     }
     let coordinates = shape.points.as_flattened();
@@ -199,6 +223,14 @@ fn update(
 ) -> Result<Option<WriteReport>, WriteError> {
     let Some(original) = &shape.original else { return Ok(None) };
     match &**original {
+        // Points of the plane that left it need a z each.
+        Original::Rows(rows)
+            if format == Format::Obj
+                && rows.columns[2] == usize::MAX
+                && shape.points.iter().any(|p| p[2] != 0.0) =>
+        {
+            Ok(None)
+        }
         Original::Rows(rows) if format == Format::Obj => {
             crate::obj::write::update_obj(shape, rows, out, progress).map(Some)
         }
@@ -213,6 +245,10 @@ fn update(
             rows.write_all(shape, &RowEdit::default(), out, progress)?;
             Ok(Some(WriteReport::default()))
         }
+        Original::OffBinary(rows) if shape.edited.is_empty() => {
+            rows.write_range((0, rows.bytes.len()), shape, out, progress)?;
+            Ok(Some(WriteReport::default()))
+        }
         Original::Pcd(pcd) if shape.edited.is_empty() => {
             let Some(rows) = &pcd.rows else { return Ok(None) };
             rows.write_all(shape, &RowEdit::default(), out, progress)?;
@@ -223,6 +259,8 @@ fn update(
             crate::freesurfer::write::write_surface(shape, Some(original), &mut report, out, progress)?;
             Ok(Some(report))
         }
+        Original::Msh(msh) => crate::msh::write::update_msh(shape, msh, out, progress),
+        Original::Medit(medit) => crate::medit::write::update_medit(shape, medit, out, progress),
         Original::Gifti(gifti) => crate::gifti::update::update_gifti(shape, gifti, out, progress),
         Original::Gltf(gltf) => crate::gltf::update::update_gltf(shape, gltf, format, out, progress),
         Original::Ply(ply) => crate::ply::update::update_ply(shape, ply, out, progress).map(Some),

@@ -120,7 +120,7 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         }
         return;
     }
-    if matches!(format, Format::Gifti | Format::FreeSurfer) {
+    if matches!(format, Format::Gifti | Format::FreeSurfer | Format::OffBinary) {
         for (x, y) in a.points().as_flattened().iter().zip(b.points().as_flattened()) {
             assert!(same_bits(f64::from(*x as f32), *y), "{what}: {x} became {y}");
         }
@@ -132,6 +132,15 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         for (x, y) in a.points().as_flattened().iter().zip(b.points().as_flattened()) {
             assert!(same_bits(f64::from(*x as f32), *y) || near(*x, *y), "{what}: {x} became {y}");
         }
+        return;
+    }
+    let is_there = |p: &&[f64; 3]| p.iter().all(|x| x.is_finite());
+    if format.name().starts_with("pcd")
+        && a.points().iter().any(|p| !is_there(&p))
+        && a.points().iter().any(|p| is_there(&p))
+    {
+        // Points without a place are left out of it.
+        assert!(a.points().iter().filter(is_there).eq(b.points()), "{what}: points");
         return;
     }
     assert!(same_points(a, b), "{what}: points");
@@ -166,7 +175,7 @@ fn what_is_read_can_be_written_and_read_again() {
                 .unwrap_or_else(|e| panic!("{} as {format}: {e}", name.display()));
             if matches!(format, Format::Las | Format::Laz) {
                 assert_eq!(again.n_vertices(), shape.n_vertices(), "{}", name.display());
-            } else if format != Format::Mtx {
+            } else if !format.holds_graphs() {
                 same_content(&name, format, &shape, &again);
             }
             if matches!(format, Format::Ply | Format::PlyAscii) {

@@ -25,7 +25,7 @@ fn graph() -> ShapeFile {
 }
 
 fn shape_for(format: Format) -> ShapeFile {
-    if format == Format::Mtx { graph() } else { mesh() }
+    if format.holds_graphs() { graph() } else { mesh() }
 }
 
 fn writable() -> impl Iterator<Item = Format> {

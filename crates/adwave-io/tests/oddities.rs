@@ -57,7 +57,10 @@ fn obj_errors_name_line_and_token() {
         error("v 0 0 0\n\nf 1 2 3\n", "a.obj"),
         "line 3: face 0 names vertex 2, but there are 1; correct the face"
     );
-    assert_eq!(error("v 1 2\n", "a.obj"), "line 1: a vertex has 2 numbers and needs 3; add the missing ones");
+    assert_eq!(
+        error("v 1 2 3\nv 1 2\n", "a.obj"),
+        "line 2: a vertex has 2 numbers and needs 3; add the missing ones"
+    );
     assert!(error("v 0 0 0\nl 1 7\n", "a.obj").starts_with("line 2: "));
 }
 
@@ -89,7 +92,7 @@ fn content_overrules_the_name() {
     assert_eq!(read("v 1 2 3\n", "a.stl").format(), Some(Format::Obj));
     assert_eq!(read("1 2 3\n", "a.obj").format(), Some(Format::Xyz));
     assert!(error("newmtl a\n", "a.obj").contains("a material library"));
-    assert!(error("import numpy\n", "a.py").contains("formats that can be read: OBJ, PLY"));
+    assert!(error("import numpy\n", "a.py").contains("formats that can be read: obj, ply"));
     assert!(error("", "a.obj").contains("is empty"));
 }
 
@@ -147,7 +150,7 @@ fn off_letters_say_what_follows_the_coordinates() {
     assert_eq!(shape.field_names(), ["normal", "color", "texcoord"]);
     assert_eq!(shape.field("color").unwrap().values, FieldValues::U8(vec![255, 0, 9, 255]));
     assert_eq!(shape.field("texcoord").unwrap().to_f64(), [0.5, 0.25]);
-    assert!(error("OFF BINARY\n", "a.off").contains("write it as text"));
+    assert!(error("OFF BINARY\n", "a.off").contains("get the whole file"));
     assert!(
         error("OFF\n3 1 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 3\n", "a.off")
             .starts_with("line 6: face 0 names vertex 3")

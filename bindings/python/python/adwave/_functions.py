@@ -669,7 +669,7 @@ def signal(shape: object, name: str, faces: object = None, *, texture: Path | No
     name : str
         ``'coords'``, ``'x'``, ``'y'``, ``'z'``, ``'normals'``, ``'mean-curvature'``, ``'gaussian-curvature'``,
         ``'shape-index'``, ``'density'`` (of a cloud), ``'degree'`` (of a graph), ``'luminance'``, ``'lightness'``,
-        ``'texture'``, ``'texture-luminance'``, ``'texture-lightness'``, a field of the shape, or a file .npy, .csv or .gii.
+        ``'texture'``, ``'texture-luminance'``, ``'texture-lightness'``, a field of the shape, or a file .npy, .dmat, .csv or .gii.
     texture : path-like, optional
         The picture of the texture, in the place of the one that the materials name.
 

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 macro_rules! signal_names {
     () => {
         "coords, x, y, z (heights, say), normals, mean-curvature, gaussian-curvature, shape-index, density, degree (of a graph), luminance, lightness, \
-         texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.csv or FILE.csv:COLUMN, FILE.gii \
+         texture, texture-luminance, texture-lightness, a field of the file, or FILE.npy, FILE.dmat, FILE.csv or FILE.csv:COLUMN, FILE.gii \
          or FILE.gii:NAME, FILE.nii (CIFTI), FILE.mgh, lh.thickness (FreeSurfer: curv, annot)"
     };
 }

@@ -87,6 +87,7 @@ fn cells(line: &[u8], separator: Separator) -> impl Iterator<Item = &[u8]> {
     line.split(move |&b| match separator {
         Separator::Blanks | Separator::BlanksUntilRemark => is_blank(b),
         Separator::Byte(s) => b == s,
+        Separator::OverLines => crate::text::is_space(b),
     })
     .map(<[u8]>::trim_ascii)
     .filter(move |cell| separator != Separator::Blanks || !cell.is_empty())

@@ -67,7 +67,26 @@ pub(crate) fn parse_line(chunk: &mut Chunk, line: &Line<'_>) -> Result<(), Wrong
         b"v" => {
             cursor.skip_gaps();
             chunk.rows.push((line.start + cursor.position) as u64);
-            let point = numbers(&mut cursor, 3, "a vertex").map_err(wrong)?;
+            let mut point = [0.0; 3];
+            let (mut n, mut is_end) = (0, false);
+            while n < 3 && !is_end {
+                match cursor.number() {
+                    Ok(Some(x)) => {
+                        point[n] = x;
+                        n += 1;
+                    }
+                    Ok(None) => is_end = true,
+                    Err(_) => break,
+                }
+            }
+            if n == 2 && is_end {
+                chunk.flat.get_or_insert(line.start);
+                chunk.n_flat += 1;
+            } else if n < 3 {
+                let mut again = Cursor { line: cursor.line, position: 0 };
+                again.word();
+                numbers(&mut again, 3, "a vertex").map_err(wrong)?;
+            }
             chunk.points.push(point);
             vertex_tail(chunk, &mut cursor);
         }

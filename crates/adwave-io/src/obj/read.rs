@@ -35,6 +35,9 @@ pub(crate) struct Chunk {
     pub(crate) n_points: usize,
     /// Where the values of each vertex begin.
     pub(crate) rows: Vec<u64>,
+    /// How many vertices have no z, and where the first stands.
+    pub(crate) n_flat: usize,
+    pub(crate) flat: Option<usize>,
     /// Values after z, for all vertices once one has any.
     pub(crate) tails: Vec<[f64; 4]>,
     pub(crate) tail_len: usize,
@@ -142,6 +145,12 @@ fn join(
     let n_corners = sum(&|p| p.corners.len());
     let n_faces = sum(&|p| p.face_sizes.len());
     limits.check_points(n_vertices as u64)?;
+    // A plane shape has no z anywhere; one here and there is a mistake.
+    let n_flat = sum(&|p| p.n_flat);
+    if let Some(start) = chunks.iter().find_map(|p| p.flat).filter(|_| n_flat < n_vertices) {
+        let message = "a vertex has 2 numbers and needs 3; add the missing ones";
+        return Err(ReadError::in_line(&bytes, start, message));
+    }
     if n_corners >= NONE as usize {
         return Err(ReadError::Limit {
             what: "corners of faces",
@@ -176,7 +185,7 @@ fn join(
     shape.original = Some(std::sync::Arc::new(Original::Rows(TextRows {
         bytes,
         rows,
-        columns: [0, 1, 2],
+        columns: [0, 1, if n_flat > 0 { usize::MAX } else { 2 }],
         separator: Separator::Blanks,
         names: None,
     })));

@@ -1,4 +1,6 @@
-//! Object file format and its variants: `[ST][C][N][4]OFF`, text.
+//! Object file format and its variants: `[ST][C][N][4][n]OFF`, text.
+//!
+//! Read line by line, as all write it; where that does not come out, word by word.
 
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
@@ -12,11 +14,34 @@ use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// What the letters before `OFF` say that a vertex has.
 #[allow(clippy::struct_excessive_bools)] // one for each letter
-struct Layout {
-    has_w: bool,
-    has_normal: bool,
-    has_color: bool,
-    has_texcoord: bool,
+pub(crate) struct Layout {
+    pub(crate) has_w: bool,
+    pub(crate) has_normal: bool,
+    pub(crate) has_color: bool,
+    pub(crate) has_texcoord: bool,
+}
+
+impl Layout {
+    /// What the letters before `OFF` say.
+    pub(crate) fn of(letters: &[u8]) -> Self {
+        Self {
+            has_w: letters.contains(&b'4'),
+            has_normal: letters.contains(&b'N'),
+            has_color: letters.contains(&b'C'),
+            has_texcoord: letters.starts_with(b"ST"),
+        }
+    }
+}
+
+/// What the rows of vertices and faces say.
+#[derive(Default)]
+pub(crate) struct Values {
+    pub(crate) points: Vec<[f64; 3]>,
+    /// Where the coordinates of each vertex begin.
+    pub(crate) rows: Vec<u64>,
+    pub(crate) tails: Tails,
+    pub(crate) faces: Polygons,
+    pub(crate) face_tails: Tails,
 }
 
 /// Reads an OFF.
@@ -25,54 +50,112 @@ pub(crate) fn read_off(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let mut lines = Statements::new(&bytes);
-    let (layout, [n_vertices, n_faces]) = header(&bytes, &mut lines)?;
+    if crate::off::binary::head(&bytes).is_some() {
+        return crate::off::binary::read_off_binary(bytes, limits, progress);
+    }
+    let error = match read_lines(&bytes, limits, progress) {
+        Ok((layout, values)) => {
+            return finish(bytes, &layout, values, Separator::BlanksUntilRemark, progress);
+        }
+        Err(error @ (ReadError::Line { .. } | ReadError::Truncated { .. })) => error,
+        Err(error) => return Err(error),
+    };
+    // The first error says more to those whose lines are meant as lines.
+    crate::off::tokens::read_by_tokens(bytes, limits, progress).map_err(|other| match other {
+        ReadError::Cancelled(_) => other,
+        _ => error,
+    })
+}
+
+fn read_lines(
+    bytes: &[u8],
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<(Layout, Values), ReadError> {
+    let mut lines = Statements::new(bytes);
+    let (layout, [n_vertices, n_faces]) = header(bytes, &mut lines)?;
     limits.check_points(n_vertices)?;
     // `0 0 0` and a line end.
-    check_size(&bytes, lines.position, n_vertices, 6, "vertex")?;
-    let mut shape = ShapeFile::empty();
-    shape.n_vertices = n_vertices as usize;
-    shape.format = Some(Format::Off);
-    let mut rows = Vec::with_capacity(shape.n_vertices);
-    let (mut points, mut tails) = (Vec::new(), Tails::default());
+    check_size(bytes, lines.position, n_vertices, 6, "vertex")?;
+    let mut found = Values::default();
     for row in 0..n_vertices {
         at_row(progress, row, n_vertices)?;
-        let Some(line) = lines.next() else { return Err(ends(&bytes, "vertex", row, n_vertices)) };
-        rows.push(line.start as u64);
+        let Some(line) = lines.next() else { return Err(ends(bytes, "vertex", row, n_vertices)) };
+        found.rows.push(line.start as u64);
         let mut values = words(line.text);
         let mut xyz = [0.0; 3];
         for (i, x) in xyz.iter_mut().enumerate() {
             let word = values.next().ok_or_else(|| {
                 let message = format!("vertex {row} has {i} numbers and needs 3; add the missing ones");
-                ReadError::in_line(&bytes, line.start, message)
+                ReadError::in_line(bytes, line.start, message)
             })?;
-            *x = number(&bytes, &line, word, "vertex", row)?;
+            *x = number(bytes, &line, word, "vertex", row)?;
         }
-        points.push(xyz);
+        found.points.push(xyz);
         for word in values {
-            let x = number(&bytes, &line, word, "vertex", row)?;
-            tails.push(x, word);
+            let x = number(bytes, &line, word, "vertex", row)?;
+            found.tails.push(x, word);
         }
-        tails.end_row();
+        found.tails.end_row();
     }
-    shape.points = points.into();
-    vertex_fields(&mut shape, &layout, &tails, progress)?;
-    check_size(&bytes, lines.position, n_faces, 2, "face")?;
-    read_faces(&bytes, &mut lines, n_faces, &mut shape, progress)?;
+    check_size(bytes, lines.position, n_faces, 2, "face")?;
+    read_faces(bytes, &mut lines, n_faces, &mut found, progress)?;
+    Ok((layout, found))
+}
+
+/// The shape with its fields, and its text to be written again.
+pub(crate) fn finish(
+    bytes: Vec<u8>,
+    layout: &Layout,
+    values: Values,
+    separator: Separator,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    let Values { points, rows, tails, faces, face_tails } = values;
+    let mut shape = ShapeFile::from_mesh(points, faces);
+    shape.format = Some(Format::Off);
+    vertex_fields(&mut shape, layout, &tails, progress)?;
+    match face_tails.longest {
+        0 => {}
+        // One value is an index into a table of colours.
+        1 => shape.face_fields.push(face_tails.field("color_index", 0, 1, progress)?),
+        n => shape.face_fields.push(face_tails.field("color", 0, n, progress)?),
+    }
     if memchr::memchr(b'#', &bytes).is_some() {
         shape.extras.push("comments".into());
     }
-    shape.original = Some(std::sync::Arc::new(Original::Rows(TextRows {
-        bytes,
-        rows,
-        columns: [0, 1, 2],
-        separator: Separator::BlanksUntilRemark,
-        names: None,
-    })));
+    if !divide(&mut shape) {
+        let names = None;
+        let rows = TextRows { bytes, rows, columns: [0, 1, 2], separator, names };
+        shape.original = Some(std::sync::Arc::new(Original::Rows(rows)));
+    }
     Ok(shape)
 }
 
-fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout, [u64; 2]), ReadError> {
+/// Divides by the fourth, homogeneous coordinate, as Geomview means it, and drops it; whether there was anything to divide. Points at
+/// infinity have no place: where there is one, the points are taken as of four dimensions and seen along the last.
+pub(crate) fn divide(shape: &mut ShapeFile) -> bool {
+    let Some(at) = shape.vertex_fields.iter().position(|f| f.name == "w" && f.n_channels == 1) else {
+        return false;
+    };
+    let w = shape.vertex_fields[at].to_f64();
+    if w.iter().all(|&w| w == 1.0) || w.iter().any(|&w| w == 0.0 || !w.is_finite()) {
+        return false;
+    }
+    let points = shape.points.iter().zip(&w).map(|(p, w)| p.map(|x| x / w)).collect::<Vec<_>>();
+    if points.as_flattened().iter().zip(shape.points.as_flattened()).any(|(x, old)| {
+        // A tiny divisor may lead beyond all numbers.
+        old.is_finite() && !x.is_finite()
+    }) {
+        return false;
+    }
+    shape.points = points.into();
+    shape.vertex_fields.remove(at);
+    shape.precision = crate::Precision::F64;
+    true
+}
+
+pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout, [u64; 2]), ReadError> {
     let Some(first) = lines.next() else { return Err(ReadError::Empty) };
     let wrong = |message: &str| Err(ReadError::in_line(bytes, first.start, message));
     let mut first_words = words(first.text).peekable();
@@ -84,17 +167,20 @@ fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout, [u64; 2])
         counts.extend(parse_u64(after));
         first_words.next();
     }
-    if letters.contains(&b'n') {
-        return wrong("nOFF with points of other than three dimensions cannot be read; write plain OFF");
+    let is_n = letters.contains(&b'n');
+    if is_n && letters.contains(&b'4') {
+        return wrong("4nOFF cannot be read; write plain OFF");
     }
-    for word in first_words {
+    // Where words count and not lines, vertices may follow.
+    for word in first_words.take(if is_n { 4 } else { 3 }) {
         match parse_u64(word) {
             Some(n) => counts.push(n),
-            None if word == b"BINARY" => return wrong("binary OFF cannot be read; write it as text"),
+            None if word == b"BINARY" => return wrong("BINARY must end the first line; get it anew"),
             None => return wrong(&format!("{} is no count of vertices or faces", show(word))),
         }
     }
-    if counts.is_empty() {
+    // The dimension may have a line of its own.
+    while counts.len() < if is_n { 3 } else { 1 } {
         let Some(line) = lines.next() else { return wrong("the numbers of vertices and faces are missing") };
         for word in words(line.text) {
             let count = parse_u64(word).ok_or_else(|| {
@@ -104,15 +190,16 @@ fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout, [u64; 2])
             counts.push(count);
         }
     }
+    if is_n {
+        let dimension = counts.remove(0);
+        if dimension != 3 {
+            return wrong("nOFF with points of other than three dimensions cannot be read; write plain OFF");
+        }
+    }
     let [n_vertices, n_faces, ..] = counts[..] else {
         return wrong("there must be two counts, of vertices and of faces; add them");
     };
-    let layout = Layout {
-        has_w: letters.contains(&b'4'),
-        has_normal: letters.contains(&b'N'),
-        has_color: letters.contains(&b'C'),
-        has_texcoord: letters.starts_with(b"ST"),
-    };
+    let layout = Layout::of(letters);
     Ok((layout, [n_vertices, n_faces]))
 }
 
@@ -150,16 +237,16 @@ fn number(
 
 /// The values after the coordinates or corners, any number in each row.
 #[derive(Default)]
-struct Tails {
+pub(crate) struct Tails {
     values: Vec<f64>,
     ends: Vec<usize>,
-    longest: usize,
+    pub(crate) longest: usize,
     /// For each column whether a value in it is anything but digits.
     has_fraction: Vec<bool>,
 }
 
 impl Tails {
-    fn push(&mut self, x: f64, word: &[u8]) {
+    pub(crate) fn push(&mut self, x: f64, word: &[u8]) {
         let column = self.values.len() - self.ends.last().copied().unwrap_or(0);
         if self.has_fraction.len() <= column {
             self.has_fraction.push(false);
@@ -168,7 +255,11 @@ impl Tails {
         self.has_fraction[column] |= word.iter().any(|b| !b.is_ascii_digit());
     }
 
-    fn end_row(&mut self) {
+    pub(crate) fn n_values(&self) -> usize {
+        self.values.len()
+    }
+
+    pub(crate) fn end_row(&mut self) {
         let start = self.ends.last().copied().unwrap_or(0);
         self.longest = self.longest.max(self.values.len() - start);
         self.ends.push(self.values.len());
@@ -236,10 +327,10 @@ fn read_faces(
     bytes: &[u8],
     lines: &mut Statements<'_>,
     n_faces: u64,
-    shape: &mut ShapeFile,
+    found: &mut Values,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
-    let (mut faces, mut tails) = (Polygons::new(), Tails::default());
+    let n_vertices = found.points.len();
     let mut face = Vec::new();
     for row in 0..n_faces {
         at_row(progress, row, n_faces)?;
@@ -261,26 +352,19 @@ fn read_faces(
                     let message = format!("face {row} has {} where a vertex belongs", show(word));
                     ReadError::in_line(bytes, line.start, message)
                 })?;
-            let vertex = u32::try_from(index).ok().filter(|&v| (v as usize) < shape.n_vertices);
+            let vertex = u32::try_from(index).ok().filter(|&v| (v as usize) < n_vertices);
             face.push(vertex.ok_or_else(|| ReadError::FaceIndex {
                 place: format!("line {}", crate::text::line_of(bytes, line.start)),
                 face: row,
                 index,
-                n_vertices: shape.n_vertices as u64,
+                n_vertices: n_vertices as u64,
             })?);
         }
-        faces.push(&face);
+        found.faces.push(&face);
         for word in values {
-            tails.push(number(bytes, &line, word, "face", row)?, word);
+            found.face_tails.push(number(bytes, &line, word, "face", row)?, word);
         }
-        tails.end_row();
-    }
-    shape.faces = faces.into();
-    match tails.longest {
-        0 => {}
-        // One value is an index into a table of colours.
-        1 => shape.face_fields.push(tails.field("color_index", 0, 1, progress)?),
-        n => shape.face_fields.push(tails.field("color", 0, n, progress)?),
+        found.face_tails.end_row();
     }
     Ok(())
 }

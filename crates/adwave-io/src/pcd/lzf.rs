@@ -1,6 +1,6 @@
-//! LZF decompression, as binary_compressed PCD uses it.
+//! LZF, as binary_compressed PCD uses it.
 //!
-//! Thirty lines here instead of a library: those on crates.io trust the stated length or are not kept up.
+//! Some lines here instead of a library: those on crates.io trust the stated length or are not kept up.
 
 use adwave::{Cancelled, Progress};
 
@@ -51,6 +51,50 @@ fn step(packed: &[u8], n: usize, plain: &mut Vec<u8>, position: &mut usize) -> R
     if plain.len() > n { Err(i) } else { Ok(()) }
 }
 
+/// The bytes packed: references to the last place where the next three bytes stood, by a table of such places.
+pub(crate) fn compress(plain: &[u8], progress: Progress<'_>) -> Result<Vec<u8>, Cancelled> {
+    const BITS: u32 = 14;
+    /// The longest way back, and the longest run, that a reference can name.
+    const BACK: usize = 1 << 13;
+    const LONGEST: usize = 264;
+    let mut places = vec![usize::MAX; 1 << BITS];
+    let mut packed = Vec::with_capacity(plain.len() / 2 + 64);
+    let (mut i, mut literal, mut block) = (0, 0, 0);
+    while i + 2 < plain.len() {
+        at_row(progress, block, 0)?;
+        block += 1;
+        let three = u32::from_le_bytes([plain[i], plain[i + 1], plain[i + 2], 0]);
+        let slot = &mut places[(three.wrapping_mul(0x9e37_79b1) >> (32 - BITS)) as usize];
+        let from = std::mem::replace(slot, i);
+        let is_same = from < i && i - from <= BACK && plain[from..from + 3] == plain[i..i + 3];
+        if !is_same {
+            i += 1;
+            continue;
+        }
+        let most = LONGEST.min(plain.len() - i);
+        let n = (3..most).find(|&k| plain[from + k] != plain[i + k]).unwrap_or(most);
+        push_literals(&plain[literal..i], &mut packed);
+        let (back, length) = (i - from - 1, n - 2);
+        if length < 7 {
+            packed.push(((length << 5) | (back >> 8)) as u8);
+        } else {
+            packed.extend([((7 << 5) | (back >> 8)) as u8, (length - 7) as u8]);
+        }
+        packed.push(back as u8);
+        i += n;
+        literal = i;
+    }
+    push_literals(&plain[literal..], &mut packed);
+    Ok(packed)
+}
+
+fn push_literals(bytes: &[u8], packed: &mut Vec<u8>) {
+    for run in bytes.chunks(32) {
+        packed.push(run.len() as u8 - 1);
+        packed.extend_from_slice(run);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use adwave::Progress;
@@ -66,5 +110,22 @@ mod tests {
         assert!(decompress(&[2, b'a'], 3).is_err(), "cut literal");
         assert!(decompress(&[0, b'a', 1 << 5, 9], 4).is_err(), "reference before the start");
         assert!(decompress(&[0, b'a'], 2).is_err(), "too short");
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn what_is_packed_comes_back(
+            parts in proptest::collection::vec((proptest::collection::vec(0_u8..4, 1..9), 1..200_usize), 0..40)
+        ) {
+            let plain: Vec<u8> = parts.iter().flat_map(|(part, n)| part.repeat(*n)).collect();
+            let packed = super::compress(&plain, Progress::none()).unwrap();
+            assert_eq!(decompress(&packed, plain.len()).unwrap(), plain);
+        }
+    }
+
+    #[test]
+    fn runs_shrink() {
+        let packed = super::compress(&vec![7; 10_000], Progress::none()).unwrap();
+        assert!(packed.len() < 200, "{}", packed.len());
     }
 }

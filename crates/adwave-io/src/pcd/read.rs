@@ -5,6 +5,7 @@ use adwave::Progress;
 use crate::field::ByteOrder;
 use crate::grouping::group;
 use crate::original::{Original, Separator, TextRows};
+use crate::pcd::missing::{Whole, without_missing};
 use crate::progress::{at_row, collect};
 use crate::text::{line_end, parse_f32, parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
@@ -18,6 +19,8 @@ pub(crate) struct PcdOriginal {
     pub(crate) height: u64,
     /// The text, for a text PCD.
     pub(crate) rows: Option<TextRows>,
+    /// The whole cloud, where it has points without a place, which the shape is without.
+    pub(crate) whole: Option<Box<Whole>>,
 }
 
 /// One number of a row.
@@ -74,7 +77,11 @@ pub(crate) fn read_pcd(
         }
     }
     let mut shape = to_shape(&header, values, progress)?;
-    shape.format = Some(if rows.is_some() { Format::PcdAscii } else { Format::Pcd });
+    shape.format = Some(match header.kind.as_slice() {
+        b"ascii" => Format::PcdAscii,
+        b"binary" => Format::Pcd,
+        _ => Format::PcdCompressed,
+    });
     let axis = |name: &str| header.columns.iter().position(|c| c.name == name).unwrap_or(usize::MAX);
     let rows = rows.map(|rows| TextRows {
         bytes,
@@ -84,8 +91,9 @@ pub(crate) fn read_pcd(
         names: None,
     });
     let Header { viewpoint, width, height, .. } = header;
-    shape.original = Some(std::sync::Arc::new(Original::Pcd(PcdOriginal { viewpoint, width, height, rows })));
-    Ok(shape)
+    let original = PcdOriginal { viewpoint, width, height, rows, whole: None };
+    shape.original = Some(std::sync::Arc::new(Original::Pcd(original)));
+    without_missing(shape, progress)
 }
 
 fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
@@ -111,7 +119,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
             let wrong = || ReadError::in_line(bytes, start, format!("{} is no number of points", show(word)));
             parse_u64(word).map(Some).ok_or_else(wrong)
         };
-        match keyword {
+        match keyword.to_ascii_uppercase().as_slice() {
             b"WIDTH" => width = count()?,
             b"HEIGHT" => height = count()?,
             b"POINTS" => points = count()?,
@@ -119,7 +127,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
             b"VIEWPOINT" => {
                 viewpoint = parts.map(|w| String::from_utf8_lossy(w)).collect::<Vec<_>>().join(" ");
             }
-            _ => {
+            keyword => {
                 let names: [&[u8]; 5] = [b"FIELDS", b"SIZE", b"TYPE", b"COUNT", b"COLUMNS"];
                 if let Some(which) = names.iter().position(|n| *n == keyword) {
                     lists[which % 4] = parts.map(|w| String::from_utf8_lossy(w).into_owned()).collect();
@@ -147,6 +155,11 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
         (Some(w), Some(h)) if w.checked_mul(h) == Some(n_points) => (w, h),
         _ => (n_points, 1),
     };
+    // Some write everything in capitals.
+    let has_lower = ["x", "y", "z"].iter().any(|axis| lists[0].iter().any(|name| name == axis));
+    for name in lists[0].iter_mut().filter(|name| !has_lower && matches!(name.as_str(), "X" | "Y" | "Z")) {
+        name.make_ascii_lowercase();
+    }
     columns(&mut header, &lists)?;
     Ok(header)
 }
@@ -156,7 +169,7 @@ fn columns(header: &mut Header, [names, sizes, types, counts]: &[Vec<String>; 4]
         let (size, kind) =
             (sizes.get(i).map_or("4", String::as_str), types.get(i).map_or("F", String::as_str));
         let count: usize = counts.get(i).map_or(Ok(1), |c| c.parse()).unwrap_or(0);
-        let value_type = match (kind, size) {
+        let value_type = match (kind.to_ascii_uppercase().as_str(), size) {
             ("U", "1") => ValueType::U8,
             ("U", "2") => ValueType::U16,
             ("U", "4") => ValueType::U32,

@@ -68,11 +68,18 @@ pub(crate) fn write_pcd(
         Some(Original::Pcd(pcd)) => (pcd.viewpoint.as_str(), pcd.width, pcd.height),
         _ => ("0 0 0 1 0 0 0", n, 1),
     };
-    let encoding = if format == Format::Pcd { "binary" } else { "ascii" };
+    let encoding = match format {
+        Format::Pcd => "binary",
+        Format::PcdCompressed => "binary_compressed",
+        _ => "ascii",
+    };
     writeln!(out, "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7")?;
     writeln!(out, "FIELDS{}\nSIZE{}", list(&|c| c.0.clone()), list(&|c| c.1.n_bytes().to_string()))?;
     writeln!(out, "TYPE{}\nCOUNT{}", list(&|c| kind(c.1).into()), list(&|c| c.2.to_string()))?;
     writeln!(out, "WIDTH {width}\nHEIGHT {height}\nVIEWPOINT {viewpoint}\nPOINTS {n}\nDATA {encoding}")?;
+    if format == Format::PcdCompressed {
+        return write_compressed(shape, &all, out, progress);
+    }
     let mut row = Vec::new();
     for i in 0..shape.points.len() {
         at_row(progress, i as u64, n)?;
@@ -85,6 +92,40 @@ pub(crate) fn write_pcd(
         out.write_all(&row)?;
     }
     Ok(())
+}
+
+/// Writes the points field by field, packed: all of the first field, all of the second, …
+fn write_compressed(
+    shape: &ShapeFile,
+    columns: &[(String, ValueType, usize)],
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
+    let (n, mut rows) = (shape.points.len(), Vec::new());
+    for i in 0..n {
+        at_row(progress, i as u64, n as u64)?;
+        binary_row(shape, i, &mut rows);
+    }
+    let stride: usize = columns.iter().map(|(_, kind, count)| kind.n_bytes() * count).sum();
+    let mut plain = Vec::with_capacity(rows.len());
+    let mut start = 0;
+    for (_, kind, count) in columns {
+        let size = kind.n_bytes() * count;
+        for i in 0..n {
+            at_row(progress, i as u64, n as u64)?;
+            plain.extend_from_slice(&rows[i * stride + start..][..size]);
+        }
+        start += size;
+    }
+    drop(rows);
+    let packed = super::lzf::compress(&plain, progress)?;
+    let sizes = [packed.len(), plain.len()].map(u32::try_from);
+    let [Ok(n_packed), Ok(n_plain)] = sizes else {
+        let what = "4 GiB of points".into();
+        return Err(WriteError::CannotHold { format: Format::PcdCompressed, what });
+    };
+    out.write_all(&[n_packed.to_le_bytes(), n_plain.to_le_bytes()].concat())?;
+    Ok(out.write_all(&packed)?)
 }
 
 fn binary_row(shape: &ShapeFile, i: usize, row: &mut Vec<u8>) {

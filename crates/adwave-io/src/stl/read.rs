@@ -1,5 +1,7 @@
 //! Stereolithography, text and binary: a soup of triangles, each with its own three vertices.
 
+use std::sync::Arc;
+
 use crate::lines::{Statement, Statements};
 use crate::original::Original;
 use crate::progress::{at_row, collect};
@@ -10,6 +12,17 @@ use adwave::{Cancelled, Progress};
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
+
+/// What is kept of an STL.
+#[derive(Debug)]
+pub(crate) struct StlOriginal {
+    /// The 80 bytes before a binary one.
+    pub(crate) header: Vec<u8>,
+    /// The lines that begin the solids of a text.
+    pub(crate) solids: Vec<Vec<u8>>,
+    /// The points as they were, which the normals belong to.
+    pub(crate) points: Arc<Vec<[f64; 3]>>,
+}
 
 /// The number of triangles that a binary STL says it has.
 pub(crate) fn binary_count(bytes: &[u8]) -> Option<u64> {
@@ -74,7 +87,8 @@ pub(crate) fn read_stl(
     if bytes.len() as u64 > needed {
         shape.extras.push("bytes after the last triangle".into());
     }
-    shape.original = Some(std::sync::Arc::new(Original::StlHeader(bytes[..80].to_vec())));
+    let (header, points) = (bytes[..80].to_vec(), shape.shared_points());
+    shape.original = Some(Arc::new(Original::Stl(StlOriginal { header, solids: Vec::new(), points })));
     Ok(shape)
 }
 
@@ -89,7 +103,7 @@ pub(crate) fn read_stl_ascii(
     let mut solids: Vec<u32> = Vec::new();
     let mut n_solids = 0_u32;
     let mut in_facet = 0;
-    let mut name = Vec::new();
+    let mut names: Vec<Vec<u8>> = Vec::new();
     let mut ended = true;
     for (row, line) in Statements::new(bytes).enumerate() {
         at_row(progress, row as u64, 0)?;
@@ -97,9 +111,7 @@ pub(crate) fn read_stl_ascii(
         let keyword = values.next().unwrap_or(b"").to_ascii_lowercase();
         match keyword.as_slice() {
             b"solid" => {
-                if n_solids == 0 {
-                    name = line.text.to_vec();
-                }
+                names.push(line.text.to_vec());
                 n_solids += 1;
                 ended = false;
             }
@@ -145,7 +157,8 @@ pub(crate) fn read_stl_ascii(
         shape.face_fields.push(Field::new("solid", 1, FieldValues::U32(solids)));
         shape.extras.push("names of solids".into());
     }
-    shape.original = Some(std::sync::Arc::new(Original::StlHeader(name)));
+    let points = shape.shared_points();
+    shape.original = Some(Arc::new(Original::Stl(StlOriginal { header: Vec::new(), solids: names, points })));
     Ok(shape)
 }
 

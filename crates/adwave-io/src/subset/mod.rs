@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::las::write::LasOriginal;
 use crate::original::Original;
 use crate::pcd::read::PcdOriginal;
+use crate::stl::read::StlOriginal;
 use crate::{Field, Format, ReadLimits, ShapeFile, ShapeFileError};
 
 /// Which part of a file stays.
@@ -85,13 +86,18 @@ impl ShapeFile {
     /// What of the original holds for any vertices: the header of an STL, the view point of a PCD, the records of a LAS.
     fn original_header(&self, vertices: &[u32]) -> Option<Arc<Original>> {
         match self.original.as_deref()? {
-            Original::StlHeader(header) => Some(Arc::new(Original::StlHeader(header.clone()))),
+            Original::Stl(stl) => Some(Arc::new(Original::Stl(StlOriginal {
+                header: stl.header.clone(),
+                solids: stl.solids.clone(),
+                points: Arc::default(),
+            }))),
             Original::Pcd(pcd) => Some(Arc::new(Original::Pcd(PcdOriginal {
                 viewpoint: pcd.viewpoint.clone(),
                 // Not an image any more: one row of points.
                 width: vertices.len() as u64,
                 height: 1,
                 rows: None,
+                whole: None,
             }))),
             Original::Las(las) => Some(Arc::new(Original::Las(LasOriginal {
                 bytes: Arc::clone(&las.bytes),
@@ -166,7 +172,7 @@ impl ShapeFile {
 }
 
 /// These rows of a field.
-fn selected(field: &Field, rows: &[u32]) -> Field {
+pub(crate) fn selected(field: &Field, rows: &[u32]) -> Field {
     let n = field.n_channels;
     let mut values = field.values.value_type().empty();
     macro_rules! select {

@@ -1,0 +1,160 @@
+//! Numbers of texts whose lines mean nothing: words separated by blanks or line ends, remarks from `#` to the end of a line.
+
+use crate::ReadError;
+use crate::text::{is_space, line_end, parse_f64_at, show};
+
+/// The words of such a text, one after the other.
+#[derive(Clone)]
+pub(crate) struct Tokens<'a> {
+    pub(crate) bytes: &'a [u8],
+    pub(crate) position: usize,
+}
+
+impl<'a> Tokens<'a> {
+    pub(crate) fn new(bytes: &'a [u8], position: usize) -> Self {
+        Self { bytes, position }
+    }
+
+    /// Goes to where the next word begins, or to the end.
+    pub(crate) fn skip(&mut self) {
+        loop {
+            match self.bytes.get(self.position) {
+                Some(&b) if is_space(b) => self.position += 1,
+                Some(b'#') => self.position = line_end(self.bytes, self.position),
+                _ => return,
+            }
+        }
+    }
+
+    /// The next word and where it begins.
+    pub(crate) fn next(&mut self) -> Option<(usize, &'a [u8])> {
+        self.skip();
+        let start = self.position;
+        while self.bytes.get(self.position).is_some_and(|&b| !is_space(b) && b != b'#') {
+            self.position += 1;
+        }
+        (start < self.position).then(|| (start, &self.bytes[start..self.position]))
+    }
+
+    /// The next word, which stays the next.
+    pub(crate) fn peek(&mut self) -> Option<&'a [u8]> {
+        let word = self.next().map(|(_, word)| word);
+        self.position -= word.map_or(0, <[u8]>::len);
+        word
+    }
+
+    /// Fails at once when `n` rows, each of at least `row_bytes`, cannot be in the bytes that remain.
+    pub(crate) fn check(&self, n: u64, row_bytes: u64, element: &str) -> Result<(), ReadError> {
+        check_rows(self.bytes.len(), self.position, n, row_bytes, element, 1)
+    }
+
+    /// The next number.
+    pub(crate) fn number(&mut self, element: &str, row: u64) -> Result<f64, ReadError> {
+        self.skip();
+        if let Some((x, n)) = parse_f64_at(&self.bytes[self.position..]) {
+            self.position += n;
+            return Ok(x);
+        }
+        // A remark may follow without a blank.
+        let start = self.position;
+        if let Some((_, word)) = self.next()
+            && let Some(x) = crate::text::parse_f64(word)
+        {
+            return Ok(x);
+        }
+        self.position = start;
+        Err(self.wrong(element, row, "a number"))
+    }
+
+    /// The next whole number.
+    pub(crate) fn whole(&mut self, element: &str, row: u64) -> Result<i64, ReadError> {
+        self.skip();
+        let start = self.position;
+        let is_negative = self.bytes.get(start) == Some(&b'-');
+        let mut at = start + usize::from(is_negative || self.bytes.get(start) == Some(&b'+'));
+        let first = at;
+        let mut n = 0_i64;
+        while let Some(digit) = self.bytes.get(at).map(|b| b.wrapping_sub(b'0')).filter(|&d| d < 10)
+            && at - first < 18
+        {
+            n = 10 * n + i64::from(digit);
+            at += 1;
+        }
+        if at == first || self.bytes.get(at).is_some_and(|&b| !is_space(b) && b != b'#') {
+            return Err(self.wrong(element, row, "a whole number"));
+        }
+        self.position = at;
+        Ok(if is_negative { -n } else { n })
+    }
+
+    /// The next whole number that is not negative.
+    pub(crate) fn count(&mut self, element: &str, row: u64) -> Result<u64, ReadError> {
+        self.skip();
+        let start = self.position;
+        u64::try_from(self.whole(element, row)?).map_err(|_| {
+            let message = format!("{element} {row} has a number below 0 where a count belongs; correct it");
+            ReadError::in_line(self.bytes, start, message)
+        })
+    }
+
+    /// The error that the next word is not what belongs there.
+    pub(crate) fn wrong(&mut self, element: &str, row: u64, what: &str) -> ReadError {
+        let message = match self.clone().next() {
+            Some((_, word)) => {
+                format!("{element} {row} has {} where {what} belongs; correct it", show(word))
+            }
+            None => format!("the file ends in {element} {row}; get the whole file"),
+        };
+        self.skip();
+        ReadError::in_line(self.bytes, self.position, message)
+    }
+}
+
+/// Fails when `n` rows of at least `row_bytes` are more than the bytes from `position` on and `spare` beyond.
+pub(crate) fn check_rows(
+    end: usize,
+    position: usize,
+    n: u64,
+    row_bytes: u64,
+    element: &str,
+    spare: u64,
+) -> Result<(), ReadError> {
+    let remaining = end.saturating_sub(position) as u64 + spare;
+    let fitting = remaining / row_bytes.max(1);
+    if fitting >= n {
+        return Ok(());
+    }
+    Err(ReadError::Truncated {
+        end: end as u64,
+        needed: (position as u64).saturating_add(n.saturating_mul(row_bytes)),
+        element: element.into(),
+        row: fitting,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_run_over_lines_and_remarks() {
+        let mut tokens = Tokens::new(b" 1 -2# a\n\n#b\n+3.5 x", 0);
+        assert_eq!((tokens.whole("row", 0).unwrap(), tokens.whole("row", 0).unwrap()), (1, -2));
+        assert_eq!(tokens.number("row", 0).unwrap(), 3.5);
+        assert_eq!(tokens.peek(), Some(&b"x"[..]));
+        let message = tokens.number("row", 7).unwrap_err().to_string();
+        assert_eq!(message, "line 4: row 7 has \"x\" where a number belongs; correct it");
+        tokens.next();
+        let message = tokens.count("row", 8).unwrap_err().to_string();
+        assert_eq!(message, "line 4: the file ends in row 8; get the whole file");
+    }
+
+    #[test]
+    fn whole_numbers_have_at_most_eighteen_digits() {
+        let read = |text: &str| Tokens::new(text.as_bytes(), 0).whole("row", 0);
+        assert_eq!(read("999999999999999999").unwrap(), 999_999_999_999_999_999);
+        for bad in ["9999999999999999999", "-", "1.5", "1a", ""] {
+            assert!(read(bad).is_err(), "{bad}");
+        }
+    }
+}
