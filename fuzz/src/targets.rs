@@ -3,8 +3,8 @@
 use adwave::ClassifiedError;
 use adwave::region::parse_region;
 use adwave_io::{
-    Format, ReadLimits, ShapeFile, parse_csv_fields, parse_gifti_fields, parse_recipe, read_bytes,
-    read_npy_bytes, recipe_to_text, texture_colors, write_bytes,
+    Format, ReadLimits, ShapeFile, parse_csv_fields, parse_gifti_fields, parse_recipe, parse_surface_values,
+    read_bytes, read_npy_bytes, recipe_to_text, texture_colors, write_bytes,
 };
 use std::error::Error;
 use std::path::Path;
@@ -172,6 +172,22 @@ pub(crate) fn all() -> Vec<Target> {
             shape_file(b, "a.mtx")
         }),
         shape("gifti", XML, |b| shape_file(b, "a.gii")),
+        shape("vtk-xml", VTK_XML, |b| shape_file(b, "a.vtp")),
+        shape("vtk", VTK, |b| shape_file(b, "a.vtk")),
+        shape("freesurfer", &["created by a\n\n", "\u{0}\u{0}\u{0}\u{2}"], |b| shape_file(b, "lh.white")),
+        Target {
+            name: "surface-values",
+            seeds: "surface-values",
+            words: &[
+                "IndexOffset=\"",
+                "IndexCount=\"",
+                "SurfaceNumberOfVertices=\"",
+                "CIFTI_INDEX_TYPE_SERIES",
+                "LEFT",
+                "0 1 2",
+            ],
+            check: |b| fields(parse_surface_values(b, Some("CortexLeft"), 3, &LIMITS)),
+        },
         shape("gzip", &[], |b| shape_file(b, "a.obj.gz")),
         Target {
             name: "gifti-fields",
@@ -200,6 +216,66 @@ pub(crate) fn all() -> Vec<Target> {
         shape("region", REGION, region),
     ]
 }
+
+const VTK_XML: &[&str] = &[
+    "type=\"PolyData\"",
+    "type=\"UnstructuredGrid\"",
+    "type=\"ImageData\"",
+    "type=\"RectilinearGrid\"",
+    "type=\"StructuredGrid\"",
+    "header_type=\"UInt64\"",
+    "compressor=\"vtkZLibDataCompressor\"",
+    "byte_order=\"BigEndian\"",
+    "format=\"ascii\"",
+    "format=\"binary\"",
+    "format=\"appended\" offset=\"0\"",
+    "encoding=\"base64\"",
+    "<DataArray ",
+    "</DataArray>",
+    "<Piece ",
+    "</Piece>",
+    "type=\"Int64\"",
+    "type=\"UInt8\"",
+    "type=\"Float32\"",
+    "type=\"Bit\"",
+    "type=\"String\"",
+    "Name=\"connectivity\"",
+    "Name=\"offsets\"",
+    "Name=\"types\"",
+    "NumberOfPoints=\"",
+    "NumberOfComponents=\"3\"",
+    "Extent=\"0 1 0 1 0 1\"",
+];
+const VTK: &[&str] = &[
+    "ASCII\n",
+    "BINARY\n",
+    "DATASET POLYDATA\n",
+    "DATASET UNSTRUCTURED_GRID\n",
+    "DATASET STRUCTURED_POINTS\n",
+    "DATASET STRUCTURED_GRID\n",
+    "DATASET RECTILINEAR_GRID\n",
+    "DIMENSIONS 2 2 2\n",
+    "X_COORDINATES 2 float\n",
+    "POINTS 4 double\n",
+    "POLYGONS 1 4\n",
+    "CELLS 1 4\n",
+    "CELL_TYPES 1\n",
+    "OFFSETS vtktypeint64\n",
+    "CONNECTIVITY vtktypeint64\n",
+    "POINT_DATA 4\n",
+    "CELL_DATA 1\n",
+    "SCALARS a float 1\n",
+    "LOOKUP_TABLE default\n",
+    "COLOR_SCALARS a 3\n",
+    "VECTORS a float\n",
+    "TENSORS a float\n",
+    "FIELD a 1\n",
+    "a 1 4 unsigned_char\n",
+    "string",
+    "bit",
+    "METADATA\n",
+    "vtkIdType",
+];
 
 const LIMITS: ReadLimits = ReadLimits { max_bytes: 1 << 26, max_points: 1 << 22 };
 
