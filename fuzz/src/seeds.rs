@@ -123,6 +123,41 @@ const TEXTS: &[(&str, &str, &str)] = &[
         "lengths",
         "lengths = [0.01, 0.02]\n[[layer]]\ngains = [0, 1]\nregion = '!(box:min=0 0 0,max=1 1 1 & field:name=gaze,low=0.5)'\n",
     ),
+    (
+        "vtk-xml",
+        "text",
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" format=\"ascii\">1</DataArray></FieldData>\n<Piece NumberOfPoints=\"4\" NumberOfVerts=\"1\" NumberOfLines=\"1\" NumberOfStrips=\"1\" NumberOfPolys=\"1\">\n<PointData Scalars=\"a\"><DataArray type=\"Int8\" Name=\"a\" NumberOfComponents=\"2\" format=\"ascii\">1 2 3 4 5 6 7 8</DataArray></PointData>\n<CellData><DataArray type=\"Float32\" Name=\"c\" format=\"ascii\">nan nan 1 2</DataArray></CellData>\n<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 1 1 0</DataArray></Points>\n<Verts><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">1</DataArray></Verts>\n<Lines><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 3</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">2</DataArray></Lines>\n<Strips><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4</DataArray></Strips>\n<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n",
+    ),
+    (
+        "vtk-xml",
+        "cells",
+        "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"5\" NumberOfCells=\"2\"><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\">0 0 0 1 0 0 0 1 0 0 0 1 1 1 1</DataArray></Points><Cells><DataArray type=\"Int64\" Name=\"connectivity\">0 1 2 3 1 2 3 4</DataArray><DataArray type=\"Int64\" Name=\"offsets\">4 8</DataArray><DataArray type=\"UInt8\" Name=\"types\">10 42</DataArray><DataArray type=\"Int64\" Name=\"faces\">4 3 1 2 3 3 1 2 4 3 1 3 4 3 2 3 4</DataArray><DataArray type=\"Int64\" Name=\"faceoffsets\">-1 17</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>",
+    ),
+    (
+        "vtk-xml",
+        "image",
+        "<VTKFile type=\"ImageData\" header_type=\"UInt64\"><ImageData WholeExtent=\"0 1 0 1 0 2\" Origin=\"0 0 1\" Spacing=\"1 2 3\" Direction=\"1 0 0 0 1 0 0 0 -1\"><Piece Extent=\"0 1 0 1 0 1\"><PointData><DataArray type=\"Bit\" Name=\"b\" format=\"ascii\">0 1 0 1 0 1 0 1</DataArray></PointData></Piece><Piece Extent=\"0 1 0 1 1 2\"><PointData><DataArray type=\"UInt8\" Name=\"b\" format=\"binary\">CAAAAAAAAAABAgMEBQYHCA==</DataArray></PointData></Piece></ImageData></VTKFile>",
+    ),
+    (
+        "vtk-xml",
+        "appended",
+        "<VTKFile type=\"RectilinearGrid\" byte_order=\"BigEndian\"><RectilinearGrid WholeExtent=\"0 1 0 0 0 0\"><Piece Extent=\"0 1 0 0 0 0\"><Coordinates><DataArray type=\"Int8\" format=\"appended\" offset=\"0\"/><DataArray type=\"UInt8\" format=\"appended\" offset=\"8\"/><DataArray type=\"UInt8\" format=\"appended\" offset=\"8\"/></Coordinates></Piece></RectilinearGrid><AppendedData encoding=\"base64\">_AAAAAgECAAAAAQM=</AppendedData></VTKFile>",
+    ),
+    (
+        "vtk",
+        "polydata",
+        "# vtk DataFile Version 1.0\nold\nASCII\nDATASET POLYDATA\nPOINTS 4 int\n0 0 0 1 0 0\n1 1 0 0 1 0\nLINES 1 4\n3 0 1 2\nTRIANGLE_STRIPS 1 5\n4 0 1 3 2\nPOLYGONS 1 4\n3 2 3 0\nVERTICES 1 2\n1 0\nCELL_DATA 4\nSCALARS part int\nLOOKUP_TABLE default\n0 0 5 6\nPOINT_DATA 4\nNORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\nCOLOR_SCALARS rgb 3\n0 0 0 1 1 1 0.2 0.4 0.6 0 0 1\n",
+    ),
+    (
+        "vtk",
+        "cells",
+        "# vtk DataFile Version 5.1\nnew\nASCII\nDATASET UNSTRUCTURED_GRID\nFIELD FieldData 1\nTIME 1 1 double\n0.5\nPOINTS 5 double\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\nMETADATA\nINFORMATION 0\n\nCELLS 3 8\nOFFSETS vtktypeint64\n0 4 8\nCONNECTIVITY vtktypeint64\n0 1 2 3\n1 2 3 4\nCELL_TYPES 2\n10\n10\nPOINT_DATA 5\nFIELD FieldData 2\na%20b 2 5 vtkIdType\n1 2 3 4 5 6 7 8 9 0\nwords 1 5 string\na\nb c\n\nd\ne\n",
+    ),
+    (
+        "vtk",
+        "grid",
+        "# vtk DataFile Version 3.0\ngrid\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\nORIGIN 1 1 1\nSPACING 1 1 -2\nPOINT_DATA 8\nSCALARS s bit\nLOOKUP_TABLE mine\n0 1 0 1 0 1 1 1\nLOOKUP_TABLE mine 1\n0 0 0 1\n",
+    ),
     ("region", "ball", "ball:vertex=12,radius=5%,falloff=0.25"),
     (
         "region",
@@ -157,6 +192,12 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
         ("meshb", Format::MeditBinary, "mesh"),
         ("3mf", Format::ThreeMf, "mesh"),
         ("dmat", Format::DmatBinary, "binary"),
+        ("vtk-xml", Format::Vtp, "mesh"),
+        ("vtk-xml", Format::Vtu, "grid"),
+        ("vtk", Format::Vtk, "mesh"),
+        ("freesurfer", Format::FreeSurfer, "mesh"),
+        ("glb", Format::Glb, "mesh"),
+        ("gltf", Format::Gltf, "mesh"),
     ] {
         let mut bytes = Vec::new();
         write_bytes(&mesh()?, format, &mut bytes)?;
@@ -167,6 +208,23 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
     write_bytes(&ShapeFile::from_graph(3, edges), Format::Mtx, &mut graph)?;
     save("mtx", "weights", &graph)?;
     save("ply", "big", &big_endian_ply())?;
+    save("e57", "scan", &e57_scan()?)?;
+    save("freesurfer", "quads", b"\xff\xff\xff\0\0\x04\0\0\x01\0\0\0\0\0\0\0\x64\0\0\0\0\0\x64\0\x64\0\0\0\0\0\x64\0\0\0\0\0\0\0\x01\0\0\x02\0\0\x03")?;
+    save(
+        "surface-values",
+        "curv",
+        b"\xff\xff\xff\0\0\0\x03\0\0\0\x01\0\0\0\x01\x3f\0\0\0\xbf\0\0\0\x7f\xc0\0\0",
+    )?;
+    save(
+        "surface-values",
+        "annot",
+        b"\0\0\0\x03\0\0\0\0\0\x03\x02\x01\0\0\0\x01\0\0\0\0\0\0\0\x02\0\x03\x02\x01\0\0\0\x01\xff\xff\xff\xfe\0\0\0\x01\0\0\0\x01c\0\0\0\x01\0\0\0\0\0\0\0\x02a\0\0\0\0\x01\0\0\0\x02\0\0\0\x03\0\0\0\0",
+    )?;
+    let mut mgh = [1_i32, 3, 1, 1, 2, 4].iter().flat_map(|n| n.to_be_bytes()).collect::<Vec<u8>>();
+    mgh.resize(284, 0);
+    mgh.extend([0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6]);
+    save("surface-values", "mgh", &mgh)?;
+    save("surface-values", "cifti", &cifti())?;
     save("pcd", "compressed", &compressed_pcd())?;
     for format in [0, 3, 6, 7] {
         save("las", &format!("format{format}"), &las(format, false)?)?;
@@ -219,6 +277,37 @@ pub(crate) fn picture() -> Vec<u8> {
     bytes
 }
 
+/// A scan with whole, scaled and floating numbers, of which one has no place.
+fn e57_scan() -> Outcome<Vec<u8>> {
+    use e57::{E57Writer, Record, RecordDataType, RecordName, RecordValue};
+    let record = |name, data_type| Record { name, data_type };
+    let scaled = || RecordDataType::ScaledInteger { min: -100, max: 100, scale: 0.5, offset: 1.0 };
+    let prototype = vec![
+        record(RecordName::CartesianX, scaled()),
+        record(RecordName::CartesianY, RecordDataType::Single { min: None, max: None }),
+        record(RecordName::CartesianZ, RecordDataType::Double { min: None, max: None }),
+        record(RecordName::CartesianInvalidState, RecordDataType::Integer { min: 0, max: 2 }),
+        record(RecordName::Intensity, RecordDataType::Integer { min: 0, max: 255 }),
+    ];
+    let mut bytes = Cursor::new(Vec::new());
+    let mut writer = E57Writer::new(&mut bytes, "file")?;
+    let mut scan = writer.add_pointcloud("scan", prototype)?;
+    for k in 0..5_i8 {
+        let state = if k == 3 { 2 } else { 0 };
+        scan.add_point(vec![
+            RecordValue::ScaledInteger(k.into()),
+            RecordValue::Single(k.into()),
+            RecordValue::Double(k.into()),
+            RecordValue::Integer(state),
+            RecordValue::Integer(i64::from(k) * 40),
+        ])?;
+    }
+    scan.finalize()?;
+    writer.finalize()?;
+    drop(writer);
+    Ok(bytes.into_inner())
+}
+
 fn big_endian_ply() -> Vec<u8> {
     let header = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\n\
                   property short z\nproperty int64 id\nelement face 2\nproperty uchar flag\n\
@@ -238,6 +327,32 @@ fn big_endian_ply() -> Vec<u8> {
         bytes.extend(0.5_f32.to_be_bytes());
     }
     bytes.extend([0, 0, 0, 0, 0, 0, 0, 2]);
+    bytes
+}
+
+/// Two of the three vertices of a surface with values in two columns.
+fn cifti() -> Vec<u8> {
+    let xml = "<CIFTI Version=\"2\"><Matrix><MatrixIndicesMap AppliesToMatrixDimension=\"0\" \
+               IndicesMapToDataType=\"CIFTI_INDEX_TYPE_SCALARS\"><NamedMap><MapName>a</MapName></NamedMap><NamedMap/>\
+               </MatrixIndicesMap><MatrixIndicesMap AppliesToMatrixDimension=\"1\" \
+               IndicesMapToDataType=\"CIFTI_INDEX_TYPE_BRAIN_MODELS\"><BrainModel IndexOffset=\"0\" IndexCount=\"2\" \
+               ModelType=\"CIFTI_MODEL_TYPE_SURFACE\" BrainStructure=\"CIFTI_STRUCTURE_CORTEX_LEFT\" \
+               SurfaceNumberOfVertices=\"3\"><VertexIndices>0 2</VertexIndices></BrainModel></MatrixIndicesMap></Matrix></CIFTI>";
+    let size = (xml.len() + 8).next_multiple_of(16);
+    let start = 544 + size;
+    let mut bytes = vec![0; start];
+    bytes[..4].copy_from_slice(&540_i32.to_le_bytes());
+    bytes[4..12].copy_from_slice(b"n+2\0\r\n\x1a\n");
+    bytes[12] = 16;
+    for (k, n) in [6_u8, 1, 1, 1, 1, 2, 2, 1].into_iter().enumerate() {
+        bytes[16 + 8 * k] = n;
+    }
+    bytes[168..176].copy_from_slice(&(start as u64).to_le_bytes());
+    bytes[540] = 1;
+    bytes[544..548].copy_from_slice(&(size as u32).to_le_bytes());
+    bytes[548] = 32;
+    bytes[552..552 + xml.len()].copy_from_slice(xml.as_bytes());
+    bytes.extend([1.0_f32, 2.0, 3.0, 4.0].iter().flat_map(|x| x.to_le_bytes()));
     bytes
 }
 

@@ -3,8 +3,8 @@
 use adwave::ClassifiedError;
 use adwave::region::parse_region;
 use adwave_io::{
-    Format, ReadLimits, ShapeFile, parse_csv_fields, parse_gifti_fields, parse_recipe, read_bytes,
-    read_npy_bytes, recipe_to_text, texture_colors, write_bytes,
+    Format, ReadLimits, ShapeFile, parse_csv_fields, parse_gifti_fields, parse_recipe, parse_surface_values,
+    read_bytes, read_npy_bytes, recipe_to_text, texture_colors, write_bytes,
 };
 use std::error::Error;
 use std::path::Path;
@@ -205,6 +205,46 @@ const RECIPE: &[&str] = &[
     "radius",
 ];
 
+const GLTF: &[&str] = &[
+    "\"asset\"",
+    "\"version\":\"2.0\"",
+    "\"nodes\":[",
+    "\"children\":[0]",
+    "\"mesh\":0",
+    "\"matrix\":[",
+    "\"scale\":[0,1,-1]",
+    "\"primitives\"",
+    "\"attributes\"",
+    "\"POSITION\":0",
+    "\"NORMAL\":0",
+    "\"TEXCOORD_0\":0",
+    "\"COLOR_0\":0",
+    "\"_a_0\":0",
+    "\"indices\":0",
+    "\"mode\":5",
+    "\"accessors\"",
+    "\"bufferViews\"",
+    "\"byteOffset\":4",
+    "\"byteStride\":8",
+    "\"count\":99999",
+    "\"normalized\":true",
+    "\"sparse\":{",
+    "\"uri\":\"data:;base64,AAAA\"",
+    "5120",
+    "5123",
+    "\"VEC2\"",
+];
+
+/// An E57 whose pages have the sums that go with them: mutations would seldom come past them.
+fn with_sums(bytes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for page in bytes.chunks_exact_mut(1024) {
+        let sum = crc32c::crc32c(&page[..1020]);
+        page[1020..].copy_from_slice(&sum.to_be_bytes());
+    }
+    bytes
+}
+
 /// All targets.
 pub(crate) fn all() -> Vec<Target> {
     let shape = |name, words, check| Target { name, seeds: name, words, check };
@@ -239,6 +279,25 @@ pub(crate) fn all() -> Vec<Target> {
         shape("graphml", GRAPHML, |b| shape_file(b, "a.graphml")),
         shape("geomview", GEOMVIEW, |b| shape_file(b, "a.list")),
         shape("gifti", XML, |b| shape_file(b, "a.gii")),
+        shape("glb", GLTF, |b| shape_file(b, "a.glb")),
+        shape("gltf", GLTF, |b| shape_file(b, "a.gltf")),
+        shape("e57", &[], |b| shape_file(&with_sums(b), "a.e57")),
+        shape("vtk-xml", VTK_XML, |b| shape_file(b, "a.vtp")),
+        shape("vtk", VTK, |b| shape_file(b, "a.vtk")),
+        shape("freesurfer", &["created by a\n\n", "\u{0}\u{0}\u{0}\u{2}"], |b| shape_file(b, "lh.white")),
+        Target {
+            name: "surface-values",
+            seeds: "surface-values",
+            words: &[
+                "IndexOffset=\"",
+                "IndexCount=\"",
+                "SurfaceNumberOfVertices=\"",
+                "CIFTI_INDEX_TYPE_SERIES",
+                "LEFT",
+                "0 1 2",
+            ],
+            check: |b| fields(parse_surface_values(b, Some("CortexLeft"), 3, &LIMITS)),
+        },
         shape("gzip", &[], |b| shape_file(b, "a.obj.gz")),
         Target {
             name: "gifti-fields",
@@ -267,6 +326,66 @@ pub(crate) fn all() -> Vec<Target> {
         shape("region", REGION, region),
     ]
 }
+
+const VTK_XML: &[&str] = &[
+    "type=\"PolyData\"",
+    "type=\"UnstructuredGrid\"",
+    "type=\"ImageData\"",
+    "type=\"RectilinearGrid\"",
+    "type=\"StructuredGrid\"",
+    "header_type=\"UInt64\"",
+    "compressor=\"vtkZLibDataCompressor\"",
+    "byte_order=\"BigEndian\"",
+    "format=\"ascii\"",
+    "format=\"binary\"",
+    "format=\"appended\" offset=\"0\"",
+    "encoding=\"base64\"",
+    "<DataArray ",
+    "</DataArray>",
+    "<Piece ",
+    "</Piece>",
+    "type=\"Int64\"",
+    "type=\"UInt8\"",
+    "type=\"Float32\"",
+    "type=\"Bit\"",
+    "type=\"String\"",
+    "Name=\"connectivity\"",
+    "Name=\"offsets\"",
+    "Name=\"types\"",
+    "NumberOfPoints=\"",
+    "NumberOfComponents=\"3\"",
+    "Extent=\"0 1 0 1 0 1\"",
+];
+const VTK: &[&str] = &[
+    "ASCII\n",
+    "BINARY\n",
+    "DATASET POLYDATA\n",
+    "DATASET UNSTRUCTURED_GRID\n",
+    "DATASET STRUCTURED_POINTS\n",
+    "DATASET STRUCTURED_GRID\n",
+    "DATASET RECTILINEAR_GRID\n",
+    "DIMENSIONS 2 2 2\n",
+    "X_COORDINATES 2 float\n",
+    "POINTS 4 double\n",
+    "POLYGONS 1 4\n",
+    "CELLS 1 4\n",
+    "CELL_TYPES 1\n",
+    "OFFSETS vtktypeint64\n",
+    "CONNECTIVITY vtktypeint64\n",
+    "POINT_DATA 4\n",
+    "CELL_DATA 1\n",
+    "SCALARS a float 1\n",
+    "LOOKUP_TABLE default\n",
+    "COLOR_SCALARS a 3\n",
+    "VECTORS a float\n",
+    "TENSORS a float\n",
+    "FIELD a 1\n",
+    "a 1 4 unsigned_char\n",
+    "string",
+    "bit",
+    "METADATA\n",
+    "vtkIdType",
+];
 
 const LIMITS: ReadLimits = ReadLimits { max_bytes: 1 << 26, max_points: 1 << 22 };
 

@@ -313,6 +313,7 @@ fn what_cannot_be_read_says_so() {
     for (text, expected) in [
         ("<VTKFile type=\"PPolyData\"><PPolyData/></VTKFile>", "only names other files"),
         ("<VTKFile type=\"HyperTreeGrid\"/>", "VTK XML of another kind"),
+        ("<VTKFile header_type=\"UInt64\" type=\"PolyData\"><PolyData/></VTKFile>", "no piece"),
         ("<VTKFile type=\"PolyData\" compressor=\"vtkLZ4DataCompressor\"><PolyData/></VTKFile>", "LZ4"),
         ("<VTKFile type=\"PolyData\"><PolyData/></VTKFile>", "no piece"),
         ("# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nWAVES 3\n", "line 5: the keyword \"WAVES\""),

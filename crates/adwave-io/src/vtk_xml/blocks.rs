@@ -85,6 +85,8 @@ pub(super) fn plain<'a>(
         if end > bytes.len() {
             return Err(cut());
         }
+        // Arrays may have their bytes in common.
+        frame.spend(first)?;
         return Ok(match bytes {
             Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[width..end]),
             Cow::Owned(mut bytes) => {

@@ -17,8 +17,9 @@ pub(crate) fn kind_of(head: &[u8]) -> Option<Result<Format, &'static str>> {
     let at = memchr::memmem::find(head, b"<VTKFile")?;
     let tag = &head[at..];
     let tag = &tag[..memchr::memchr(b'>', tag).unwrap_or(tag.len())];
-    let kind = memchr::memmem::find(tag, b"type=").map(|at| &tag[at + 5..])?;
-    let kind = kind.get(1..)?;
+    // `header_type` may come before it.
+    let is_own = |at: &usize| tag[at - 1].is_ascii_whitespace();
+    let kind = memchr::memmem::find_iter(tag, b"type=").find(is_own).and_then(|at| tag.get(at + 6..))?;
     let end = kind.iter().position(|b| matches!(b, b'"' | b'\'')).unwrap_or(kind.len());
     Some(match &kind[..end] {
         b"PolyData" => Ok(Format::Vtp),
