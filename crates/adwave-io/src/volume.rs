@@ -2,9 +2,9 @@
 
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
-use rayon::prelude::*;
 
-use crate::progress::{SERIAL, at_row};
+use crate::cells::VolumeFaces;
+use crate::progress::at_row;
 
 /// A kind of volume cell, its corners numbered as Gmsh, VTK and Medit do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,63 +46,26 @@ pub(crate) struct Cells {
     pub(crate) corners: Vec<u32>,
 }
 
-/// Stands for no fourth corner.
-const NONE: u32 = u32::MAX;
-
-/// A face of a cell: its corners in order of their numbers, the cell, which of its faces, and where the cell's corners begin.
-type Side = ([u32; 4], u32, u8, u32);
-
 impl Cells {
     /// The faces that no two cells share, in the order of the cells, and the cell that each belongs to. O(cells log cells).
     pub(crate) fn boundary(&self, progress: Progress<'_>) -> Result<(Polygons, Vec<u32>), Cancelled> {
-        let mut sides: Vec<Side> = Vec::new();
+        let mut sides = VolumeFaces::default();
         let mut first = 0;
         for (cell, kind) in self.kinds.iter().enumerate() {
             at_row(progress, cell as u64, self.kinds.len() as u64)?;
             let corners = &self.corners[first..first + kind.n_corners()];
-            for side in 0..kind.faces().len() {
-                if let Some((mut key, _)) = face(*kind, corners, side) {
-                    key.sort_unstable();
-                    sides.push((key, cell as u32, side as u8, first as u32));
-                }
+            for side in kind.faces() {
+                sides.push(side.iter().map(|&k| corners[k]), cell as u32);
             }
             first += kind.n_corners();
         }
-        progress.check()?;
-        if sides.len() > SERIAL {
-            sides.par_sort_unstable();
-        } else {
-            sides.sort_unstable();
-        }
-        progress.check()?;
-        let mut outer: Vec<Side> =
-            sides.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0]).collect();
-        drop(sides);
-        outer.sort_unstable_by_key(|side| (side.1, side.2));
-        let (mut faces, mut cells) = (Polygons::new(), Vec::with_capacity(outer.len()));
-        for (row, &(_, cell, side, first)) in outer.iter().enumerate() {
-            at_row(progress, row as u64, outer.len() as u64)?;
-            let kind = self.kinds[cell as usize];
-            if let Some((corners, n)) = face(kind, &self.corners[first as usize..], side.into()) {
-                faces.push(&corners[..n]);
-                cells.push(cell);
-            }
-        }
+        let (mut faces, mut cells) = (Polygons::new(), Vec::new());
+        sides.boundary(progress, |face, cell| {
+            faces.push(face);
+            cells.push(cell);
+        })?;
         Ok((faces, cells))
     }
-}
-
-/// The distinct corners of a cell's face and how many there are. Cells that are collapsed to simpler ones name a corner twice,
-/// and the face is one with the neighbour's only without it; one that is collapsed to an edge is none.
-fn face(kind: Cell, cell: &[u32], side: usize) -> Option<([u32; 4], usize)> {
-    let (mut corners, mut n) = ([NONE; 4], 0);
-    for &k in kind.faces()[side] {
-        if !corners[..n].contains(&cell[k]) {
-            corners[n] = cell[k];
-            n += 1;
-        }
-    }
-    (n >= 3).then_some((corners, n))
 }
 
 #[cfg(test)]

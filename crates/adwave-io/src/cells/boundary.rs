@@ -1,22 +1,32 @@
 //! The boundary of volumes: faces that belong to one cell alone.
 
-use adwave::Progress;
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-use crate::ReadError;
 use crate::progress::{at_row, collect};
 
 /// The faces of volumes, each with the cell that it is of.
 #[derive(Default)]
-pub(super) struct VolumeFaces {
+pub(crate) struct VolumeFaces {
     corners: Vec<u32>,
     ends: Vec<usize>,
     cells: Vec<u32>,
 }
 
 impl VolumeFaces {
-    pub(super) fn push(&mut self, corners: impl Iterator<Item = u32>, cell: u32) {
-        self.corners.extend(corners);
+    /// Adds a face. Cells that are collapsed to simpler ones name a corner twice: the face is one with the neighbour's only without it, and
+    /// one that is collapsed to an edge is none.
+    pub(crate) fn push(&mut self, corners: impl Iterator<Item = u32>, cell: u32) {
+        let start = self.corners.len();
+        for corner in corners {
+            if !self.corners[start..].contains(&corner) {
+                self.corners.push(corner);
+            }
+        }
+        if self.corners.len() < start + 3 {
+            self.corners.truncate(start);
+            return;
+        }
         self.ends.push(self.corners.len());
         self.cells.push(cell);
     }
@@ -45,11 +55,11 @@ impl VolumeFaces {
     }
 
     /// The faces that come once, in order, with their cells.
-    pub(super) fn boundary(
+    pub(crate) fn boundary(
         &self,
         progress: Progress<'_>,
         mut take: impl FnMut(&[u32], u32),
-    ) -> Result<(), ReadError> {
+    ) -> Result<(), Cancelled> {
         let n = self.cells.len();
         let mut keys = collect(n, progress, |f| (self.key(f), f))?;
         keys.par_sort_unstable();

@@ -9,6 +9,7 @@ mod grid;
 mod kinds;
 mod surface;
 
+pub(crate) use boundary::VolumeFaces;
 pub(crate) use dataset::Dataset;
 pub(crate) use grid::{Grid, GridPoints, Lattice};
 
