@@ -203,6 +203,8 @@ fn position(text: &str) -> Option<[f64; 3]> {
         |c: char| c.is_whitespace() || matches!(c, '[' | ']' | '(' | ')' | ',' | '"' | '\'' | '!');
     let numbers: Option<Vec<f64>> =
         text.split(separators).filter(|w| !w.is_empty()).map(|w| parse_f64(w.as_bytes())).collect();
+    // A place that is no number is none.
+    let numbers = numbers.filter(|numbers| !numbers.iter().any(|x| x.is_nan()));
     match numbers?[..] {
         [x, y] => Some([x, y, 0.0]),
         [x, y, z] => Some([x, y, z]),

@@ -95,6 +95,8 @@ fn a_graphml_has_places_fields_and_weights() {
         GRAPHML.replace("attr.name=\"x\" attr.type=\"double\"", "attr.name=\"pos\" attr.type=\"string\"");
     let positions = positions.replace("0.5<", "[1, 2, 3]<").replace(">2<", ">(4 5)<");
     assert_eq!(read(positions.as_bytes(), "a.graphml").points(), [[1.0, 2.0, 3.0], [4.0, 5.0, 0.0]]);
+    let nowhere = positions.replace("(4 5)", "nan 5");
+    assert!(read(nowhere.as_bytes(), "a.graphml").points().is_empty());
     let directed = read(GRAPHML.replace("undirected", "directed").as_bytes(), "a.graphml");
     assert_eq!(directed.edges().direction, Direction::RowToColumn);
     assert!(
