@@ -27,7 +27,11 @@ pub(super) fn facing(
         return Err(RegionError::BadNumber { what: "the direction", value, must: "finite, and not 0" });
     };
     if !(0.0..=1.0).contains(&falloff) {
-        return Err(RegionError::BadNumber { what: "the falloff", value: falloff, must: "a cosine, in [0, 1]" });
+        return Err(RegionError::BadNumber {
+            what: "the falloff",
+            value: falloff,
+            must: "a cosine, in [0, 1]",
+        });
     }
     if metric.geometry().triangles().is_empty() {
         return Err(RegionError::NeedsFaces("facing"));
@@ -83,8 +87,11 @@ pub(super) fn grown(
         }
         other => other.to_mean(metric.geometry().vertex_map()).into_iter().enumerate().collect(),
     };
-    let sources: Vec<(usize, f64)> =
-        sources.into_iter().filter(|(_, r)| *r > 0.0).map(|(x, r)| (x, 2.0 * by * (1.0 - depth(r)))).collect();
+    let sources: Vec<(usize, f64)> = sources
+        .into_iter()
+        .filter(|(_, r)| *r > 0.0)
+        .map(|(x, r)| (x, 2.0 * by * (1.0 - depth(r))))
+        .collect();
     let within = metric.within(&sources, 2.0 * by, progress)?;
     let weights = within.distances.into_iter().map(|d| smooth_rise(2.0 - d / by)).collect();
     Ok(RegionWeights::Sparse { vertices: within.vertices, weights })
