@@ -198,6 +198,8 @@ export function look(studio: Studio, stage: Stage): Look {
   studio.on('compared', () => {
     const { compared } = studio;
     labels[0]!.textContent = compared ? text.compareShort[compared.method] : text.beforeShort;
+    labels[1]!.textContent = compared ? text.thisEdit : text.afterShort;
+    studio.updateTint();
     if (compared && view.split === null) toggleSplit();
   });
   const toggleSplit = () => {

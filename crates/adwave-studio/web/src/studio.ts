@@ -281,7 +281,8 @@ export class Studio {
 
   updateTint(): void {
     const slot = this.masks.slot(this.selected);
-    this.view.setTint(this.tint && slot >= 0 ? slot : null);
+    // Two shapes are compared in one colour.
+    this.view.setTint(this.tint && slot >= 0 && !this.compared ? slot : null);
   }
 
   select(key: number): void {

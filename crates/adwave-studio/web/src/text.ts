@@ -97,7 +97,7 @@ export const text = {
     ['stroke', 'along a line'],
     ['box', 'in a box'],
     ['half-space', 'in a half-space'],
-    ['component', 'in a connected part'],
+    ['component', 'in one part'],
     ['field', 'by a field'],
     ['other', 'as it came'],
   ] as [string, string][],

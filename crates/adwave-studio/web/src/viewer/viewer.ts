@@ -63,8 +63,11 @@ async function start(): Promise<void> {
     if (frame === 0) frame = requestAnimationFrame(draw);
   };
 
-  // Sliders of the chosen layer.
-  let layer = 0;
+  // Sliders of one layer, at first of one that does something.
+  let layer = Math.max(
+    0,
+    head.layers.findIndex((l) => l.gains.some((g) => g !== 1)),
+  );
   const sliders = head.levels.map(({ level, sigma }, j) => {
     const name = text.band(level, short(sigma));
     const number = h('output', {});
@@ -102,6 +105,7 @@ async function start(): Promise<void> {
     },
     ...head.layers.map((l, i) => h('option', {}, l.name || text.layerName(i + 1))),
   );
+  chooser.selectedIndex = layer;
   const first = head.layers.map((l) => [...l.gains]);
   const button = (label: string, onclick: () => void) => h('button', { type: 'button', onclick }, label);
   const setAll = (gains: (i: number) => number[]) => {
