@@ -101,7 +101,7 @@ export const text = {
     ['field', 'by a field'],
     ['other', 'as it came'],
   ] as [string, string][],
-  otherRegion: (what: string) => `as it is: ${what}`,
+  otherRegion: (what: string) => what,
   shrunk: 'shrunk',
   lineClick: 'Click along the line. Enter ends it, Escape gives it up.',
   lineEnd: 'End the line',

@@ -63,16 +63,17 @@ while (n < Number(wanted) && tries < 4 * Number(wanted)) {
         },
         among([25, 60, 100]),
       );
-  const place = () => [x + 0.5 * size * (random() - 0.5), y + 0.7 * size * (random() - 0.5)];
+  // Mostly over the shape: what begins beside it is no stroke.
+  const place = () => [x + 0.2 * size * (random() - 0.5), y + 0.5 * size * (random() - 0.5)];
   const [from, to] = [place(), place()];
   const steps = 2 + Math.floor(6 * random());
   const before = n;
   await drag(
     page,
-    Array.from({ length: steps + 1 }, (_, k) => from.map((a, c) => a + ((0.3 * (to[c] - a)) / steps) * k)),
+    Array.from({ length: steps + 1 }, (_, k) => from.map((a, c) => a + ((to[c] - a) / steps) * k)),
   );
   // A drag beside the shape turns it, and is no stroke.
-  for (let i = 0; i < 40 && n === before; i++) {
+  for (let i = 0; i < 24 && n === before; i++) {
     await page.waitForTimeout(25);
     n = await page.evaluate(() => window.studio.state().layers.at(-1).region?.painted?.length ?? 0);
   }
