@@ -93,9 +93,11 @@ fn a_report_is_at_an_address_that_nobody_guesses() {
     let folder = TempDir::new().unwrap();
     let studio = Studio::on(&creature(&folder, 2000), folder.path());
     let path = studio.post("/api/shapes/1/report", &json!({})).json()["path"].as_str().unwrap().to_owned();
-    let report = studio.get(&format!("/{path}"));
+    // As a browser opens it: without the token.
+    let page = |path: &str| studio.bare("GET", path, &[], b"");
+    let report = page(&format!("/{path}"));
     assert!(report.status == 200 && report.text().contains("creature.ply"), "{}", report.text());
     let policy = report.head.lines().find(|line| line.starts_with("content-security-policy")).unwrap();
     assert!(policy.contains("style-src 'unsafe-inline'") && !policy.contains("script-src"), "{policy}");
-    assert_eq!(studio.get("/report/0000").status, 404);
+    assert_eq!(page("/report/0000").status, 404);
 }
