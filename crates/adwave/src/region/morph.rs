@@ -216,7 +216,7 @@ mod tests {
             for y in [-1.0, -0.3, 0.0, 0.5, 0.99, 1.0_f64] {
                 let angle = y.acos();
                 let sum: f64 = (0..).zip(&coefficients).map(|(d, c)| c * (f64::from(d) * angle).cos()).sum();
-                assert!((sum - ((1.0 + y) / 2.0).powf(k)).abs() < 1e-8, "{k} {y}: {sum}");
+                assert!((sum - (0.5 * (1.0 + y)).powf(k)).abs() < 1e-8, "{k} {y}: {sum}");
             }
         }
         assert_eq!(walk_coefficients(0.0), [1.0]);
