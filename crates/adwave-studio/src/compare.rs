@@ -133,9 +133,9 @@ fn search(
         let points: Vec<[f64; 3]> = values.as_chunks().0.to_vec();
         let found = roughness(&points)?;
         if found > wanted {
-            high = middle
+            high = middle;
         } else {
-            low = middle
+            low = middle;
         }
         let is_nearer = |best: &Found| (found - wanted).abs() < (best.roughness - wanted).abs();
         if best.as_ref().is_none_or(is_nearer) {
