@@ -61,7 +61,7 @@ fn same_bundle() -> Outcome {
     Ok(())
 }
 
-/// A server on a built-in shape, and the page in a browser.
+/// Servers on a built-in shape, and the page in a browser.
 fn in_browser() -> Outcome {
     let folder = target().join("studio-test");
     let _ = std::fs::remove_dir_all(&folder);
@@ -71,16 +71,28 @@ fn in_browser() -> Outcome {
     run(Command::new(&adwave)
         .args(["sample", "creature", "--vertices", "20000", "--quiet", "-o"])
         .arg(&shape))?;
-    let (mut server, address) = serve(&adwave, &shape, &folder)?;
-    println!("> node test/studio.mjs");
-    let outcome = run(Command::new("node")
+    // Each on a server of its own, whose edits nothing else has touched.
+    for (name, words) in
+        [("studio", vec![folder.clone()]), ("tools", vec![folder.clone()]), ("masks", vec![])]
+    {
+        let (mut server, address) = serve(&adwave, &shape, &folder.join(name))?;
+        let outcome = node_test(name, &[address.into()], words);
+        let _ = server.kill();
+        let _ = server.wait();
+        outcome?;
+    }
+    node_test("recovery", &[adwave, shape], vec![folder.join("recovery")])
+}
+
+/// A test of the page, in a browser.
+fn node_test(name: &str, first: &[PathBuf], more: Vec<PathBuf>) -> Outcome {
+    println!("> node test/{name}.mjs");
+    run(Command::new("node")
         .current_dir(web())
-        .args(["test/studio.mjs", &address])
-        .arg(&folder)
-        .env("CHROMIUM", browser_path().unwrap_or_default()));
-    let _ = server.kill();
-    let _ = server.wait();
-    outcome
+        .arg(format!("test/{name}.mjs"))
+        .args(first)
+        .args(more)
+        .env("CHROMIUM", browser_path().unwrap_or_default()))
 }
 
 fn serve(adwave: &Path, shape: &Path, folder: &Path) -> Result<(Child, String), String> {

@@ -194,9 +194,9 @@ impl EditorData {
         let names = shape.field_names();
         let layers = &recipe.get().recipe.layers;
         let edited = run(py, editor.decomposer().n_vertices(), None, |progress| {
-            let lookup = |name: &str| shape.numbers(name);
-            let edit = Edit::new(layers).with_fields(&lookup, &names);
             let (n_levels, decomposer) = (editor.wavelets().n_levels(), editor.decomposer().clone());
+            let lookup = |name: &str| shape.region_field(&decomposer, name);
+            let edit = Edit::new(layers).with_fields(&lookup, &names);
             let layers = edit.resolve(n_levels, decomposer.metric(), progress)?;
             editor.set_layers(layers)?;
             Ok::<_, FilterError>(copied(editor.edited()))

@@ -334,7 +334,7 @@ pub(crate) fn weights(
     let region = parse_region(region).map_err(|e| value(format!("region: {e}")))?;
     let names = shape.field_names();
     run(py, decomposer.n_vertices(), None, |progress| {
-        let lookup = |name: &str| shape.numbers(name);
+        let lookup = |name: &str| shape.region_field(decomposer, name);
         region.weights(decomposer.metric(), &lookup, &names, progress)
     })
 }

@@ -4,11 +4,12 @@ use crate::arrays;
 use crate::call::run;
 use crate::error::value;
 use crate::options::{KINDS, word};
+use adwave::Decomposer;
 use adwave::sample::{NoiseSigma, Sample, SampleError};
 use adwave::shape::{Polygons, Shape};
 use adwave_io::{
     Direction, Edges, Format, ReadLimits, ShapeFile, ShapeFileError, ShapeKind, SignalSource, named_signal,
-    read_bytes_with, read_path_with, write_bytes_with, write_path_with, written_signal,
+    read_bytes_with, read_path_with, region_field, write_bytes_with, write_path_with, written_signal,
 };
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -44,9 +45,9 @@ impl ShapeData {
         Ok(self.shape.get_or_init(|| shape))
     }
 
-    /// A field as numbers, with how many there are at each vertex.
-    pub(crate) fn numbers(&self, name: &str) -> Option<(usize, Vec<f64>)> {
-        self.file.field(name).map(|field| (field.n_channels, field.to_f64()))
+    /// A field that a region may name, with how many numbers there are at each vertex.
+    pub(crate) fn region_field(&self, decomposer: &Decomposer, name: &str) -> Option<(usize, Vec<f64>)> {
+        region_field(&self.file, decomposer, name)
     }
 
     /// Of the same kind and name.

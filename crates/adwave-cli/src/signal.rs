@@ -38,11 +38,6 @@ pub(crate) fn mask(
     Ok(masked)
 }
 
-/// A field of the file as numbers.
-pub(crate) fn field(file: &ShapeFile, name: &str) -> Option<(usize, Vec<f64>)> {
-    file.field(name).map(|field| (field.n_channels, field.to_f64()))
-}
-
 /// The names of the file's fields.
 pub(crate) fn field_names(file: &ShapeFile) -> Vec<String> {
     file.field_names().into_iter().map(str::to_owned).collect()

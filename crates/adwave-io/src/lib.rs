@@ -28,6 +28,7 @@
 //! | `signal` | signals by name: fields, what the shape gives itself, other files |
 //! | `texture` | colours of pictures at vertices |
 //! | `recipe` | edits as TOML |
+//! | `region_field` | fields that a region may name |
 //! | `atomic` | files replaced as a whole |
 //! | `progress` | how far reading and writing are, and whether to stop |
 //! | `numbers` | arrays of numbers, binary or text, as lists |
@@ -77,6 +78,7 @@ mod ply;
 mod progress;
 mod read;
 mod recipe;
+mod region_field;
 mod shape;
 mod shape_file;
 mod signal;
@@ -110,6 +112,7 @@ pub use npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
 pub use read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
+pub use region_field::region_field;
 pub use shape::{ShapeFileError, ShapeKind};
 pub use shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
 pub use signal::{

@@ -85,6 +85,12 @@ impl Document {
         PositionParams { along: self.along, borders: self.border, volume: self.volume }
     }
 
+    /// Whether more is asked of new positions than that bands are summed; a cloud moves along its normals unasked.
+    pub(crate) fn has_rules(&self, is_cloud: bool) -> bool {
+        let is_free = self.along.map_or(!is_cloud, |along| along == Along::Free);
+        !(is_free && self.border == Borders::default() && self.volume == Volume::default())
+    }
+
     /// The edit as a recipe, which the command and the Python package replay to the same bits.
     pub(crate) fn recipe(&self, levels: &Levels, operator: OperatorKind) -> Recipe {
         Recipe {

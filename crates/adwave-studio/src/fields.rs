@@ -8,7 +8,7 @@ use adwave::features::{FeatureParams, features};
 use adwave::saliency::{SaliencyParams, saliency};
 use adwave::shape::Shape;
 use adwave::signal::{SurfaceSignal, outward_normals};
-use adwave_io::{SignalSource, file_normals, named_signal};
+use adwave_io::{SignalSource, file_normals, named_signal, region_field};
 use serde::Serialize;
 use serde_json::json;
 
@@ -83,6 +83,19 @@ pub(crate) fn values(session: &Session, name: &str) -> Answer {
         let signal = named_signal(source, name, None).map_err(|e| Refused::of(&e))?;
         f32_bytes(n, |x| signal.values[x] as f32)
     };
+    let about = json!({"label": info.label, "unit": info.unit, "diverging": info.diverging});
+    Ok(bytes_with(content, "x-field", &about.to_string()))
+}
+
+/// The same as a region sees it: of the shape as it was opened, with levels of its own.
+pub(crate) fn as_region(session: &Session, name: &str) -> Answer {
+    let prepared = session.prepared()?;
+    let known = list(session, prepared.n_levels());
+    let found = region_field(&session.opened.file, &prepared.decomposer, name);
+    let (Some(info), Some((1, values))) = (known.iter().find(|field| field.name == name), found) else {
+        return Err(Refused::wrong(format!("there is no field '{name}' with one number a vertex")));
+    };
+    let content = f32_bytes(values.len(), |x| values[x] as f32);
     let about = json!({"label": info.label, "unit": info.unit, "diverging": info.diverging});
     Ok(bytes_with(content, "x-field", &about.to_string()))
 }

@@ -40,12 +40,17 @@ const HEADERS: &[(&str, &str)] = &[
 /// Random bytes of a token: 192 bits.
 const TOKEN_BYTES: usize = 24;
 
+/// A word of 192 random bits, which nobody guesses.
+pub(crate) fn random_word() -> std::io::Result<String> {
+    let mut random = [0; TOKEN_BYTES];
+    getrandom::fill(&mut random).map_err(|e| std::io::Error::other(e.to_string()))?;
+    Ok(URL_SAFE_NO_PAD.encode(random))
+}
+
 impl Guard {
     /// A fresh token for a server on that port, which is also known by `host` where one is named.
     pub(crate) fn new(port: u16, host: Option<&str>) -> std::io::Result<Self> {
-        let mut random = [0; TOKEN_BYTES];
-        getrandom::fill(&mut random).map_err(|e| std::io::Error::other(e.to_string()))?;
-        let token = URL_SAFE_NO_PAD.encode(random);
+        let token = random_word()?;
         let names = ["127.0.0.1", "localhost", "[::1]"].into_iter().chain(host);
         Ok(Self { token, hosts: names.map(|name| format!("{name}:{port}")).collect() })
     }
@@ -99,8 +104,8 @@ pub(crate) async fn guarded(State(guard): State<Arc<Guard>>, request: Request, n
         None => next.run(request).await,
     };
     for &(name, value) in HEADERS {
-        let value = HeaderValue::from_static(value);
-        answer.headers_mut().insert(HeaderName::from_static(name), value);
+        // A report has a policy of its own.
+        answer.headers_mut().entry(HeaderName::from_static(name)).or_insert(HeaderValue::from_static(value));
     }
     answer
 }

@@ -10,14 +10,18 @@
 mod answer;
 mod assets;
 mod autosave;
+mod compare;
 mod document;
 mod fields;
 mod guard;
+mod page;
 mod prepared;
+mod report;
 mod routes;
 mod save;
 mod server;
 mod session;
+mod work;
 
 pub use document::Document;
 pub use server::{Finished, Served, StudioParams, serve};

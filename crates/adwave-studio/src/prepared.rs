@@ -10,7 +10,7 @@ use adwave::positions::settle;
 use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape, enclosed_volume};
 use adwave::{Decomposer, Editor, Progress};
-use adwave_io::{Levels, ShapeFile};
+use adwave_io::{Levels, ShapeFile, region_field};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
@@ -172,7 +172,7 @@ impl Prepared {
         if let Some((_, weights)) = self.regions.iter().find(|(known, _)| known == region) {
             return Ok(weights.clone());
         }
-        let field = |name: &str| file.field(name).map(|field| (field.n_channels, field.to_f64()));
+        let field = |name: &str| region_field(file, &self.decomposer, name);
         let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
         let weights = region.weights(self.decomposer.metric(), &field, &names, Progress::none());
         weights.map_err(|source| FilterError::Region { layer: 1, source })
@@ -202,6 +202,11 @@ impl Prepared {
         };
         (self.document, self.points, self.regions) = (document, Arc::new(points), regions);
         Ok(moved)
+    }
+
+    /// The weights of the layers that are on, in their order.
+    pub(crate) fn layer_weights(&self) -> impl Iterator<Item = &RegionWeights> {
+        self.regions.iter().map(|(_, weights)| weights)
     }
 
     /// The layers of the edit that is kept, as the editor has them.

@@ -1,12 +1,14 @@
 //! What each request does; see `PROTOCOL.md`.
 
-use crate::answer::{Answer, Refused, bytes, json, points_bytes, rows};
+use crate::answer::{Refused, bytes, json, points_bytes, rows};
+use crate::compare::CompareAsked;
 use crate::document::Document;
 use crate::prepared::{LevelsAsked, Prepared};
 use crate::save::SaveAsked;
 use crate::server::Studio;
 use crate::session::{Opened, Session};
-use crate::{assets, fields, save};
+use crate::work::{at_once, beside, of_shape, working};
+use crate::{assets, compare, fields, page, report, save};
 use adwave::denoise::{DenoiseParams, denoise};
 use adwave::operator::OperatorParams;
 use adwave::region::Region;
@@ -37,6 +39,7 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/", get(info).merge(delete(close)))
         .route("/positions", get(positions))
         .route("/triangles", get(triangles))
+        .route("/surface", get(surface))
         .route("/levels", put(levels))
         .route("/bands", get(bands))
         .route("/edit", get(edit).merge(put(change)))
@@ -47,41 +50,26 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/recipe", get(recipe).merge(put(open_recipe)))
         .route("/save", post(save_as))
         .route("/download", get(download))
+        .route("/page", get(page))
+        .route("/report", post(make_report))
+        .route("/compare", post(compared))
         .route("/denoise", post(denoised));
     let upload = post(upload).layer(DefaultBodyLimit::max(MAX_UPLOAD));
     Router::new()
         .route("/api/shapes", get(shapes).merge(upload))
         .nest("/api/shapes/{id}", shape)
         .route("/api/done", post(done))
-        .fallback(page)
+        .route("/report/{word}", get(show_report))
+        .fallback(own_page)
         .layer(DefaultBodyLimit::max(MAX_BODY))
         .with_state(studio)
-}
-
-/// Work that takes its time, beside the threads that answer, with the studio's own threads.
-async fn working(studio: Arc<Studio>, work: impl FnOnce(&Studio) -> Answer + Send + 'static) -> Response {
-    let done = tokio::task::spawn_blocking(move || studio.pool.install(|| work(&studio))).await;
-    let broken = || {
-        let told = "the studio broke one of its own rules; please report it, with the shape and what you did";
-        Err(Refused::new(StatusCode::INTERNAL_SERVER_ERROR, told))
-    };
-    done.unwrap_or_else(|_| broken()).into_response()
-}
-
-/// The same of one of the shapes.
-async fn of_shape(
-    studio: Arc<Studio>,
-    id: u64,
-    work: impl FnOnce(&Arc<Session>) -> Answer + Send + 'static,
-) -> Response {
-    working(studio, move |studio| work(&studio.session(id)?)).await
 }
 
 fn parsed<T: DeserializeOwned>(body: &[u8], what: &str) -> Result<T, Refused> {
     serde_json::from_slice(body).map_err(|e| Refused::wrong(format!("this is no {what}: {e}")))
 }
 
-async fn page(uri: Uri) -> Response {
+async fn own_page(uri: Uri) -> Response {
     if uri.path().starts_with("/api") {
         return Refused::new(StatusCode::NOT_FOUND, format!("there is no {}", uri.path())).into_response();
     }
@@ -94,15 +82,15 @@ async fn shapes(State(studio): Shared) -> Response {
 }
 
 async fn upload(State(studio): Shared, Query(asked): Asked, body: Bytes) -> Response {
-    working(studio, move |studio| {
+    let read = move |studio: &Studio| {
         let name = asked.get("name").map_or("shape", |name| name.rsplit(['/', '\\']).next().unwrap_or(name));
         let file = read_bytes(body.into(), Some(name), &ReadLimits::default())
             .map_err(|e| Refused::wrong(format!("{name}: {e}")))?;
         let shape = file.to_shape().map_err(|e| Refused::wrong(format!("{name}: {e}")))?;
         let session = studio.open(Opened { name: name.to_owned(), path: None, file, shape })?;
         json(&json!({"id": session.id, "name": session.opened.name}))
-    })
-    .await
+    };
+    working(studio, move |studio| studio.pool.install(|| read(studio))).await
 }
 
 async fn close(State(studio): Shared, Path(id): Path<u64>) -> Response {
@@ -119,17 +107,33 @@ async fn info(State(studio): Shared, Path(id): Path<u64>) -> Response {
 }
 
 async fn positions(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    of_shape(studio, id, |session| Ok(bytes(points_bytes(session.points(), session.centre)))).await
+    at_once(studio, id, |session| Ok(bytes(points_bytes(session.points(), session.centre)))).await
 }
 
 async fn triangles(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    of_shape(studio, id, |session| {
+    at_once(studio, id, |session| {
         let triangles = &session.triangles;
         Ok(bytes(rows(triangles.len(), 12, |t, row| {
             for c in 0..3 {
                 row[4 * c..][..4].copy_from_slice(&triangles[t][c].to_le_bytes());
             }
         })))
+    })
+    .await
+}
+
+/// What distances along the surface are measured by: positions in double precision, and the place of each vertex.
+async fn surface(State(studio): Shared, Path(id): Path<u64>) -> Response {
+    of_shape(studio, id, |session| {
+        let points = session.points();
+        let places = session.walk()?.geometry().vertex_map().as_slice();
+        let mut content = rows(points.len(), 24, |x, row| {
+            for c in 0..3 {
+                row[8 * c..][..8].copy_from_slice(&points[x][c].to_le_bytes());
+            }
+        });
+        content.extend(rows(places.len(), 4, |x, row| row.copy_from_slice(&places[x].to_le_bytes())));
+        Ok(bytes(content))
     })
     .await
 }
@@ -161,6 +165,7 @@ async fn bands(State(studio): Shared, Path(id): Path<u64>) -> Response {
     let (send, mut receive) = tokio::sync::mpsc::channel::<Result<Bytes, std::io::Error>>(2);
     let (own, pool) = (Arc::clone(&session), Arc::clone(&studio));
     let ready = tokio::task::spawn_blocking(move || {
+        let _turn = own.turn();
         pool.pool.install(|| own.prepared().map(|prepared| (prepared.levels.clone(), prepared.n_levels())))
     });
     let (levels, n_levels) = match ready.await {
@@ -170,12 +175,14 @@ async fn bands(State(studio): Shared, Path(id): Path<u64>) -> Response {
     };
     tokio::task::spawn_blocking(move || {
         for level in (1..=n_levels).rev() {
+            let turn = session.turn();
             let Ok(prepared) = session.prepared() else { return };
             if prepared.levels != levels {
                 return; // others have been asked for
             }
             let (scale, values) = studio.pool.install(|| prepared.band(level));
             drop(prepared);
+            drop(turn);
             let head = [(level as u32).to_le_bytes(), scale.to_le_bytes()].concat();
             let sent = send.blocking_send(Ok(Bytes::from(head)));
             if sent.is_err() || send.blocking_send(Ok(Bytes::from(values))).is_err() {
@@ -231,7 +238,10 @@ async fn weights(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Res
 async fn field(State(studio): Shared, Path(id): Path<u64>, Query(asked): Asked) -> Response {
     of_shape(studio, id, move |session| {
         let name = asked.get("name").ok_or_else(|| Refused::wrong("give the name of a field: ?name=…"))?;
-        fields::values(session, name)
+        match asked.get("of").map(String::as_str) {
+            Some("region") => fields::as_region(session, name),
+            _ => fields::values(session, name),
+        }
     })
     .await
 }
@@ -293,6 +303,36 @@ async fn download(State(studio): Shared, Path(id): Path<u64>, Query(asked): Aske
     .await
 }
 
+async fn page(State(studio): Shared, Path(id): Path<u64>) -> Response {
+    of_shape(studio, id, |session| page::page(session)).await
+}
+
+async fn make_report(State(studio): Shared, Path(id): Path<u64>) -> Response {
+    beside(
+        studio,
+        id,
+        |session| session.edited_file(&*session.prepared()?),
+        |studio, session, file| report::report(studio, session, &file),
+    )
+    .await
+}
+
+async fn show_report(State(studio): Shared, Path(word): Path<String>) -> Response {
+    studio.reports.page(&word)
+}
+
+async fn compared(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
+    let taken = move |session: &Session| {
+        let asked: CompareAsked = parsed(&body, "choice of a method")?;
+        let prepared = session.prepared()?;
+        Ok((asked.method, Arc::clone(&prepared.points), prepared.decomposer.clone()))
+    };
+    beside(studio, id, taken, |_, session, (method, edited, decomposer)| {
+        compare::compare(session, method, &edited, &decomposer)
+    })
+    .await
+}
+
 /// How thoroughly.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -306,10 +346,9 @@ fn one() -> f64 {
 }
 
 async fn denoised(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    working(studio, move |studio| {
-        let session = studio.session(id)?;
+    let taken = |session: &Session| session.edited_file(&*session.prepared()?);
+    beside(studio, id, taken, move |studio, session, file| {
         let asked: DenoiseAsked = parsed(&body, "choice of a strength")?;
-        let file = session.edited_file(&*session.prepared()?)?;
         let shape = file.to_shape_as(file.kind()).map_err(|e| Refused::wrong(e.to_string()))?;
         let geometry = PreparedGeometry::new(&shape, OperatorParams::default().weld, session.progress())
             .map_err(|e| Refused::of(&e))?;

@@ -3,6 +3,7 @@
 use crate::StudioError;
 use crate::answer::Refused;
 use crate::guard::{Guard, guarded};
+use crate::report::Reports;
 use crate::routes::router;
 use crate::session::{Opened, Session};
 use adwave::Progress;
@@ -54,7 +55,8 @@ pub(crate) struct Studio {
     /// Beside the first shape: what is dropped on the page comes from nowhere that the server knows.
     folder: PathBuf,
     /// Its own, so that it has as many threads as were asked for, and works in a forked process.
-    pub(crate) pool: rayon::ThreadPool,
+    pub(crate) pool: Arc<rayon::ThreadPool>,
+    pub(crate) reports: Reports,
     is_done: AtomicBool,
     stop: Arc<AtomicBool>,
 }
@@ -85,8 +87,11 @@ impl Studio {
             Arc::clone(&self.stop),
         )?);
         self.sessions.write().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&session));
-        let early = Arc::clone(&session);
-        self.pool.spawn(move || drop(early.prepared().map(|_| ())));
+        let (early, pool) = (Arc::clone(&session), Arc::clone(&self.pool));
+        std::thread::spawn(move || {
+            let _turn = early.turn();
+            pool.install(|| drop(early.prepared().map(|_| ())));
+        });
         Ok(session)
     }
 
@@ -126,7 +131,8 @@ pub fn serve(
         next_id: AtomicU64::new(1),
         kept_in: params.kept_in.clone().or_else(crate::autosave::folder),
         folder: opened.path.as_deref().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_path_buf),
-        pool: pool.map_err(std::io::Error::other)?,
+        pool: Arc::new(pool.map_err(std::io::Error::other)?),
+        reports: Reports::default(),
         is_done: AtomicBool::new(false),
         stop: Arc::default(),
     });

@@ -40,6 +40,7 @@ pub(crate) struct Session {
     pub(crate) triangles: Vec<[u32; 3]>,
     walk: OnceLock<Result<Decomposer, Arc<StudioError>>>,
     prepared: OnceLock<Result<Mutex<Prepared>, Arc<StudioError>>>,
+    turn: Mutex<()>,
     autosave: Option<Autosave>,
     resumed: OnceLock<bool>,
     /// Files that were written here, which may be written again.
@@ -78,6 +79,7 @@ impl Session {
             triangles,
             walk: OnceLock::new(),
             prepared: OnceLock::new(),
+            turn: Mutex::default(),
             autosave,
             resumed: OnceLock::new(),
             written: Mutex::default(),
@@ -88,6 +90,12 @@ impl Session {
     /// Stops what is made when the server ends.
     pub(crate) fn progress(&self) -> Progress<'_> {
         Progress::none().with_cancel(&self.stop)
+    }
+
+    /// Whoever needs the bands waits for its turn, and that outside the threads that compute: a thread that waits for others there takes up
+    /// other work meanwhile, and would wait for a lock that it holds itself.
+    pub(crate) fn turn(&self) -> MutexGuard<'_, ()> {
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The shape with the diffusion that levels are counted in; the first who asks waits for it to be made.

@@ -1,4 +1,5 @@
-import { defineConfig, type Plugin } from 'vite';
+import { readFile } from 'node:fs/promises';
+import { build, defineConfig, type Plugin } from 'vite';
 
 // Names without hashes: the bundle is committed and embedded, and a build has to give the same files.
 const names = {
@@ -22,8 +23,32 @@ const preload: Plugin = {
   },
 };
 
+/** Script and style of the page in one file, each as one piece that the server puts into it. */
+const viewer: Plugin = {
+  name: 'viewer',
+  apply: 'build',
+  async generateBundle() {
+    const built = await build({
+      configFile: false,
+      logLevel: 'warn',
+      build: {
+        write: false,
+        target: 'es2022',
+        lib: { entry: 'src/viewer/viewer.ts', formats: ['iife'], name: 'viewer' },
+      },
+    });
+    const [output] = [built].flat();
+    if (!output || !('output' in output)) throw new Error('the viewer was not built');
+    const source = output.output[0].code;
+    if (/<\/script|<!--/i.test(source)) throw new Error('the viewer would end its own script');
+    this.emitFile({ type: 'asset', fileName: 'viewer.js', source });
+    const style = await readFile('src/viewer/viewer.css', 'utf8');
+    this.emitFile({ type: 'asset', fileName: 'viewer.css', source: style.replace(/\s+/g, ' ') });
+  },
+};
+
 export default defineConfig({
-  plugins: [preload],
+  plugins: [preload, viewer],
   base: './',
   build: {
     outDir: 'dist',

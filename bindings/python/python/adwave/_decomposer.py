@@ -234,7 +234,9 @@ class Decomposer:
             As on the command line, joined by ``&``, ``|`` and ``!``: ``"ball:vertex=120,radius=10%"`` or
             ``"ball:point=0 1 0,radius=0.2"``, ``"stroke:path=120 340 560,radius=2%"``, ``"box:min=0 0 0,max=1 1 1"``,
             ``"half-space:point=0 0 0,normal=0 1 0"``, ``"field:name=mask,low=0.5,high=1"``, ``"vertices:indices=1 2 3"``. The
-            first four fall to 0 over ``falloff=…``, a length.
+            first four fall to 0 over ``falloff=…``, a length. Also ``"facing:direction=0 0 1"``, ``"component:vertex=5"``, and
+            regions made of others: ``"grown:by=2%(…)"``, ``"shrunk:by=2%(…)"``, ``"blurred:by=2%(…)"``. Fields are those of the
+            shape, or ``saliency``, ``mean-curvature``, ``gaussian-curvature``, ``shape-index``, ``band-3`` (the size of W₃).
         """
         return self._data.region(region)
 

@@ -3,3 +3,4 @@
 mod client;
 mod guard;
 mod server;
+mod tools;

@@ -7,25 +7,27 @@ use adwave::positions::settle;
 use adwave::sample::Sample;
 use adwave::shape::Shape;
 use adwave::{Decomposer, Progress};
-use adwave_io::{Levels, ReadLimits, ShapeFile, parse_recipe, read_path, write_bytes, write_path};
+use adwave_io::{
+    Levels, ReadLimits, ShapeFile, parse_recipe, read_path, region_field, write_bytes, write_path,
+};
 use adwave_studio::Opened;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// A creature in a folder of its own.
-fn creature(folder: &TempDir, n_vertices: usize) -> PathBuf {
+pub(crate) fn creature(folder: &TempDir, n_vertices: usize) -> PathBuf {
     let sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
     let path = folder.path().join("creature.ply");
     write_path(&ShapeFile::from_mesh(sample.points, sample.faces), &path, None).unwrap();
     path
 }
 
-fn layer(gains: &[f64], region: &Value) -> Value {
+pub(crate) fn layer(gains: &[f64], region: &Value) -> Value {
     json!({"name": "a layer", "on": true, "opacity": 1.0, "gains": gains, "region": region})
 }
 
-fn edit(revision: u64, layers: &[Value]) -> Value {
+pub(crate) fn edit(revision: u64, layers: &[Value]) -> Value {
     json!({"revision": revision, "layers": layers, "along": null, "border": "natural", "volume": "free"})
 }
 
@@ -38,7 +40,8 @@ fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
     let points = shape.points().unwrap();
     let schedule = Schedule::dyadic(n_levels).unwrap();
     let mut editor = decomposer.request(points.as_flattened(), 3, &schedule).editor().unwrap();
-    editor.set_edit(&Edit::new(&recipe.layers)).unwrap();
+    let field = |name: &str| region_field(&file, &decomposer, name);
+    editor.set_edit(&Edit::new(&recipe.layers).with_fields(&field, &[])).unwrap();
     let edited = editor.into_edited().as_chunks().0.to_vec();
     file.set_points(settle(&decomposer, points, edited, &recipe.positions, Progress::none()).unwrap())
         .unwrap();
@@ -294,4 +297,73 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
     }
     let shape = opened(&path);
     assert!(matches!(shape.shape, Shape::Mesh(_)));
+}
+
+#[test]
+fn distances_are_measured_on_the_surface_that_the_page_is_given() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 3000);
+    let studio = Studio::on(&path, folder.path());
+    let body = studio.get("/api/shapes/1/surface").body;
+    let Opened { shape, .. } = opened(&path);
+    let (points, map) = (shape.points().unwrap(), Decomposer::new(&shape).geometry().vertex_map().clone());
+    let (positions, places) = body.split_at(24 * points.len());
+    let positions: Vec<f64> = positions.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
+    let places: Vec<u32> = places.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
+    assert_eq!((positions, places.as_slice()), (points.as_flattened().to_vec(), map.as_slice()));
+}
+
+#[test]
+fn regions_are_made_of_the_surface_its_fields_and_each_other() {
+    let folder = TempDir::new().unwrap();
+    let studio = Studio::on(&creature(&folder, 3000), folder.path());
+    let mask = |region: Value| studio.post("/api/shapes/1/weights", &region);
+    let half = json!({"half-space": {"point": [0, 0, 0], "normal": [1, 0, 0], "falloff": 0}});
+    let count = |region: Value| {
+        let answer = mask(region);
+        assert_eq!(answer.status, 200, "{}", answer.text());
+        answer.body.iter().map(|w| usize::from(*w)).sum::<usize>()
+    };
+    let [there, more, less] = [
+        half.clone(),
+        json!({"grown": {"by": "3%", "region": half}}),
+        json!({"not": {"grown": {"by": "3%", "region": {"not": half}}}}),
+    ]
+    .map(count);
+    assert!(less < there && there < more);
+    let n = studio.get("/api/shapes/1").json()["n_vertices"].as_u64().unwrap() as usize;
+    assert_eq!(count(json!({"component": {"vertex": 7}})), 255 * n);
+    let front = json!({"facing": {"direction": [0, 0, 1], "falloff": 0.2}});
+    assert!((80 * n..160 * n).contains(&count(front.clone())));
+    let brush = json!({"vertices": {"indices": [3], "radius": "40%"}});
+    let smoothed =
+        json!({"painted": [{"add": half}, {"smooth": {"region": {"all": [brush, front]}, "by": "2%"}}]});
+    assert!(mask(smoothed).body.iter().any(|w| (20..235).contains(w)));
+    // Fields of the shape itself: of the opened shape, in the ranges that the page is told.
+    for name in ["saliency", "mean-curvature", "band-2"] {
+        let values = studio.get(&format!("/api/shapes/1/field?of=region&name={name}")).floats();
+        let (low, high) = values.iter().fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        let weights = mask(json!({"field": {"name": name, "low": low, "high": high}})).body;
+        for (value, weight) in values.iter().zip(weights) {
+            let expected = 255.0 * (value - low) / (high - low);
+            assert!((f32::from(weight) - expected).abs() < 0.6, "{name}: {weight} for {expected}");
+        }
+    }
+    assert!(mask(json!({"field": {"name": "heat"}})).error().contains("heat"));
+}
+
+#[test]
+fn a_recipe_with_regions_of_the_shape_itself_is_replayed_to_the_same_bits() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 3000);
+    let studio = Studio::on(&path, folder.path());
+    let saliency = json!({"field": {"name": "saliency", "low": 0, "high": 0.001}});
+    let region = json!({"grown": {"by": "1%", "region": {"blurred": {"by": "1%", "region": saliency}}}});
+    let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
+    let moved = studio.put("/api/shapes/1/edit", &edit(1, &[layer(&vec![2.0; n_levels], &region)])).json();
+    assert!(moved["greatest"].as_f64().unwrap() > 0.0, "{moved}");
+    let recipe = studio.get("/api/shapes/1/recipe").text();
+    let saved = studio.post("/api/shapes/1/save", &json!({})).json();
+    let bytes = std::fs::read(saved["path"].as_str().unwrap()).unwrap();
+    assert_eq!(bytes, replayed(&path, &recipe));
 }

@@ -1,6 +1,17 @@
 /** Requests to the server. Whatever goes wrong is an `ApiError` whose message is a sentence for people. */
 
-import type { Edit, Feature, FieldInfo, Level, Moved, Region, Shape, ShapeList } from './protocol';
+import type {
+  CompareMethod,
+  Comparison,
+  Edit,
+  Feature,
+  FieldInfo,
+  Level,
+  Moved,
+  Region,
+  Shape,
+  ShapeList,
+} from './protocol';
 import { text } from './text';
 
 export class ApiError extends Error {
@@ -108,8 +119,14 @@ export class Api {
     return new Uint8Array(await response.arrayBuffer());
   }
 
-  async field(id: number, name: string): Promise<{ values: Float32Array; info: FieldInfo }> {
-    const response = await this.fetch(`shapes/${id}/field?name=${encodeURIComponent(name)}`);
+  /** A field as it is shown, or as a region sees it. */
+  async field(
+    id: number,
+    name: string,
+    of: 'view' | 'region' = 'view',
+  ): Promise<{ values: Float32Array; info: FieldInfo }> {
+    const query = `name=${encodeURIComponent(name)}${of === 'region' ? '&of=region' : ''}`;
+    const response = await this.fetch(`shapes/${id}/field?${query}`);
     const header = response.headers.get('X-Field');
     const info = header ? (JSON.parse(header) as FieldInfo) : { label: name, unit: '', diverging: false };
     return { values: new Float32Array(await response.arrayBuffer()), info };
@@ -140,6 +157,27 @@ export class Api {
 
   denoise(id: number, strength: number): Promise<{ id: number; name: string; noise: number }> {
     return this.json(`shapes/${id}/denoise`, { method: 'POST', body: JSON.stringify({ strength }) });
+  }
+
+  /** The shape by another method, as smooth as the edit that is kept. */
+  async compare(
+    id: number,
+    method: CompareMethod,
+  ): Promise<{ positions: Float32Array<ArrayBuffer>; about: Comparison }> {
+    const body = JSON.stringify({ method });
+    const response = await this.fetch(`shapes/${id}/compare`, { method: 'POST', body });
+    const about = JSON.parse(response.headers.get('X-Compare')!) as Comparison;
+    return { positions: new Float32Array(await response.arrayBuffer()), about };
+  }
+
+  /** Where the report of the edited shape is. */
+  report(id: number): Promise<{ path: string }> {
+    return this.json(`shapes/${id}/report`, { method: 'POST' });
+  }
+
+  /** The shape with its sliders as one file. */
+  async page(id: number): Promise<Blob> {
+    return (await this.fetch(`shapes/${id}/page`)).blob();
   }
 
   async done(): Promise<void> {

@@ -1,17 +1,37 @@
-/** Where the selected layer acts: everywhere, painted, a ball, a box, a half-space, by a field; inverted. */
+/** Where the selected layer acts: everywhere, painted, a ball, a line, a box, a half-space, by a field; inverted, grown, blurred. */
 
 import { h, iconButton, select, slider } from './dom';
+import { firstField, regionFields } from './fields';
 import { lengthOf, short } from './lengths';
-import type { FieldName, Region, Shape } from './protocol';
+import type { Region } from './protocol';
+import { type Change, reshaped } from './reshape';
 import type { Studio } from './studio';
 import { text } from './text';
 
-/** Fields of the file: what is computed of the shape is no region, since a recipe would not know it. */
-function fileFields(shape: Shape): FieldName[] {
-  return shape.fields.filter((f) => !f.edited && !/^band-\d+$/.test(f.name));
-}
+type Kind =
+  | 'everywhere'
+  | 'painted'
+  | 'ball'
+  | 'stroke'
+  | 'box'
+  | 'half-space'
+  | 'component'
+  | 'field'
+  | 'other';
 
-type Kind = 'everywhere' | 'painted' | 'ball' | 'box' | 'half-space' | 'field' | 'other';
+/** By what a region is grown, shrunk and blurred, in percent of the diagonal. */
+let amount = 1;
+
+/** Changes where the selected layer acts. */
+export function reshape(studio: Studio, change: Change): void {
+  const { region, key } = studio.layer;
+  if (!region || !studio.shape) {
+    studio.say(text.reshapeNothing);
+    return;
+  }
+  const { diagonal } = studio.shape;
+  studio.changeLayer({ region: reshaped(region, change, (amount / 100) * diagonal, diagonal) }, true, key);
+}
 
 /** A region without the inversions round it, and whether they leave it inverted. */
 function bare(region: Region | null): { inner: Region | null; inverted: boolean } {
@@ -28,7 +48,8 @@ function kindOf(region: Region | null): Kind {
   if (!region) return 'everywhere';
   const kind = Object.keys(region)[0] as string;
   if (kind === 'vertices' || kind === 'painted') return 'painted';
-  return ['ball', 'box', 'half-space', 'field'].includes(kind) ? (kind as Kind) : 'other';
+  const known = ['ball', 'stroke', 'box', 'half-space', 'component', 'field'];
+  return known.includes(kind) ? (kind as Kind) : 'other';
 }
 
 export function regionChooser(studio: Studio): HTMLElement {
@@ -58,22 +79,45 @@ export function regionChooser(studio: Studio): HTMLElement {
         };
       case 'half-space':
         return { 'half-space': { point: [...centre], normal: [1, 0, 0], falloff: 0.1 * diagonal } };
+      case 'component':
+        return { component: { vertex: studio.lastVertex ?? 0 } };
       case 'field': {
-        const name = fileFields(shape)[0]?.name;
+        const name = firstField(shape)?.name;
         return name ? { field: { name, low: 0, high: 1 } } : null;
       }
       default:
         return null;
     }
   };
-  const choices = text.regionChoices.filter(
-    ([k]) =>
-      (k !== 'field' || fileFields(shape).length > 0 || kind === 'field') &&
-      (k !== 'other' || kind === 'other'),
-  ) as [Kind, string][];
+  const choices = text.regionChoices
+    .filter(([k]) => k !== 'other' || kind === 'other')
+    .map(([k, name]) => [k, k === 'other' ? text.otherRegion(describeRegion(region)) : name]) as [
+    Kind,
+    string,
+  ][];
+  /** Fits a field's range to its values. */
+  const fit = (name: string) =>
+    studio.fieldRange(name).then(
+      ([low, high]) => set({ field: { name, low, high } }, true),
+      (e: Error) => studio.say(e.message, 'error'),
+    );
+  const pickPart = () => {
+    studio.say(text.clickPart);
+    studio.pickNext = (vertex) => set({ component: { vertex } }, true);
+  };
   const chooser = select<Kind>(text.where, choices, kind, (next) => {
     if (next === 'painted') studio.setBrush(true);
-    set(start(next), true);
+    if (next === 'stroke') {
+      drawLine(studio, key, 0.04 * diagonal);
+      return;
+    }
+    const region = start(next);
+    if (region && 'field' in region) {
+      void fit(region.field.name);
+      return;
+    }
+    set(region, true);
+    if (next === 'component') pickPart();
   });
   const parts: (Node | null)[] = [
     h(
@@ -105,18 +149,23 @@ export function regionChooser(studio: Studio): HTMLElement {
     parts.push(
       h('p', { class: 'hint' }, text.ballHint),
       length(text.radius, lengthOf(ball.radius, diagonal), 60, (radius) => ({ ball: { ...ball, radius } })),
-      h(
-        'button',
-        {
-          type: 'button',
-          onclick: () => {
-            studio.say(text.clickCentre);
-            studio.pickNext = (vertex) => set({ ball: { ...ball, centre: { vertex } } }, true);
-          },
-        },
-        text.moveCentre,
-      ),
+      button(text.moveCentre, () => {
+        studio.say(text.clickCentre);
+        studio.pickNext = (vertex) => set({ ball: { ...ball, centre: { vertex } } }, true);
+      }),
     );
+  } else if (inner && 'stroke' in inner) {
+    const { stroke } = inner;
+    parts.push(
+      length(text.radius, lengthOf(stroke.radius, diagonal), 30, (radius) => ({
+        stroke: { ...stroke, radius },
+      })),
+      studio.drawing
+        ? button(text.lineEnd, () => studio.drawing?.end())
+        : button(text.lineAgain, () => drawLine(studio, key, lengthOf(stroke.radius, diagonal))),
+    );
+  } else if (inner && 'component' in inner) {
+    parts.push(button(text.choosePart, pickPart));
   } else if (inner && 'box' in inner) {
     const box = inner.box;
     for (const c of [0, 1, 2]) {
@@ -192,28 +241,68 @@ export function regionChooser(studio: Studio): HTMLElement {
     parts.push(
       select(
         text.field,
-        fileFields(shape).map((f) => [f.name, f.label] as const),
+        regionFields(shape).map((f) => [f.name, f.label] as const),
         field.name,
-        (name) => {
-          set({ field: { ...field, name } }, true);
-        },
+        (name) => void fit(name),
       ),
       number('low', text.fieldLow),
       number('high', text.fieldHigh),
+      button(text.fieldFit, () => void fit(field.name)),
+    );
+  }
+  if (region) {
+    const change = (label: string, title: string, what: Change) =>
+      h('button', { type: 'button', title, onclick: () => reshape(studio, what) }, label);
+    parts.push(
       h(
-        'button',
-        {
-          type: 'button',
-          onclick: () => {
-            studio.fieldRange(field.name).then(
-              ([low, high]) => set({ field: { ...field, low, high } }, true),
-              (e: Error) => studio.say(e.message, 'error'),
-            );
-          },
+        'div',
+        { class: 'row reshape', role: 'group', 'aria-label': text.reshape },
+        change(text.grow, text.growHint, 'grow'),
+        change(text.shrink, text.shrinkHint, 'shrink'),
+        change(text.blur, text.blurHint, 'blur'),
+      ),
+      slider(
+        text.reshapeBy,
+        { min: 0.2, max: 10, step: 0.2, value: amount },
+        (v) => short((v / 100) * diagonal),
+        (v) => {
+          amount = v;
         },
-        text.fieldFit,
       ),
     );
   }
   return h('div', { class: 'area' }, ...parts);
+}
+
+function button(label: string, onclick: () => void): HTMLButtonElement {
+  return h('button', { type: 'button', onclick }, label);
+}
+
+/** A line over the surface: each click adds a place, Enter or its button ends it, Escape gives it up. */
+function drawLine(studio: Studio, key: number, radius: number): void {
+  const path: { vertex: number }[] = [];
+  const finish = (keep: boolean) => {
+    studio.drawing = null;
+    studio.pickNext = null;
+    if (keep) studio.history.end();
+    else studio.history.cancel();
+    studio.emit('drawing');
+  };
+  const next = (vertex: number) => {
+    path.push({ vertex });
+    studio.drawing = { end: () => finish(true), cancel: () => finish(false) };
+    studio.changeLayer({ region: { stroke: { path: [...path], radius } } }, false, key);
+    studio.pickNext = next;
+  };
+  studio.say(text.lineClick);
+  studio.pickNext = next;
+}
+
+/** Where a layer acts, in a few words. */
+export function describeRegion(region: Region | null): string {
+  if (!region) return text.everywhere;
+  const kind = Object.keys(region)[0] as string;
+  if ('painted' in region) return text.strokes(region.painted.length);
+  if ('not' in region && 'grown' in region.not) return text.shrunk;
+  return text.regionNames[kind] ?? kind;
 }

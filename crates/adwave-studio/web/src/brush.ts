@@ -1,6 +1,6 @@
 /** The brush: its settings, and a stroke from pointer to region. */
 
-import type { BrushShape } from './compute/messages';
+import type { BrushMode, BrushShape } from './compute/messages';
 import { check, h, segments, slider } from './dom';
 import { short } from './lengths';
 import type { BrushStroke, Region } from './protocol';
@@ -16,14 +16,29 @@ export interface Brush {
   strength: number;
   /** Width of the fall, as part of the radius. */
   falloff: number;
-  subtract: boolean;
+  mode: BrushMode;
   symmetric: boolean;
+  /** Leaves out what is turned away from the viewer. */
+  frontOnly: boolean;
 }
 
-export const brush: Brush = { radius: 5, strength: 1, falloff: 1, subtract: false, symmetric: false };
+export const brush: Brush = {
+  radius: 5,
+  strength: 1,
+  falloff: 1,
+  mode: 'add',
+  symmetric: false,
+  frontOnly: false,
+};
+
+/** The cosine between normal and viewer from which on a front face is painted in full. */
+const FRONT_FALLOFF = 0.2;
+/** What a stroke smooths by, in radii. */
+const SMOOTHING = 0.25;
 
 /** The brush in model units. `pressure` of a pen makes it smaller; `invert` swaps adding and subtracting. */
 export function brushShape(studio: Studio, pressure: number, invert: boolean): BrushShape {
+  const opposite: BrushMode = brush.mode === 'subtract' ? 'add' : 'subtract';
   const { diagonal, centre } = studio.shape!;
   const radius = (brush.radius / 100) * diagonal * pressure;
   // The plane of symmetry is x = 0 where the shape is about it, else the middle.
@@ -32,7 +47,11 @@ export function brushShape(studio: Studio, pressure: number, invert: boolean): B
     radius,
     falloff: brush.falloff * radius,
     strength: brush.strength,
-    subtract: brush.subtract !== invert,
+    mode: invert ? opposite : brush.mode,
+    facing:
+      brush.frontOnly && studio.shape!.kind === 'mesh'
+        ? { direction: studio.view.camera.towards(), falloff: FRONT_FALLOFF }
+        : null,
     mirror: brush.symmetric ? mirror : null,
   };
 }
@@ -42,13 +61,34 @@ export function halfRadius(shape: BrushShape): number {
   return shape.radius - shape.falloff / 2;
 }
 
+/** How far a stroke that smooths blurs. */
+export function smoothing(shape: BrushShape): number {
+  return SMOOTHING * shape.radius;
+}
+
+/** A stroke as a region has it. */
+export function strokeOf(indices: number[], shape: BrushShape): BrushStroke {
+  const stamps: Region = { vertices: { indices, radius: shape.radius, falloff: shape.falloff } };
+  const seen: Region = shape.facing ? { all: [stamps, { facing: shape.facing }] } : stamps;
+  const region: Region = shape.strength < 1 ? { faded: { factor: shape.strength, region: seen } } : seen;
+  if (shape.mode === 'smooth') return { smooth: { region, by: smoothing(shape) } };
+  return shape.mode === 'subtract' ? { subtract: region } : { add: region };
+}
+
 /** What a stroke makes of the region that was there. */
 export function painted(before: Region | null, indices: number[], shape: BrushShape): Region {
-  const stamps: Region = { vertices: { indices, radius: shape.radius, falloff: shape.falloff } };
-  const region: Region = shape.strength < 1 ? { faded: { factor: shape.strength, region: stamps } } : stamps;
-  const stroke: BrushStroke = shape.subtract ? { subtract: region } : { add: region };
   const strokes = !before ? [] : 'painted' in before ? before.painted : [{ add: before }];
-  return { painted: [...strokes, stroke] };
+  return { painted: [...strokes, strokeOf(indices, shape)] };
+}
+
+/** The list of vertices within the last stroke of a region, which is filled once the worker has said it. */
+export function stampsOf(region: Region): number[] {
+  if (!('painted' in region)) return [];
+  const stroke = region.painted.at(-1)!;
+  let inner = 'add' in stroke ? stroke.add : 'subtract' in stroke ? stroke.subtract : stroke.smooth.region;
+  if ('faded' in inner) inner = inner.faded.region;
+  if ('all' in inner) inner = inner.all[0]!;
+  return 'vertices' in inner ? inner.vertices.indices : [];
 }
 
 export function brushPanel(studio: Studio): HTMLElement {
@@ -75,10 +115,11 @@ export function brushPanel(studio: Studio): HTMLElement {
     [
       ['add', text.add],
       ['subtract', text.subtract],
-    ],
-    'add',
+      ['smooth', text.smooth],
+    ] as const,
+    'add' as BrushMode,
     (m) => {
-      brush.subtract = m === 'subtract';
+      brush.mode = m;
       mode.set(m);
     },
   );
@@ -92,19 +133,26 @@ export function brushPanel(studio: Studio): HTMLElement {
         onclick: () => {
           studio.say(text.takeClick);
           studio.pickNext = (vertex) =>
-            studio.takeDetail(vertex, (brush.radius / 100) * studio.shape!.diagonal);
+            studio.detail.take(vertex, (brush.radius / 100) * studio.shape!.diagonal);
         },
       },
       text.take,
     ),
-    h('button', { type: 'button', title: text.giveHint, onclick: () => studio.giveDetail() }, text.give),
+    h('button', { type: 'button', title: text.giveHint, onclick: () => studio.detail.give() }, text.give),
   );
   studio.on('tool', () => {
     toggle.setAttribute('aria-pressed', String(studio.brushOn));
     radius.set(brush.radius);
-    mode.set(brush.subtract ? 'subtract' : 'add');
+    mode.set(brush.mode);
   });
-  studio.on('shape', () => radius.set(brush.radius));
+  const front = check(text.frontOnly, false, (on) => {
+    brush.frontOnly = on;
+  });
+  studio.on('shape', () => {
+    radius.set(brush.radius);
+    // Points have no sides.
+    front.hidden = studio.shape!.kind !== 'mesh';
+  });
   return h(
     'section',
     { class: 'brush-panel', id: 'brush', 'aria-label': text.brush },
@@ -131,6 +179,7 @@ export function brushPanel(studio: Studio): HTMLElement {
     check(text.symmetry, false, (on) => {
       brush.symmetric = on;
     }),
+    front,
     h('details', {}, h('summary', {}, text.matching), match),
   );
 }

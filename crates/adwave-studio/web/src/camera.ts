@@ -44,6 +44,11 @@ export class Camera {
     return this.up === 'y' ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
   }
 
+  /** The direction from the pivot to the viewer. */
+  towards(): number[] {
+    return this.three.getWorldDirection(new Vector3()).negate().toArray();
+  }
+
   frame(): void {
     this.pivot.copy(this.centre);
     const half = (FIELD_OF_VIEW * Math.PI) / 360;

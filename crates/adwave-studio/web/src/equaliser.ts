@@ -43,7 +43,7 @@ export function equaliser(studio: Studio): HTMLElement {
   });
 
   const setGain = (level: number, gain: number, step: boolean) => {
-    studio.sliderTouched();
+    studio.watch.sliderTouched();
     studio.view.touch();
     const doc = withGain(studio.doc, studio.layer.key, level, gain);
     if (step) {
@@ -216,7 +216,7 @@ export function equaliser(studio: Studio): HTMLElement {
       if (studio.arrived.has(level)) doc = withGain(doc, studio.layer.key, level, gainOf(Math.round(p)));
     }
     last = { level: hit + 1, position: at };
-    studio.sliderTouched();
+    studio.watch.sliderTouched();
     studio.view.touch();
     studio.history.preview(doc);
   };

@@ -3,8 +3,11 @@
 import type { fetchShape as FetchShape } from './boot';
 import { dialog } from './dialog';
 import { check, chooseFile, download, h, iconButton } from './dom';
+import type { Edit } from './protocol';
+import { toEdit } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
+import { tools } from './tools';
 
 export class Files {
   constructor(
@@ -31,6 +34,10 @@ export class Files {
       await this.try(async () => studio.takeRecipe(await file.text()));
       return;
     }
+    if (/\.edit\.json$/i.test(file.name)) {
+      await this.try(async () => studio.takeEdit(JSON.parse(await file.text()) as Edit));
+      return;
+    }
     studio.say(text.reading(file.name));
     await this.try(async () => {
       const { id } = await studio.api.open(file, file.name);
@@ -53,7 +60,8 @@ export class Files {
     });
   }
 
-  private async try(what: () => Promise<void>): Promise<void> {
+  /** Does it, and says what went wrong. */
+  async try(what: () => Promise<void>): Promise<void> {
     try {
       await what();
     } catch (error) {
@@ -69,16 +77,21 @@ export class Files {
     const { studio } = this;
     if (!studio.shape) return;
     await this.try(async () => {
-      await studio.saver?.send();
+      await studio.saver?.sent();
       const { path, notes } = await studio.api.save(studio.shape!.id, name, replace);
       studio.say([text.saved(path), ...notes].join(' '));
     });
   }
 
+  /** The name of the shape without its ending. */
+  get stem(): string {
+    return stem(this.studio.shape!.name);
+  }
+
   /** Ends the studio; who opened it, the command or Python, has the edit then. */
   async done(): Promise<void> {
     await this.try(async () => {
-      await this.studio.saver?.send();
+      await this.studio.saver?.sent();
       await this.studio.api.done();
       document
         .getElementById('app')!
@@ -86,10 +99,26 @@ export class Files {
     });
   }
 
+  /** The edit as a file, for the studio that is started next: it needs no server. */
+  saveEdit(): void {
+    const edit = JSON.stringify(toEdit(this.studio.doc, 0));
+    download(new Blob([edit], { type: 'application/json' }), `${this.stem}.edit.json`);
+  }
+
+  /** The shape with working sliders, as one file. */
+  async page(): Promise<void> {
+    const { studio } = this;
+    studio.say(text.working);
+    await this.try(async () => {
+      await studio.saver?.sent();
+      const page = await studio.api.page(studio.shape!.id);
+      download(new Blob([page], { type: 'text/html' }), `${this.stem}.html`);
+      studio.say(text.pageMade((page.size / 1e6).toFixed(1)));
+    });
+  }
+
   async picture(): Promise<void> {
-    await this.try(async () =>
-      download(await this.studio.view.picture(), `${stem(this.studio.shape!.name)}.png`),
-    );
+    await this.try(async () => download(await this.studio.view.picture(), `${this.stem}.png`));
   }
 
   /** All that leaves the studio, in one dialogue. */
@@ -105,14 +134,6 @@ export class Files {
     );
     const own = shape.formats.find((f) => f.toLowerCase() === shape.format.toLowerCase());
     if (own) format.value = own;
-    const strength = h('input', {
-      type: 'number',
-      min: '0.1',
-      max: '10',
-      step: '0.1',
-      value: '1',
-      'aria-label': text.strength,
-    });
     const button = (label: string, act: () => void, kind = '') =>
       h('button', { type: 'button', class: kind, onclick: act }, label);
     let replace = false;
@@ -145,14 +166,23 @@ export class Files {
           text.download,
           () =>
             void this.try(async () => {
-              await studio.saver?.send();
+              await studio.saver?.sent();
               const kind = format.value.toLowerCase();
               const ending = kind === 'gifti' ? 'gii' : kind.replace('-ascii', '');
-              download(await studio.api.download(shape.id, kind), `${stem(shape.name)}-edited.${ending}`);
+              download(await studio.api.download(shape.id, kind), `${this.stem}-edited.${ending}`);
             }),
         ),
-        button(text.picture, () => void this.picture()),
       ),
+      h(
+        'div',
+        { class: 'row' },
+        button(text.picture, () => void this.picture()),
+        button(text.pageGo, () => {
+          box.close();
+          void this.page();
+        }),
+      ),
+      h('p', { class: 'hint' }, text.pageNote),
       h('h3', {}, text.recipe),
       h('p', {}, text.recipeNote),
       h(
@@ -162,9 +192,9 @@ export class Files {
           text.recipeSave,
           () =>
             void this.try(async () => {
-              await studio.saver?.send();
+              await studio.saver?.sent();
               const recipe = await studio.api.recipe(shape.id);
-              download(new Blob([recipe], { type: 'application/toml' }), `${stem(shape.name)}.toml`);
+              download(new Blob([recipe], { type: 'application/toml' }), `${this.stem}.toml`);
             }),
         ),
         button(text.recipeOpen, () =>
@@ -174,23 +204,7 @@ export class Files {
           }),
         ),
       ),
-      h('h3', {}, text.denoise),
-      h('p', {}, text.denoiseNote),
-      h(
-        'div',
-        { class: 'row' },
-        strength,
-        button(text.denoiseGo, () => {
-          box.close();
-          studio.say(text.working);
-          void this.try(async () => {
-            const made = await studio.api.denoise(shape.id, strength.valueAsNumber || 1);
-            await this.list();
-            await this.go(made.id);
-            studio.say(text.denoised(made.noise));
-          });
-        }),
-      ),
+      ...tools(studio, this, () => box.close()),
       h('h3', {}, text.finish),
       h('p', {}, text.finishNote),
       h(

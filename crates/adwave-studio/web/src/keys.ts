@@ -1,5 +1,6 @@
 /** The keyboard. */
 
+import { reshape } from './areas';
 import { brush } from './brush';
 import { dialog } from './dialog';
 import { h } from './dom';
@@ -52,9 +53,15 @@ export function listenToKeys(studio: Studio, stage: Stage, look: Look, files: Fi
     else if (e.key === '\\') studio.setBefore(true);
     else if (key === 'b') studio.setBrush(!studio.brushOn);
     else if (key === 'n') {
-      brush.subtract = !brush.subtract;
+      brush.mode = brush.mode === 'add' ? 'subtract' : 'add';
       studio.emit('tool');
-    } else if (key === '[') stage.resizeBrush(1 / 1.15);
+    } else if (key === 'j') {
+      brush.mode = brush.mode === 'smooth' ? 'add' : 'smooth';
+      studio.emit('tool');
+    } else if (key === 'g') reshape(studio, e.shiftKey ? 'shrink' : 'grow');
+    else if (key === 'u') reshape(studio, 'blur');
+    else if (key === 'Enter' && studio.drawing) studio.drawing.end();
+    else if (key === '[') stage.resizeBrush(1 / 1.15);
     else if (key === ']') stage.resizeBrush(1.15);
     else if (key === 's') look.toggleSplit();
     else if (key === 'm') look.cycleStyle();

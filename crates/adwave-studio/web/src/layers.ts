@@ -1,6 +1,6 @@
 /** The list of layers, and where the selected one acts. */
 
-import { regionChooser } from './areas';
+import { describeRegion, regionChooser } from './areas';
 import { check, h, iconButton, select, slider } from './dom';
 import type { Along, Border, Region, VolumeRule } from './protocol';
 import { type DocLayer, newKey } from './state';
@@ -43,7 +43,7 @@ export function layersPanel(studio: Studio): HTMLElement {
             ondblclick: () => rename(layer, name),
           },
           h('span', {}, name),
-          h('small', {}, describe(layer.region)),
+          h('small', {}, describeRegion(layer.region)),
         );
         return h(
           'li',
@@ -86,7 +86,7 @@ export function layersPanel(studio: Studio): HTMLElement {
     { min: 0, max: 100, step: 1, value: 100 },
     (v) => `${v} %`,
     (v, done) => {
-      studio.sliderTouched();
+      studio.watch.sliderTouched();
       studio.changeLayer({ opacity: v / 100 }, false);
       if (done) studio.history.end();
     },
@@ -125,6 +125,10 @@ export function layersPanel(studio: Studio): HTMLElement {
     );
   }
 
+  studio.on('drawing', () => {
+    shownKey = -1;
+    rebuild();
+  });
   studio.on(['doc', 'selected', 'shape'], rebuild);
   studio.on('shape', showRules);
   let rulesOf = '';
@@ -150,12 +154,4 @@ export function layersPanel(studio: Studio): HTMLElement {
     detail,
     rules,
   );
-}
-
-/** Where a layer acts, in a few words. */
-export function describe(region: Region | null): string {
-  if (!region) return text.everywhere;
-  const kind = Object.keys(region)[0] as string;
-  if ('painted' in region) return text.strokes(region.painted.length);
-  return text.regionNames[kind] ?? kind;
 }

@@ -1,9 +1,9 @@
 /** How the shape is looked at: style, colours, features, before and after. */
 
-import { colourAt, type MapName, type RangeRule, rangeOf } from './colours';
-import { check, h, iconButton, segments, select } from './dom';
+import { colouring } from './colouring';
+import { check, h, iconButton, segments } from './dom';
 import { count, short } from './lengths';
-import type { Feature, FieldName } from './protocol';
+import type { Feature } from './protocol';
 import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
@@ -11,11 +11,6 @@ import type { Style } from './view';
 
 /** σ of features, in radii of their balls. */
 const BALL = 0.7;
-
-/** Not the change and the bands, which the page knows by itself. */
-function isOther(field: FieldName): boolean {
-  return field.name !== 'change' && !/^band-\d+$/.test(field.name);
-}
 
 export interface Look {
   panel: HTMLElement;
@@ -30,13 +25,6 @@ export interface Look {
 
 export function look(studio: Studio, stage: Stage): Look {
   const { view } = studio;
-  let coloured = 'none';
-  let values: Float32Array | null = null;
-  let title = '';
-  let unit = '';
-  let diverging = false;
-  let map: MapName = 'viridis';
-  let rule: RangeRule = 'most';
   let features: Feature[] = [];
 
   // Style.
@@ -57,167 +45,7 @@ export function look(studio: Studio, stage: Stage): Look {
   );
   studio.on('shape', () => setStyle(view.style));
 
-  // Colours.
-  const colourSelect = h('select', {
-    'aria-label': text.colours,
-    onchange: () => void colour(colourSelect.value),
-  });
-  const mapSelect = select<MapName>(text.map, text.maps, 'viridis', (m) => {
-    map = m;
-    paintLegend();
-  });
-  const ruleSelect = select<'most' | 'all'>(
-    text.range,
-    [
-      ['most', text.rangeMost],
-      ['all', text.rangeAll],
-    ],
-    'most',
-    (r) => {
-      rule = r;
-      paintLegend();
-    },
-  );
-  const low = h('input', {
-    type: 'number',
-    step: 'any',
-    'aria-label': text.rangeLow,
-    onchange: () => byHand(),
-  });
-  const high = h('input', {
-    type: 'number',
-    step: 'any',
-    'aria-label': text.rangeHigh,
-    onchange: () => byHand(),
-  });
-  const byHand = () => {
-    if (!Number.isFinite(low.valueAsNumber) || !Number.isFinite(high.valueAsNumber)) return;
-    if (low.valueAsNumber >= high.valueAsNumber) {
-      studio.say(text.badRange, 'error');
-      return;
-    }
-    rule = { low: low.valueAsNumber, high: high.valueAsNumber };
-    paintLegend();
-  };
-  const colourOptions = h(
-    'div',
-    { class: 'colour-options', hidden: true },
-    mapSelect,
-    ruleSelect,
-    h('div', { class: 'row' }, low, high),
-  );
-
-  const bar = h('canvas', { width: 256, height: 1, 'aria-hidden': 'true' });
-  const legendTitle = h('span', { class: 'legend-title' });
-  const numbers = h('div', { class: 'legend-numbers' });
-  const legend = h(
-    'figure',
-    { class: 'legend', hidden: true },
-    h('figcaption', {}, legendTitle),
-    bar,
-    numbers,
-  );
-
-  function paintLegend(): void {
-    if (!values) {
-      legend.hidden = true;
-      return;
-    }
-    const range = rangeOf(values, rule, diverging);
-    view.setScalarRange(range, map);
-    const context = bar.getContext('2d')!;
-    for (let i = 0; i < 256; i++) {
-      const [r, g, b] = colourAt(map, i / 255);
-      context.fillStyle = `rgb(${r} ${g} ${b})`;
-      context.fillRect(i, 0, 1, 1);
-    }
-    legendTitle.textContent = unit ? `${title} (${unit})` : title;
-    numbers.replaceChildren(
-      ...[0, 0.5, 1].map((t) => h('span', {}, short(range[0] + t * (range[1] - range[0])))),
-    );
-    if (document.activeElement !== low) low.value = range[0].toPrecision(4);
-    if (document.activeElement !== high) high.value = range[1].toPrecision(4);
-    legend.hidden = false;
-  }
-
-  let asked = 0;
-  async function colour(name: string): Promise<void> {
-    const mine = ++asked;
-    const changed = name !== coloured;
-    coloured = name;
-    colourSelect.value = name;
-    colourOptions.hidden = name === 'none';
-    if (name === 'none') {
-      values = null;
-      view.setScalar(null);
-      paintLegend();
-      return;
-    }
-    try {
-      if (name === 'change' || name.startsWith('band-')) {
-        const level = name === 'change' ? 0 : Number(name.slice(5));
-        if (name === 'change') await studio.settled();
-        const answer = await studio.engine.call('scalar', level ? { band: level } : 'change');
-        if (mine !== asked) return;
-        values = answer.values;
-        title = level ? text.bandSize(level) : text.change;
-        unit = '';
-        diverging = false;
-      } else {
-        const answer = await studio.api.field(studio.shape!.id, name.slice(6));
-        if (mine !== asked) return;
-        values = answer.values;
-        title = answer.info.label;
-        unit = answer.info.unit;
-        diverging = answer.info.diverging;
-      }
-    } catch (error) {
-      if (mine !== asked) return;
-      studio.say((error as Error).message, 'error');
-      if (changed) void colour('none');
-      return;
-    }
-    if (changed) {
-      rule = 'most';
-      map = diverging ? 'diverging' : 'viridis';
-      mapSelect.querySelector('select')!.value = map;
-      ruleSelect.querySelector('select')!.value = 'most';
-    }
-    view.setScalar(values, [0, 1], map);
-    paintLegend();
-  }
-
-  function listColours(): void {
-    const shape = studio.shape;
-    if (!shape) return;
-    colourSelect.replaceChildren(
-      h('option', { value: 'none' }, text.noColours),
-      h('option', { value: 'change' }, text.change),
-      h(
-        'optgroup',
-        { label: text.fields },
-        ...shape.fields.filter(isOther).map((f) => h('option', { value: `field-${f.name}` }, f.label)),
-      ),
-      h(
-        'optgroup',
-        { label: text.bandSizes },
-        ...shape.levels.map((l) =>
-          h('option', { value: `band-${l.level}` }, text.band(l.level, short(l.sigma))),
-        ),
-      ),
-    );
-    void colour('none');
-  }
-  studio.on('levels', listColours);
-  // Fields of the edited shape follow it.
-  let later = 0;
-  studio.on('moved', () => {
-    const edited =
-      coloured === 'change' || studio.shape?.fields.some((f) => f.edited && coloured === `field-${f.name}`);
-    if (!edited || (coloured !== 'change' && studio.saver?.state !== 'kept')) return;
-    window.clearTimeout(later);
-    later = window.setTimeout(() => void colour(coloured), 60);
-  });
+  const colours = colouring(studio);
 
   // Features.
   const featureList = h('output', { class: 'feature', hidden: true });
@@ -259,11 +87,20 @@ export function look(studio: Studio, stage: Stage): Look {
       }
     }
     if (best) {
-      featureList.textContent = text.feature(
-        best.vertex,
-        short(best.sigma),
-        short(best.strength),
-        best.level,
+      const { vertex, sigma, strength, level } = best;
+      featureList.replaceChildren(
+        h('span', {}, text.feature(vertex, short(sigma), short(strength), level)),
+        h(
+          'button',
+          {
+            type: 'button',
+            onclick: () =>
+              studio.addLayer(text.layerName(studio.doc.layers.length + 1), {
+                ball: { centre: { vertex }, radius: sigma },
+              }),
+          },
+          text.actHere,
+        ),
       );
       featureList.hidden = false;
       return;
@@ -271,8 +108,7 @@ export function look(studio: Studio, stage: Stage): Look {
     featureList.hidden = true;
     if (!answer.hit) return;
     const v = answer.hit.vertex;
-    const value = values ? `, ${title} ${short(values[v]!)}${unit ? ` ${unit}` : ''}` : '';
-    featureList.textContent = `${text.vertex(v)}${value}`;
+    featureList.textContent = `${text.vertex(v)}${colours.valueAt(v)}`;
     featureList.hidden = false;
   };
 
@@ -359,6 +195,13 @@ export function look(studio: Studio, stage: Stage): Look {
     e.stopPropagation();
     place((view.split ?? 0.5) + step);
   });
+  studio.on('compared', () => {
+    const { compared } = studio;
+    labels[0]!.textContent = compared ? text.compareShort[compared.method] : text.beforeShort;
+    labels[1]!.textContent = compared ? text.thisEdit : text.afterShort;
+    studio.updateTint();
+    if (compared && view.split === null) toggleSplit();
+  });
   const toggleSplit = () => {
     if (view.split === null) place(0.5);
     else view.split = null;
@@ -399,8 +242,7 @@ export function look(studio: Studio, stage: Stage): Look {
     { class: 'look-panel', id: 'look', 'aria-label': text.look },
     h('header', {}, h('h2', {}, text.look)),
     styleButtons,
-    h('label', { class: 'field' }, h('span', {}, text.colours), colourSelect),
-    colourOptions,
+    ...colours.controls,
     featureBox,
     featureList,
     cameraRow,
@@ -408,12 +250,12 @@ export function look(studio: Studio, stage: Stage): Look {
   );
   return {
     panel,
-    legend,
+    legend: colours.legend,
     readouts,
     divider,
     style: setStyle,
     cycleStyle: () => setStyle(styles[(styles.indexOf(view.style) + 1) % styles.length]!),
-    toggleChange: () => void colour(coloured === 'change' ? 'none' : 'change'),
+    toggleChange: colours.toggleChange,
     toggleSplit,
   };
 }

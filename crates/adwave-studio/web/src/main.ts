@@ -14,6 +14,7 @@ import { Stage } from './stage';
 import { toEdit } from './state';
 import { Studio } from './studio';
 import { text } from './text';
+import { comparisonPanel } from './tools';
 import { type Theme, View } from './view';
 
 /** What tests and the curious may ask for, as `window.studio`. */
@@ -30,6 +31,8 @@ export interface Window4Tests {
   positions(): Promise<Float32Array>;
   /** Resolves when the server has every step. */
   kept(): Promise<void>;
+  /** The mask of the last layer, as painted here, after all computing has come to rest. */
+  mask(): Promise<Uint8Array>;
   /** Who draws. */
   renderer: string;
 }
@@ -105,6 +108,7 @@ export function start({ api, list, early, fetchShape }: Start): void {
     look.divider,
     look.readouts,
     look.legend,
+    comparisonPanel(studio),
     badge,
     banner,
     loading,
@@ -145,8 +149,9 @@ export function start({ api, list, early, fetchShape }: Start): void {
     undo.disabled = !studio.history.canUndo;
     redo.disabled = !studio.history.canRedo;
   });
-  studio.on('before', () => {
+  studio.on(['before', 'compared'], () => {
     badge.hidden = !view.before;
+    badge.textContent = studio.compared ? text.compareShort[studio.compared.method] : text.beforeShort;
     before.setAttribute('aria-pressed', String(view.before));
     split.setAttribute('aria-pressed', String(view.split !== null));
   });
@@ -166,13 +171,16 @@ export function start({ api, list, early, fetchShape }: Start): void {
       kept: text.kept,
       sending: text.sending,
       offline: text.offline,
+      ended: text.offline,
       conflict: text.conflictBanner,
       refused: text.offline,
     };
     saving.textContent = saver.state === 'conflict' || saver.state === 'refused' ? '' : words[saver.state];
     saving.dataset['state'] = saver.state;
-    banner.hidden = saver.state !== 'offline' && saver.state !== 'conflict';
-    if (saver.state === 'offline') banner.replaceChildren(h('p', {}, text.offlineBanner));
+    banner.hidden = !['offline', 'ended', 'conflict'].includes(saver.state);
+    const keepAsFile = h('button', { type: 'button', onclick: () => files.saveEdit() }, text.editSave);
+    if (saver.state === 'offline') banner.replaceChildren(h('p', {}, text.offlineBanner), keepAsFile);
+    if (saver.state === 'ended') banner.replaceChildren(h('p', {}, text.endedBanner), keepAsFile);
     if (saver.state === 'conflict') {
       banner.replaceChildren(
         h('p', {}, text.conflictBanner),
@@ -223,13 +231,17 @@ export function start({ api, list, early, fetchShape }: Start): void {
   const tests: Window4Tests = {
     ready,
     state: () => toEdit(studio.doc, 0),
-    timings: studio.timings,
+    timings: studio.watch.timings,
     measure: (on) => {
-      studio.measuring = on;
+      studio.watch.measuring = on;
     },
     positions: async () => {
       await studio.settled();
       return (await studio.engine.call('positions', {})).positions;
+    },
+    mask: async () => {
+      await studio.settled();
+      return (await studio.engine.call('maskBytes', { key: studio.doc.layers.at(-1)!.key })).bytes;
     },
     kept: () =>
       studio.saver && studio.saver.state === 'kept' && !studio.saver.pending

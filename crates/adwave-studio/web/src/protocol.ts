@@ -10,14 +10,21 @@ export type Region =
   | { box: { min: number[]; max: number[]; falloff?: Length } }
   | { 'half-space': { point: number[]; normal: number[]; falloff?: Length } }
   | { field: { name: string; low: number; high: number } }
+  | { facing: { direction: number[]; falloff?: number } }
+  | { component: { vertex: number } }
+  | { grown: { by: Length; region: Region } }
+  | { blurred: { by: Length; region: Region } }
   | { faded: { factor: number; region: Region } }
   | { painted: BrushStroke[] }
   | { not: Region }
   | { any: Region[] }
   | { all: Region[] };
 
-/** One stroke of a brush: the larger of what is there and r, or the smaller of what is there and 1 − r. */
-export type BrushStroke = { add: Region } | { subtract: Region };
+/**
+ * One stroke of a brush: the larger of what is there and r, the smaller of what is there and 1 − r, or what is there blurred by a
+ * length to the part r.
+ */
+export type BrushStroke = { add: Region } | { subtract: Region } | { smooth: { region: Region; by: Length } };
 
 export interface Layer {
   name: string;
@@ -99,4 +106,14 @@ export interface FieldInfo {
 export interface ShapeList {
   version: string;
   shapes: { id: number; name: string }[];
+}
+
+export type CompareMethod = 'taubin' | 'harmonics';
+
+export interface Comparison {
+  how: { degree: number; frequency: number } | { harmonics: number; t: number };
+  /** Rms distance of a vertex from the mean of its neighbours. */
+  roughness: { before: number; edit: number; other: number };
+  /** Rms distance that vertices are moved. */
+  rms: { edit: number; other: number };
 }

@@ -4,7 +4,8 @@ import { type Api, ApiError } from './api';
 import type { Edit, Moved } from './protocol';
 import { type Doc, toEdit } from './state';
 
-export type SaveState = 'kept' | 'sending' | 'offline' | 'conflict' | 'refused';
+/** `ended`: the server is another run than the one that this page was opened by. */
+export type SaveState = 'kept' | 'sending' | 'offline' | 'ended' | 'conflict' | 'refused';
 
 /** Milliseconds between tries while there is no server. */
 const RETRY = 1500;
@@ -66,6 +67,8 @@ export class Saver {
         this.theirs = keptEdit(error.body);
         if (this.theirs) this.revision = Math.max(this.revision, this.theirs.revision);
         this.set('conflict', error.message);
+      } else if (error instanceof ApiError && error.status === 401) {
+        this.set('ended', error.message);
       } else if (error instanceof ApiError && error.status > 0) {
         // The same document again would be refused again: wait for the next step.
         this.wanted = null;
@@ -76,6 +79,12 @@ export class Saver {
       }
       this.told(null);
     }
+  }
+
+  /** Resolves when the server has the edit, or cannot have it now. */
+  async sent(): Promise<void> {
+    await this.send();
+    while (this.state === 'sending' && !this.closed) await new Promise((done) => setTimeout(done, 20));
   }
 
   /** Ends a conflict: ours replaces what is kept, or theirs is taken. */

@@ -1,8 +1,9 @@
 /** The pointer over the picture: camera, brush, what is under the cursor. */
 
-import { brush, brushShape, halfRadius, painted, SPACING } from './brush';
+import { brush, brushShape, halfRadius, painted, SPACING, smoothing, stampsOf } from './brush';
 import type { BrushShape, PickAnswer } from './compute/messages';
 import type { Ray } from './compute/pick';
+import { flatRing } from './compute/ring';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -104,7 +105,13 @@ export class Stage {
       studio.addLayer(text.layerName(studio.doc.layers.length + 1), { painted: [] }, false);
       studio.say(text.paintedLayer);
     }
-    await studio.showMask(studio.layer);
+    try {
+      await studio.showMask(studio.layer, shape.mode === 'smooth' ? smoothing(shape) : null);
+    } catch (error) {
+      studio.history.cancel();
+      studio.say((error as Error).message, 'error');
+      return;
+    }
     const scale = studio.view.camera.project(answer.hit.point).scale;
     this.stroke = {
       pointer: begun.id,
@@ -138,7 +145,7 @@ export class Stage {
         ring: halfRadius(stroke.shape),
       });
       stroke.stamped += answer.stamped;
-      if (answer.stamped) studio.timings.stamp.push(answer.stampTook);
+      if (answer.stamped) studio.watch.timings.stamp.push(answer.stampTook);
       studio.view.showRing(answer.outer, answer.inner);
       studio.showSpectrum(answer.spectrum);
       if (answer.stamped) {
@@ -166,7 +173,7 @@ export class Stage {
     const keep = stroke.ended === 'keep' && stroke.stamped > 0;
     const layer = studio.doc.layers.find((l) => l.key === stroke.key);
     const region = layer ? painted(layer.region, [], stroke.shape) : null;
-    const child = region ? studio.regionId(region) : -1;
+    const child = region ? studio.regions.id(region) : -1;
     const { indices } = await studio.engine.call('paintEnd', {
       key: stroke.key,
       keep: keep && region !== null,
@@ -179,6 +186,7 @@ export class Stage {
       return;
     }
     stampsOf(region).push(...indices);
+    if (layer?.region) studio.regions.follows(region, layer.region);
     studio.changeLayer({ region }, false, stroke.key);
     studio.history.end();
   }
@@ -254,6 +262,10 @@ export class Stage {
 
   /** Gives up the stroke that is going on, or a pick that was asked for. */
   escape(): boolean {
+    if (this.studio.drawing) {
+      this.studio.drawing.cancel();
+      return true;
+    }
     if (this.studio.pickNext) {
       this.studio.pickNext = null;
       return true;
@@ -283,10 +295,10 @@ export class Stage {
         ray: studio.view.camera.ray(place.x, place.y),
         ring,
       });
-      studio.timings.pick.push(answer.took);
+      studio.watch.timings.pick.push(answer.took);
       this.over = answer;
       if (studio.brushOn && !this.stroke) {
-        const flat = answer.hit && !answer.outer ? flatRing(answer, shape.radius) : null;
+        const flat = answer.hit && !answer.outer ? flatRing(answer.hit, shape.radius) : null;
         // The circle moves over the shape: fewer triangles will do.
         studio.view.showRing(answer.outer ?? flat, answer.inner);
         studio.view.touch();
@@ -357,34 +369,4 @@ export class Stage {
     else camera.pan(now.x - before.x, now.y - before.y);
     camera.roll(now.angle - before.angle);
   }
-}
-
-/** The list of vertices within the last stroke of a region, which is filled once the worker has said it. */
-function stampsOf(region: ReturnType<typeof painted>): number[] {
-  if (!('painted' in region)) return [];
-  const stroke = region.painted.at(-1)!;
-  let inner = 'add' in stroke ? stroke.add : stroke.subtract;
-  if ('faded' in inner) inner = inner.faded.region;
-  return 'vertices' in inner ? inner.vertices.indices : [];
-}
-
-/** A circle in the tangent plane, where distances along the surface are not drawn. */
-function flatRing(answer: PickAnswer, radius: number): Float32Array {
-  const { point, normal } = answer.hit!;
-  const [nx, ny, nz] = normal;
-  const a = Math.abs(nx) < 0.8 ? [0, -nz, ny] : [nz, 0, -nx];
-  const length = Math.hypot(...a);
-  const u = a.map((x) => x / length) as [number, number, number];
-  const v = [ny * u[2] - nz * u[1], nz * u[0] - nx * u[2], nx * u[1] - ny * u[0]];
-  const n = 64;
-  const out = new Float32Array(6 * n);
-  for (let i = 0; i < n; i++) {
-    for (const end of [0, 1]) {
-      const t = (2 * Math.PI * (i + end)) / n;
-      for (let c = 0; c < 3; c++) {
-        out[6 * i + 3 * end + c] = point[c]! + radius * (Math.cos(t) * u[c]! + Math.sin(t) * v[c]!);
-      }
-    }
-  }
-  return out;
 }

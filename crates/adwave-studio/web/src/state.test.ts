@@ -69,7 +69,14 @@ describe('a slider', () => {
 });
 
 test('a stroke on a region that was not painted begins with it', () => {
-  const shape = { radius: 1, falloff: 1, strength: 0.5, subtract: true, mirror: null };
+  const shape = {
+    radius: 1,
+    falloff: 1,
+    strength: 0.5,
+    mode: 'subtract' as const,
+    facing: null,
+    mirror: null,
+  };
   const ball = { ball: { centre: { vertex: 1 }, radius: 2 } };
   expect(painted(ball, [4], shape)).toEqual({
     painted: [

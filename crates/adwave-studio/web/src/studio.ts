@@ -6,13 +6,17 @@ import { rangeOf } from './colours';
 import { coarseTriangles } from './compute/coarse';
 import type { EditAnswer, News, WorkerLayer } from './compute/messages';
 import { globalGains } from './compute/positions';
+import { Detail } from './detail';
 import { Engine } from './engine';
-import { GREATEST_GAIN } from './gain';
-import type { Level, Moved, Region, Shape, ShapeList } from './protocol';
+import { Masks } from './masks';
+import type { Edit, Level, Moved, Region, Shape, ShapeList } from './protocol';
+import { Regions } from './regions';
 import { keptAfterReload, Saver } from './saver';
 import { type Doc, type DocLayer, fromEdit, History, isNeutral, newLayer, withLayer } from './state';
 import { text } from './text';
+import type { Compared } from './tools';
 import type { View } from './view';
+import { Watch } from './watch';
 
 export type Topic =
   | 'shape'
@@ -26,6 +30,8 @@ export type Topic =
   | 'spectrum'
   | 'tool'
   | 'before'
+  | 'compared'
+  | 'drawing'
   | 'theme';
 
 /** Milliseconds of rest after which positions and normals are computed exactly on shapes that are large. */
@@ -34,18 +40,6 @@ const REST = 120;
 const COARSE = 45_000;
 /** Triangles of a shape that is first drawn with fewer. */
 const COARSE_FIRST = 200_000;
-
-export interface Timings {
-  firstPixels: number;
-  firstSlider: number;
-  slidersLive: number;
-  slider: number[];
-  settle: number[];
-  pick: number[];
-  stamp: number[];
-  /** A frame from its first call until it is finished. */
-  frame: number[];
-}
 
 export class Studio {
   shape: Shape | null = null;
@@ -57,32 +51,22 @@ export class Studio {
   /** What the last computation said, until the server says it in double precision. */
   moved: { greatest: number; rms: number; volume: [number, number] | null } | null = null;
   spectrum: number[] = [];
+  /** What stands in place of the shape as it was opened. */
+  compared: Compared | null = null;
   brushOn = false;
-  readonly timings: Timings = {
-    firstPixels: 0,
-    firstSlider: 0,
-    slidersLive: 0,
-    slider: [],
-    settle: [],
-    pick: [],
-    stamp: [],
-    frame: [],
-  };
+  readonly watch = new Watch();
   readonly engine: Engine;
+  readonly regions = new Regions();
+  readonly detail = new Detail(this);
   /** Whether the mask of the selected layer is shown as a tint. */
   tint = true;
   private readonly listeners = new Map<Topic, (() => void)[]>();
-  private readonly regionIds = new WeakMap<Region, number>();
-  private nRegions = 0;
-  private sentRegions = new Set<number>();
-  private readonly masks = new Map<number, Uint8Array>();
-  private slots: number[] = [];
+  private readonly masks: Masks;
   private settling = false;
   private settleAgain = false;
   private restTimer = 0;
   private generation = 0;
   private settledWaiters: (() => void)[] = [];
-  private sliderMoved = 0;
   private shownDoc: Doc | null = null;
   private problem: string | null = null;
 
@@ -93,7 +77,8 @@ export class Studio {
     readonly say: (sentence: string, kind?: 'info' | 'error') => void,
   ) {
     this.engine = new Engine(worker, (news) => this.hear(news));
-    view.drawn = (began) => this.frameDrawn(began);
+    this.masks = new Masks(view);
+    view.drawn = (began) => this.watch.frameDrawn(began, this.shownDoc === this.doc, () => view.finish());
   }
 
   on(topics: Topic | Topic[], listener: () => void): void {
@@ -140,15 +125,16 @@ export class Studio {
     this.view.draw();
     if (this.view.heavy && shape.n_triangles <= COARSE_FIRST)
       window.setTimeout(() => generation === this.generation && coarsen());
-    if (!this.timings.firstPixels) {
+    if (!this.watch.timings.firstPixels) {
       this.view.finish();
-      this.timings.firstPixels = performance.now();
+      this.watch.timings.firstPixels = performance.now();
     }
-    this.masks.clear();
-    this.slots = [];
-    this.sentRegions = new Set();
+    this.masks.begin(shape.n_vertices);
+    this.regions.forget();
     this.arrived.clear();
     this.moved = null;
+    this.compared = null;
+    this.emit('compared');
     this.view.setLevels(shape.levels.length);
     const normals = this.engine.call('shape', {
       url: `${this.api.root}api/shapes/${shape.id}/`,
@@ -182,7 +168,8 @@ export class Studio {
     this.selected = doc.layers[0]!.key;
     this.saver?.close();
     this.saver = new Saver(this.api, this.shape!.id, revision, (moved) => this.heardServer(moved));
-    this.updateSlots();
+    this.masks.take(doc.layers);
+    this.updateTint();
     this.emit('doc');
     this.emit('selected');
     this.emit('saving');
@@ -226,6 +213,13 @@ export class Studio {
     await this.takeLevels(levels, edit);
   }
 
+  /** An edit from a file, as one step. */
+  takeEdit(edit: Edit): void {
+    const fits = Array.isArray(edit.layers) && edit.layers.every((l) => l.gains.length === this.nLevels);
+    if (!fits) throw new Error(text.badEdit(this.nLevels));
+    this.history.commit(fromEdit(edit, this.nLevels));
+  }
+
   /** After a conflict: what another page made of the edit. */
   takeTheirs(): void {
     const edit = this.saver?.theirs;
@@ -240,19 +234,12 @@ export class Studio {
       this.view.setBand(news.level, news.scale, news.values);
       this.arrived.add(news.level);
       const now = performance.now();
-      if (this.arrived.size === 1) this.timings.firstSlider = now;
-      if (this.arrived.size === this.nLevels) this.timings.slidersLive = now;
+      if (this.arrived.size === 1) this.watch.timings.firstSlider = now;
+      if (this.arrived.size === this.nLevels) this.watch.timings.slidersLive = now;
       this.emit('band');
       return;
     }
-    let mask = this.masks.get(news.key);
-    if (!mask) {
-      mask = new Uint8Array(this.shape!.n_vertices);
-      this.masks.set(news.key, mask);
-    }
-    mask.set(news.bytes, news.from);
-    const slot = this.slots.indexOf(news.key);
-    if (slot >= 0) this.view.setMask(slot, news.from, news.bytes);
+    this.masks.hear(news.key, news.from, news.bytes);
   }
 
   /** The document changed: by a step, or (not `committed`) within a gesture. */
@@ -261,7 +248,8 @@ export class Studio {
       this.selected = this.doc.layers.at(-1)!.key;
       this.emit('selected');
     }
-    this.updateSlots();
+    this.masks.take(this.doc.layers);
+    this.updateTint();
     this.show(committed);
     if (committed) this.saver?.changed(this.doc);
     this.emit('doc');
@@ -284,46 +272,23 @@ export class Studio {
     }));
     const masked = layers
       .filter((l) => l.region)
-      .map((l) => ({ slot: this.slots.indexOf(l.key), slopes: l.gains.map((g) => l.opacity * (g - 1)) }));
-    if (masked.some((m) => !this.masks.has(this.slots[m.slot]!))) return false;
+      .map((l) => ({ slot: this.masks.slot(l.key), slopes: l.gains.map((g) => l.opacity * (g - 1)) }));
+    if (!layers.every((l) => !l.region || this.masks.has(l.key))) return false;
     const shown = this.view.setGains(globalGains(terms, this.nLevels), masked);
     if (shown) this.shownDoc = this.doc;
     return shown;
   }
 
-  /** Which layer's mask is in which slot of the shader. */
-  private updateSlots(): void {
-    const slots = this.doc.layers.filter((l) => l.region).map((l) => l.key);
-    if (slots.length !== this.slots.length || slots.some((k, i) => k !== this.slots[i])) {
-      const old = this.slots;
-      this.slots = slots;
-      for (const [slot, key] of slots.entries()) {
-        const mask = this.masks.get(key);
-        if (mask && old[slot] !== key) this.view.setMask(slot, 0, mask);
-        else if (!mask && this.shape) this.view.setMask(slot, 0, new Uint8Array(this.shape.n_vertices));
-      }
-    }
-    this.updateTint();
-  }
-
   updateTint(): void {
-    const slot = this.slots.indexOf(this.selected);
-    this.view.setTint(this.tint && slot >= 0 ? slot : null);
+    const slot = this.masks.slot(this.selected);
+    // Two shapes are compared in one colour.
+    this.view.setTint(this.tint && slot >= 0 && !this.compared ? slot : null);
   }
 
   select(key: number): void {
     this.selected = key;
     this.updateTint();
     this.emit('selected');
-  }
-
-  regionId(region: Region): number {
-    let id = this.regionIds.get(region);
-    if (id === undefined) {
-      id = ++this.nRegions;
-      this.regionIds.set(region, id);
-    }
-    return id;
   }
 
   /** Exact positions and normals of the present document; while that is computed, the next one waits. */
@@ -350,18 +315,20 @@ export class Studio {
 
   private async compute(): Promise<void> {
     const { doc, generation } = this;
-    const regions: [number, Region][] = [];
-    const layers: WorkerLayer[] = doc.layers.map((l) => {
-      const region = l.region ? this.regionId(l.region) : null;
-      if (region !== null && !this.sentRegions.has(region)) regions.push([region, l.region!]);
-      return { key: l.key, on: l.on, opacity: l.opacity, gains: l.gains, region };
-    });
-    for (const [id] of regions) this.sentRegions.add(id);
-    const exact = needsServer(doc) && this.saver?.state === 'kept' && !this.saver.pending;
+    const { news, ids } = this.regions.newsOf(doc.layers.map((l) => l.region));
+    const layers: WorkerLayer[] = doc.layers.map((l, i) => ({
+      key: l.key,
+      on: l.on,
+      opacity: l.opacity,
+      gains: l.gains,
+      region: ids[i]!,
+    }));
+    const exact =
+      needsServer(doc, this.shape!.kind === 'cloud') && this.saver?.state === 'kept' && !this.saver.pending;
     try {
-      const answer = await this.engine.call('edit', { layers, regions, exact });
+      const answer = await this.engine.call('edit', { layers, regions: news, exact });
       if (generation !== this.generation) return;
-      this.timings.settle.push(answer.took);
+      this.watch.timings.settle.push(answer.took);
       if (answer.problem && answer.problem !== this.problem) this.say(answer.problem, 'error');
       this.problem = answer.problem;
       if (doc === this.doc || !this.view.large) {
@@ -371,7 +338,7 @@ export class Studio {
       if (doc === this.doc) this.heardWorker(answer);
     } catch (error) {
       // The next time the worker learns these regions again.
-      for (const [id] of regions) this.sentRegions.delete(id);
+      this.regions.forget(news);
       if (generation === this.generation) this.say((error as Error).message, 'error');
     }
   }
@@ -394,7 +361,7 @@ export class Studio {
     if (moved) {
       this.moved = moved;
       this.emit('moved');
-      if (needsServer(this.doc)) this.settle();
+      if (needsServer(this.doc, this.shape!.kind === 'cloud')) this.settle();
     }
     this.emit('saving');
   }
@@ -407,8 +374,8 @@ export class Studio {
   }
 
   undo(): void {
-    this.sliderTouched();
-    if (!this.history.undo()) this.sliderMoved = 0;
+    this.watch.sliderTouched();
+    if (!this.history.undo()) this.watch.sliderLeft();
   }
 
   redo(): void {
@@ -432,10 +399,16 @@ export class Studio {
     return layer.key;
   }
 
-  /** The worker gets the mask of a layer before it is painted on. */
-  async showMask(layer: DocLayer): Promise<void> {
+  /** The worker gets the mask of a layer before it is painted on, and blurs it for a stroke that smooths by a length. */
+  async showMask(layer: DocLayer, smoothing: number | null): Promise<void> {
     if (!layer.region) return;
-    await this.engine.call('mask', { key: layer.key, id: this.regionId(layer.region), region: layer.region });
+    const { news, ids } = this.regions.newsOf([layer.region]);
+    try {
+      await this.engine.call('mask', { key: layer.key, id: ids[0]!, regions: news, smoothing });
+    } catch (error) {
+      this.regions.forget(news);
+      throw error;
+    }
   }
 
   setBrush(on: boolean): void {
@@ -450,69 +423,25 @@ export class Studio {
 
   /** The vertex that was clicked last, where a ball begins. */
   lastVertex: number | null = null;
+  /** A line that is being drawn, click by click. */
+  drawing: { end: () => void; cancel: () => void } | null = null;
   /** Takes the next vertex that is clicked in place of what a click does. */
   pickNext: ((vertex: number) => void) | null = null;
-  private detail: number[] | null = null;
-
-  /** Remembers how much detail of each width there is round a vertex. */
-  takeDetail(vertex: number, radius: number): void {
-    void this.engine.call('energy', { key: null, vertex, radius }).then(({ rms }) => {
-      this.detail = rms;
-      this.say(text.detailTaken);
-    });
-  }
-
-  /** Gains that give the selected layer's place the detail that was taken elsewhere. */
-  giveDetail(): void {
-    const { detail, layer } = this;
-    if (!detail || detail.length !== this.nLevels) {
-      this.say(text.noDetail);
-      return;
-    }
-    void this.engine.call('energy', { key: layer.key, vertex: null, radius: 0 }).then(({ rms }) => {
-      const gains = detail.map((wanted, j) => {
-        const there = rms[j]!;
-        const gain = there > 0 ? wanted / there : 1;
-        return Math.round(1000 * Math.min(GREATEST_GAIN, gain)) / 1000;
-      });
-      this.changeLayer({ gains }, true, layer.key);
-    });
-  }
 
   /** The range of a field that 2 % at each end are left out of. */
   async fieldRange(name: string): Promise<[number, number]> {
-    const { values, info } = await this.api.field(this.shape!.id, name);
-    return rangeOf(values, 'most', info.diverging);
-  }
-
-  /** A slider was moved now: the next frame says how long it took to be seen. */
-  sliderTouched(): void {
-    this.sliderMoved ||= performance.now();
-  }
-
-  /** Set by tests: each frame waits until it is finished and is timed. */
-  measuring = false;
-
-  private frameDrawn(began: number): void {
-    if (!this.measuring) {
-      this.sliderMoved = 0;
-      return;
-    }
-    if (!this.sliderMoved || this.shownDoc !== this.doc) return;
-    const since = this.sliderMoved;
-    this.sliderMoved = 0;
-    this.view.finish();
-    this.timings.slider.push(performance.now() - since);
-    this.timings.frame.push(performance.now() - began);
+    const { values } = await this.api.field(this.shape!.id, name, 'region');
+    return rangeOf(values, 'most', false);
   }
 }
 
 const NO_MASK = new Uint8Array(0);
 
 /** Rules that only the server applies: the page shows its positions once it has the edit. */
-export function needsServer(doc: Doc): boolean {
+export function needsServer(doc: Doc, cloud: boolean): boolean {
   return (
-    (doc.along !== null && doc.along !== 'free') ||
+    // A cloud moves along its normals where nothing else is said.
+    (doc.along === null ? cloud && !isNeutral(doc) : doc.along !== 'free') ||
     (doc.border !== null && doc.border !== 'natural') ||
     doc.volume === 'keep'
   );

@@ -7,34 +7,20 @@ import {
   BufferAttribute,
   BufferGeometry,
   ColorManagement,
-  DataTexture,
-  DoubleSide,
-  GLSL3,
-  LinearFilter,
-  LineSegments,
   Mesh,
   Points,
   RawShaderMaterial,
   Scene,
-  Vector2,
-  Vector3,
-  Vector4,
   WebGLRenderer,
 } from 'three';
 import { Camera } from './camera';
-import { type MapName, table } from './colours';
+import type { MapName } from './colours';
 import { Compact } from './compact';
+import { boundingSphere, replace } from './geometry';
+import { type Masked, Materials } from './materials';
+import { Overlays } from './overlays';
 import type { Feature } from './protocol';
-import {
-  ballFragment,
-  ballVertex,
-  fragmentShader,
-  lineFragment,
-  lineVertex,
-  maskPacks,
-  type Variant,
-  vertexShader,
-} from './shader';
+import { maskPacks } from './shader';
 
 export type Style = 'shaded' | 'matcap' | 'flat' | 'edges';
 export type Theme = 'light' | 'dark';
@@ -70,22 +56,16 @@ export class View {
   /** Called after each frame that was drawn. */
   drawn: ((began: number) => void) | null = null;
   hasEdited = false;
-  private theme: Theme = 'light';
   private readonly scene = new Scene();
   private readonly base = new BufferGeometry();
   private readonly edited = new BufferGeometry();
-  private readonly lines = new BufferGeometry();
-  private readonly ring: LineSegments<BufferGeometry, RawShaderMaterial>[] = [];
-  private readonly balls: Points<BufferGeometry, RawShaderMaterial>;
+  /** Another shape of the same vertices, shown in place of the one that was opened. */
+  private readonly other = new BufferGeometry();
+  private hasOther = false;
+  private readonly materials = new Materials();
+  private readonly overlays: Overlays;
   private body: Mesh<BufferGeometry, RawShaderMaterial> | Points<BufferGeometry, RawShaderMaterial> | null =
     null;
-  private wires: LineSegments<BufferGeometry, RawShaderMaterial> | null = null;
-  private readonly materials = new Map<string, RawShaderMaterial>();
-  /** The edit as uniforms of the sum; their lengths are part of its shader. */
-  private sums: Record<'gains' | 'scales' | 'slopes', { value: number[] }> = noSums();
-  private packs = 0;
-  private hasScalar = false;
-  private tinted = false;
   private full: BufferAttribute | null = null;
   /** Fewer triangles, as opened and after the edit. */
   private coarse: { base: Compact; edited: Compact } | null = null;
@@ -96,9 +76,6 @@ export class View {
   private pointSize = 1;
   private frame = 0;
   private moving = 0;
-  private readonly tints = [new Vector4(), new Vector4()];
-  private readonly texture: DataTexture;
-  private readonly shared: Record<string, { value: unknown }>;
 
   constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({
@@ -116,71 +93,15 @@ export class View {
     this.renderer.setPixelRatio(this.software ? 1 : Math.max(2, Math.min(3, devicePixelRatio)));
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = 'srgb-linear';
-    this.texture = new DataTexture(table('viridis'), 256, 1);
-    this.texture.magFilter = LinearFilter;
-    this.texture.minFilter = LinearFilter;
-    this.texture.needsUpdate = true;
-    this.shared = {
-      surface: { value: new Vector3() },
-      accent: { value: new Vector3() },
-      range: { value: new Vector2(0, 1) },
-      colours: { value: this.texture },
-      tint: { value: this.tints[0] },
-      tint1: { value: this.tints[1] },
-      pointSize: { value: 1 },
-    };
-    for (const opacity of [1, 0.45]) {
-      const ring = new LineSegments(new BufferGeometry(), lineMaterial(opacity, 0.0015));
-      ring.frustumCulled = false;
-      ring.visible = false;
-      ring.renderOrder = 2;
-      this.ring.push(ring);
-      this.scene.add(ring);
-    }
-    this.balls = new Points(
-      new BufferGeometry(),
-      new RawShaderMaterial({
-        glslVersion: GLSL3,
-        vertexShader: ballVertex,
-        fragmentShader: ballFragment,
-        uniforms: {
-          pixels: { value: 1 },
-          high: { value: new Vector3(0.87, 0.43, 0.2) },
-          low: { value: new Vector3(0.22, 0.48, 0.78) },
-        },
-      }),
-    );
-    this.balls.frustumCulled = false;
-    this.balls.visible = false;
-    this.scene.add(this.balls);
+    this.overlays = new Overlays(this.scene);
     this.setTheme('light');
   }
 
-  private material(variant: Variant): RawShaderMaterial {
-    const key = JSON.stringify(variant);
-    let material = this.materials.get(key);
-    if (!material) {
-      material = new RawShaderMaterial({
-        glslVersion: GLSL3,
-        vertexShader: vertexShader(variant),
-        fragmentShader: fragmentShader(variant),
-        side: DoubleSide,
-        uniforms: { ...this.shared, ...this.sums },
-      });
-      this.materials.set(key, material);
-    }
-    return material;
-  }
-
   setTheme(theme: Theme): void {
-    this.theme = theme;
     const colours = COLOURS[theme];
-    (this.shared['surface']!.value as Vector3).set(...rgb(colours.surface));
-    (this.shared['accent']!.value as Vector3).set(...rgb(colours.accent));
+    this.materials.setColours(rgb(colours.surface), rgb(colours.accent));
     this.renderer.setClearColor(colours.paper, 1);
-    for (const [i, ring] of this.ring.entries()) {
-      (ring.material.uniforms['ink']!.value as Vector4).set(...rgb(colours.ink), i === 0 ? 1 : 0.5);
-    }
+    this.overlays.setInk(rgb(colours.ink), rgb(theme === 'dark' ? 0 : COLOURS.light.ink));
     this.request();
   }
 
@@ -195,42 +116,22 @@ export class View {
     this.full = cloud ? null : new BufferAttribute(triangles, 1);
     this.base.setIndex(this.full);
     this.edited.setIndex(this.full);
+    this.other.setIndex(this.full);
     this.body = cloud
       ? new Points(this.base, new RawShaderMaterial())
       : new Mesh(this.base, new RawShaderMaterial());
     this.body.frustumCulled = false;
     this.scene.add(this.body);
-    this.frameBounds(positions);
-    this.request();
-  }
-
-  private frameBounds(p: Float32Array): void {
-    const low = [Infinity, Infinity, Infinity];
-    const high = [-Infinity, -Infinity, -Infinity];
-    for (let i = 0; i < p.length; i += 3) {
-      for (let c = 0; c < 3; c++) {
-        const x = p[i + c]!;
-        if (x < low[c]!) low[c] = x;
-        if (x > high[c]!) high[c] = x;
-      }
-    }
-    const centre = low.map((x, c) => (x + high[c]!) / 2);
-    let radius = 0;
-    const [cx, cy, cz] = centre as [number, number, number];
-    for (let i = 0; i < p.length; i += 3) {
-      const d = (p[i]! - cx) ** 2 + (p[i + 1]! - cy) ** 2 + (p[i + 2]! - cz) ** 2;
-      if (d > radius) radius = d;
-    }
-    this.camera.setBounds(centre, Math.sqrt(radius));
+    const { centre, radius } = boundingSphere(positions);
+    this.camera.setBounds(centre, radius);
     this.camera.start();
+    this.request();
   }
 
   private clear(): void {
     if (this.body) this.scene.remove(this.body);
-    if (this.wires) this.scene.remove(this.wires);
-    this.wires = null;
     this.body = null;
-    for (const geometry of [this.base, this.edited, this.lines]) {
+    for (const geometry of [this.base, this.edited, this.other]) {
       geometry.dispose();
       for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
       geometry.setIndex(null);
@@ -241,10 +142,10 @@ export class View {
     this.full = null;
     this.live = false;
     this.hasEdited = false;
-    this.hasScalar = false;
-    this.tinted = false;
-    this.showFeatures([], 1);
-    this.showRing(null, null);
+    this.hasOther = false;
+    this.materials.hasScalar = false;
+    this.materials.tinted = false;
+    this.overlays.clear();
     this.setLevels(0);
   }
 
@@ -258,9 +159,7 @@ export class View {
   setEdited(positions: Float32Array, normals: Int8Array): void {
     replace(this.edited, 'position', positions, 3, false);
     replace(this.edited, 'normal', normals, 4, true);
-    for (const [name, attribute] of Object.entries(this.base.attributes)) {
-      if (name !== 'position' && name !== 'normal') this.edited.setAttribute(name, attribute);
-    }
+    this.shareAttributes(this.edited);
     this.coarse?.edited.take('position', positions, 3, false);
     this.coarse?.edited.take('normal', normals, 4, true);
     this.hasEdited = true;
@@ -283,21 +182,12 @@ export class View {
     this.nLevels = nLevels;
     this.scales = [];
     this.bands = [];
-    this.forgetSums();
+    this.materials.forgetSums();
+    this.live = false;
   }
 
   private scales: number[] = [];
   private bands: Int16Array[] = [];
-
-  private forgetSums(): void {
-    this.sums = noSums();
-    this.live = false;
-    for (const [key, material] of this.materials) {
-      if ((JSON.parse(key) as Variant).nLevels === 0) continue;
-      material.dispose();
-      this.materials.delete(key);
-    }
-  }
 
   setBand(level: number, scale: number, values: Int16Array): void {
     // What the shader sees is value / 32767.
@@ -370,113 +260,70 @@ export class View {
 
   /** Tints what is in the mask of a slot; null: nothing. */
   setTint(slot: number | null): void {
-    for (const tint of this.tints) tint.set(0, 0, 0, 0);
-    if (slot !== null) this.tints[slot >> 2]?.setComponent(slot & 3, 1);
-    this.tinted = slot !== null && slot < 8;
+    this.materials.setTint(slot);
     this.request();
   }
 
   setScalar(values: Float32Array | null, range: [number, number] = [0, 1], map: MapName = 'viridis'): void {
-    this.hasScalar = values !== null;
+    this.materials.hasScalar = values !== null;
     if (values) {
       replace(this.base, 'scalar', values, 1, false);
       if (this.hasEdited) this.edited.setAttribute('scalar', this.base.getAttribute('scalar'));
       this.coarse?.base.take('scalar', values, 1, false);
       this.coarse?.edited.take('scalar', values, 1, false);
-      (this.shared['range']!.value as Vector2).set(...range);
-      this.texture.image.data!.set(table(map));
-      this.texture.needsUpdate = true;
+      this.materials.setScalarRange(range, map);
     }
     this.request();
   }
 
   setScalarRange(range: [number, number], map: MapName): void {
-    (this.shared['range']!.value as Vector2).set(...range);
-    this.texture.image.data!.set(table(map));
-    this.texture.needsUpdate = true;
+    this.materials.setScalarRange(range, map);
     this.request();
   }
 
-  /**
-   * The edit as uniforms: gains of the layers that act everywhere, and opacity · (gain − 1) of those with a mask, by slot.
-   * False where the shader cannot do it.
-   */
-  setGains(
-    global: ArrayLike<number>,
-    masked: readonly { slot: number; slopes: readonly number[] }[],
-  ): boolean {
-    const nMasks = masked.reduce((n, m) => Math.max(n, m.slot + 1), 0);
-    const packs = maskPacks(this.nLevels, nMasks);
-    if (packs === null || (this.heavy && !this.coarse)) return false;
-    const each = 4 * packs;
-    if (this.sums.gains.value.length !== this.nLevels || packs !== this.packs) {
-      this.forgetSums();
-      this.packs = packs;
-      this.sums.gains.value = new Array<number>(this.nLevels).fill(1);
-      this.sums.scales.value = new Array<number>(this.nLevels).fill(0);
-      this.sums.slopes.value = new Array<number>(Math.max(1, this.nLevels * each)).fill(0);
-    }
-    const { gains, scales, slopes } = this.sums;
-    slopes.value.fill(0);
-    for (let j = 0; j < this.nLevels; j++) {
-      gains.value[j] = global[j]!;
-      scales.value[j] = this.scales[j] ?? 0;
-      for (const m of masked) slopes.value[j * each + m.slot] = m.slopes[j]!;
-    }
+  /** The edit as a sum by the shader; false where it cannot do it. */
+  setGains(global: ArrayLike<number>, masked: Masked): boolean {
+    if (this.heavy && !this.coarse) return false;
+    if (!this.materials.setSums(global, masked, this.scales, this.nLevels)) return false;
     this.live = true;
     this.request();
     return true;
   }
 
-  setEdges(pairs: Uint32Array): void {
-    this.lines.setIndex(new BufferAttribute(pairs, 1));
-    this.wires = new LineSegments(this.lines, lineMaterial(0.35, 0.0002));
-    this.wires.frustumCulled = false;
-    this.wires.renderOrder = 1;
-    this.scene.add(this.wires);
-    this.request();
-  }
-
-  get hasEdges(): boolean {
-    return this.wires !== null;
-  }
-
-  showRing(outer: Float32Array | null, inner: Float32Array | null): void {
-    for (const [i, segments] of [outer, inner].entries()) {
-      const ring = this.ring[i]!;
-      ring.visible = segments !== null && segments.length > 0;
-      if (!segments || !ring.visible) continue;
-      ring.geometry.dispose();
-      ring.geometry = new BufferGeometry();
-      ring.geometry.setAttribute('position', new BufferAttribute(segments, 3));
+  /** Another shape of the same vertices in place of the one that was opened, or that one again. */
+  setOther(positions: Float32Array | null, normals: Int8Array | null): void {
+    this.hasOther = positions !== null;
+    if (positions && normals) {
+      replace(this.other, 'position', positions, 3, false);
+      replace(this.other, 'normal', normals, 4, true);
+      this.shareAttributes(this.other);
     }
     this.request();
   }
 
+  /** What is not of a position is that of the shape as it was opened. */
+  private shareAttributes(geometry: BufferGeometry): void {
+    for (const [name, attribute] of Object.entries(this.base.attributes)) {
+      if (name !== 'position' && name !== 'normal') geometry.setAttribute(name, attribute);
+    }
+  }
+
+  setEdges(pairs: Uint32Array): void {
+    this.overlays.setEdges(pairs);
+    this.request();
+  }
+
+  get hasEdges(): boolean {
+    return this.overlays.hasEdges;
+  }
+
+  showRing(outer: Float32Array | null, inner: Float32Array | null): void {
+    this.overlays.showRing(outer, inner);
+    this.request();
+  }
+
   showFeatures(features: readonly Feature[], radii: number): void {
-    this.balls.visible = features.length > 0;
-    this.balls.geometry.dispose();
-    this.balls.geometry = new BufferGeometry();
-    if (features.length === 0) return;
-    const g = this.balls.geometry;
-    g.setAttribute(
-      'position',
-      new BufferAttribute(Float32Array.from(features.flatMap((f) => f.position)), 3),
-    );
-    g.setAttribute(
-      'size',
-      new BufferAttribute(
-        Float32Array.from(features, (f) => radii * f.sigma),
-        1,
-      ),
-    );
-    g.setAttribute(
-      'sign',
-      new BufferAttribute(
-        Float32Array.from(features, (f) => f.sign),
-        1,
-      ),
-    );
+    this.overlays.showFeatures(features, radii);
     this.request();
   }
 
@@ -519,10 +366,9 @@ export class View {
       renderer.clear();
       return;
     }
-    const uniforms = this.shared;
     const perPixel = height / (2 * Math.tan((15 * Math.PI) / 180));
-    uniforms['pointSize']!.value = this.pointSize * perPixel;
-    this.balls.material.uniforms['pixels']!.value = perPixel;
+    this.materials.setPointSize(this.pointSize * perPixel);
+    this.overlays.setPixels(perPixel);
     renderer.clear();
     if (this.split === null) {
       this.drawHalf(this.before, coarse);
@@ -541,28 +387,30 @@ export class View {
 
   private drawHalf(before: boolean, coarse: boolean): void {
     const body = this.body!;
+    const { materials } = this;
+    const other = before && this.hasOther;
     const live = !before && this.live && this.nLevels > 0;
     const edited = !before && !live && this.hasEdited;
-    const few = coarse ? this.coarse : null;
-    body.geometry = few ? (edited ? few.edited : few.base).geometry : edited ? this.edited : this.base;
-    body.material = this.material({
+    // The other shape has no coarse triangles of its own: it is drawn in full.
+    const few = coarse && !other ? this.coarse : null;
+    body.geometry = other
+      ? this.other
+      : few
+        ? (edited ? few.edited : few.base).geometry
+        : edited
+          ? this.edited
+          : this.base;
+    body.material = materials.get({
       nLevels: live ? this.nLevels : 0,
-      packs: live ? this.packs : 0,
+      packs: live ? materials.packs : 0,
       cloud: this.cloud,
       clay: this.style === 'matcap',
       // Normals of the shape as it was opened do not fit the live sum.
       flat: live || this.style === 'flat' || !body.geometry.hasAttribute('normal'),
-      scalar: this.hasScalar,
-      tint: this.tinted && !before && !this.hasScalar,
+      scalar: materials.hasScalar,
+      tint: materials.tinted && !before && !materials.hasScalar,
     });
-    if (this.wires) {
-      this.wires.visible = this.style === 'edges' && !live && !coarse;
-      if (this.wires.visible) this.lines.setAttribute('position', body.geometry.getAttribute('position'));
-      (this.wires.material.uniforms['ink']!.value as Vector4).set(
-        ...rgb(COLOURS[this.theme].paper === 0x17181a ? 0 : 0x1b1d20),
-        0.4,
-      );
-    }
+    this.overlays.placeEdges(this.style === 'edges' && !live && !few, body.geometry);
     this.renderer.render(this.scene, this.camera.three);
   }
 
@@ -583,42 +431,6 @@ export class View {
   }
 }
 
-function noSums(): Record<'gains' | 'scales' | 'slopes', { value: number[] }> {
-  return { gains: { value: [] }, scales: { value: [] }, slopes: { value: [] } };
-}
-
 function rgb(colour: number): [number, number, number] {
   return [(colour >> 16) / 255, ((colour >> 8) & 255) / 255, (colour & 255) / 255];
-}
-
-function lineMaterial(opacity: number, bias: number): RawShaderMaterial {
-  return new RawShaderMaterial({
-    glslVersion: GLSL3,
-    vertexShader: lineVertex,
-    fragmentShader: lineFragment,
-    uniforms: { ink: { value: new Vector4(0, 0, 0, opacity) }, bias: { value: bias } },
-    transparent: true,
-    depthWrite: false,
-  });
-}
-
-/** Puts an array into an attribute: of the same size into the buffer that is there. */
-function replace(
-  geometry: BufferGeometry,
-  name: string,
-  array: Float32Array | Int8Array,
-  itemSize: number,
-  normalized: boolean,
-): void {
-  const attribute = geometry.getAttribute(name) as BufferAttribute | undefined;
-  if (
-    attribute &&
-    attribute.array.length === array.length &&
-    attribute.array.constructor === array.constructor
-  ) {
-    attribute.array = array as typeof attribute.array;
-    attribute.needsUpdate = true;
-  } else {
-    geometry.setAttribute(name, new BufferAttribute(array, itemSize, normalized));
-  }
 }

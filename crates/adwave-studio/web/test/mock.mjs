@@ -185,6 +185,11 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
         return raw(model.positions);
       case 'GET triangles':
         return raw(cloud ? new Uint32Array(0) : model.triangles);
+      case 'GET surface': {
+        // Every vertex is its own place.
+        const places = Uint32Array.from({ length: model.n }, (_, v) => v);
+        return raw(Buffer.concat([bytes(Float64Array.from(model.positions)), bytes(places)]));
+      }
       case 'PUT levels':
         return json(describe(1).levels);
       case 'GET bands': {

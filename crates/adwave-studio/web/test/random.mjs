@@ -101,7 +101,7 @@ const use = {
     const one = buttons.nth(Math.floor(random() * n));
     // A download or a save each time would fill the folder.
     const name = `${await one.textContent().catch(() => '')}`;
-    if (/save|download|picture|done/i.test(name)) return;
+    if (/save|download|picture|with sliders|done/i.test(name)) return;
     await one.click({ timeout: 500, force: true }).catch(() => {});
   },
   async choose() {

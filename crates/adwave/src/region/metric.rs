@@ -2,8 +2,10 @@
 
 use super::{SurfaceSearch, stroke};
 use crate::operator::Diffusion;
-use crate::shape::{Adjacency, PreparedGeometry, triangles_at_vertices, try_vertex_normals};
-use crate::{Cancelled, Progress};
+use crate::shape::{
+    Adjacency, PreparedGeometry, squared_distance, triangles_at_vertices, try_vertex_normals,
+};
+use crate::{Cancelled, Progress, parallel};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -35,6 +37,7 @@ pub struct SurfaceMetric {
     edges: Edges,
     diagonal: f64,
     spacing: f64,
+    rms_length: OnceLock<f64>,
     normals: OnceLock<Vec<[f64; 3]>>,
     tree: OnceLock<Tree>,
     searches: Mutex<Vec<SurfaceSearch>>,
@@ -64,6 +67,7 @@ impl SurfaceMetric {
             edges,
             diagonal,
             spacing,
+            rms_length: OnceLock::new(),
             normals: OnceLock::new(),
             tree: OnceLock::new(),
             searches: Mutex::default(),
@@ -97,6 +101,29 @@ impl SurfaceMetric {
             )
         });
         Some(tree.0.query(point).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize)
+    }
+
+    /// The vertices next to each welded vertex.
+    pub(super) fn neighbours(&self) -> &Adjacency {
+        self.edges.neighbours()
+    }
+
+    /// The root mean square distance of neighbours, every vertex weighing the same, in model units; 1 for a graph.
+    pub(super) fn rms_length(&self, progress: Progress<'_>) -> Result<f64, Cancelled> {
+        if let Some(length) = self.rms_length.get() {
+            return Ok(*length);
+        }
+        let (points, neighbours) = (self.geometry.points(), self.neighbours());
+        if points.is_empty() {
+            return Ok(1.0);
+        }
+        let joined = (0..points.len()).filter(|&x| !neighbours.of(x).is_empty()).count().max(1);
+        let squares = parallel::try_sum(points.len(), progress, |x| {
+            let around = neighbours.of(x);
+            let sum: f64 = around.iter().map(|&y| squared_distance(&points[x], &points[y as usize])).sum();
+            sum / around.len().max(1) as f64
+        })?;
+        Ok(*self.rms_length.get_or_init(|| (squares / joined as f64).sqrt()))
     }
 
     /// The normals of the vertices; none for a cloud or a graph.

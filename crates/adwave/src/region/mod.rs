@@ -5,6 +5,7 @@
 
 mod distance;
 mod metric;
+mod morph;
 mod parse;
 mod stroke;
 mod weights;
@@ -162,6 +163,36 @@ pub enum Region {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         falloff: Option<Length>,
     },
+    /// What faces a direction: S(n·d / (|d|·falloff)) with the normal n of a vertex and the rise S of all regions, 1 where
+    /// n·d > 0 without a falloff. For meshes.
+    Facing {
+        /// The direction d, of any length but 0.
+        direction: [f64; 3],
+        /// The cosine between normal and direction from which on the weight is 1; 0 by default.
+        #[serde(default)]
+        falloff: f64,
+    },
+    /// The connected part that holds a vertex.
+    Component {
+        /// The vertex, from 0.
+        vertex: u32,
+    },
+    /// Another region, larger: S(max_y 2 t(y) − d(x, y)/by) with r = S(t) and the distance d along the surface, which is 1 up to
+    /// `by` from where r is 1 and falls to 0 over `by` more. [`shrunk`](Region::shrunk) is the opposite.
+    Grown {
+        /// By how much, above 0.
+        by: Length,
+        /// The region.
+        region: Box<Region>,
+    },
+    /// Another region, blurred along the surface: the mean of r where a lazy random walk over the edges ends after
+    /// k = 4 (by/h)² steps (rounded up, h the root mean square length of an edge), which spreads by `by` in each direction. Constants are kept.
+    Blurred {
+        /// The standard deviation of the walk in each direction of the surface; at most 2000 h.
+        by: Length,
+        /// The region.
+        region: Box<Region>,
+    },
     /// Another region, fainter: factor·r.
     Faded {
         /// The factor, in [0, 1].
@@ -187,6 +218,13 @@ pub enum BrushStroke {
     Add(Region),
     /// The smaller of what is there and 1 − r.
     Subtract(Region),
+    /// What is there, blurred to the part r: m + r·(m blurred − m).
+    Smooth {
+        /// Where, and how much.
+        region: Region,
+        /// The length of the blur, as of [`Region::Blurred`].
+        by: Length,
+    },
 }
 
 fn one() -> f64 {
@@ -257,6 +295,9 @@ pub enum RegionError {
     /// A region by position on a shape that has no positions.
     #[error("a {0} region needs positions, which a graph does not have; use vertices or a field")]
     NeedsPositions(&'static str),
+    /// A region by normals on a shape that has none.
+    #[error("a {0} region needs faces, which a cloud or a graph does not have; use a half-space")]
+    NeedsFaces(&'static str),
     /// A stroke without places.
     #[error("a stroke needs at least one place")]
     EmptyStroke,

@@ -4,6 +4,7 @@
 //! region  = term { "|" term }                      any of them
 //! term    = factor { "&" factor }                  all of them
 //! factor  = "!" factor | number "*" factor | "(" region ")" | name [ ":" key "=" value { "," key "=" value } ]
+//!         | ( "grown" | "shrunk" | "blurred" ) ":" "by" "=" length "(" region ")"
 //! ```
 //! Coordinates are separated by blanks, places of a stroke by `;`.
 
@@ -28,7 +29,7 @@ pub enum RegionSyntaxError {
     NotAVertex(String),
     /// A kind of region that does not exist.
     #[error(
-        "there is no region '{}'; there are all, ball, stroke, box, half-space, field and vertices",
+        "there is no region '{}'; there are all, ball, stroke, box, half-space, facing, component, field, vertices, grown, shrunk and blurred",
         one_line(.0)
     )]
     NoSuchRegion(String),
@@ -138,20 +139,46 @@ fn factor(rest: &mut &str, depth: usize) -> Parsed {
         *rest = after;
         return Ok(Region::Faded { factor: by, region: Box::new(factor(rest, depth + 1)?) });
     }
-    if let Some(after) = rest.strip_prefix('(') {
-        *rest = after;
-        let region = any(rest, depth + 1)?;
-        *rest = rest
-            .trim_start()
-            .strip_prefix(')')
-            .ok_or_else(|| RegionSyntaxError::Unexpected((*rest).into()))?;
-        return Ok(region);
+    if rest.starts_with('(') {
+        return bracketed(rest, depth);
     }
     let end = rest.find(['&', '|', ')', '(']).unwrap_or(rest.len());
     let (here, after) = rest.split_at(end);
     *rest = after;
     let (name, keys) = here.split_once(':').unwrap_or((here, ""));
-    primitive(name.trim(), keys)
+    match name.trim() {
+        kind @ ("grown" | "shrunk" | "blurred") => changed(kind, keys, rest, depth),
+        name => primitive(name, keys),
+    }
+}
+
+fn bracketed(rest: &mut &str, depth: usize) -> Parsed {
+    let unexpected = |rest: &str| RegionSyntaxError::Unexpected(rest.into());
+    *rest = rest.strip_prefix('(').ok_or_else(|| unexpected(rest))?;
+    let region = any(rest, depth + 1)?;
+    *rest = rest.trim_start().strip_prefix(')').ok_or_else(|| unexpected(rest))?;
+    Ok(region)
+}
+
+/// A region that is made of the one in brackets after it.
+fn changed(kind: &str, keys: &str, rest: &mut &str, depth: usize) -> Parsed {
+    let name = match kind {
+        "grown" => "grown",
+        "shrunk" => "shrunk",
+        _ => "blurred",
+    };
+    let mut keys = Keys::new(name, "by, and a region in brackets after it", keys)?;
+    let by: Length = keys.need("by")?.parse()?;
+    keys.end(Region::Everywhere {})?;
+    if !rest.starts_with('(') {
+        return Err(RegionSyntaxError::Missing { region: name, key: "a region in brackets after it" });
+    }
+    let region = bracketed(rest, depth)?;
+    Ok(match kind {
+        "grown" => Region::Grown { by, region: Box::new(region) },
+        "shrunk" => region.shrunk(by),
+        _ => Region::Blurred { by, region: Box::new(region) },
+    })
 }
 
 /// The `key=value` parts of one region, taken out one by one.
@@ -252,6 +279,16 @@ fn primitive(name: &str, text: &str) -> Parsed {
             let falloff = keys.length("falloff")?;
             keys.end(Region::HalfSpace { point: at, normal, falloff })
         }
+        "facing" => {
+            let mut keys = Keys::new("facing", "direction, falloff", text)?;
+            let (direction, falloff) = (point(keys.need("direction")?)?, keys.number("falloff", 0.0)?);
+            keys.end(Region::Facing { direction, falloff })
+        }
+        "component" => {
+            let mut keys = Keys::new("component", "vertex", text)?;
+            let vertex = vertex(keys.need("vertex")?)?;
+            keys.end(Region::Component { vertex })
+        }
         "field" => {
             let mut keys = Keys::new("field", "name, low, high", text)?;
             let name = keys.need("name")?.to_owned();
@@ -316,6 +353,19 @@ mod tests {
     }
 
     #[test]
+    fn what_changes_a_region_stands_before_it() {
+        let by = Length::PercentOfDiagonal(2.0);
+        let [grown, shrunk, blurred] = ["grown", "shrunk", "blurred"]
+            .map(|kind| parse_region(&format!("{kind}:by=2% (all | component:vertex=3) & all")).unwrap());
+        let inner = Region::Any(vec![Region::Everywhere {}, Region::Component { vertex: 3 }]);
+        let with_all = |region: Region| Region::All(vec![region, Region::Everywhere {}]);
+        assert_eq!(grown, with_all(Region::Grown { by, region: Box::new(inner.clone()) }));
+        assert_eq!(shrunk, with_all(inner.clone().shrunk(by)));
+        assert_eq!(blurred, with_all(Region::Blurred { by, region: Box::new(inner) }));
+        assert_eq!(parse_region(&"grown:by=1(".repeat(1000)), Err(RegionSyntaxError::TooDeep(MAX_NESTED)));
+    }
+
+    #[test]
     fn what_cannot_be_read_is_named() {
         for (text, named) in [
             ("bal:radius=1", "no region 'bal'"),
@@ -329,6 +379,12 @@ mod tests {
             ("all)", "')'"),
             ("", "no region ''"),
             ("ball:vertex", "key=value"),
+            ("grown:by=2%", "in brackets"),
+            ("grown:by=2%(all", "''"),
+            ("blurred(all)", "needs by"),
+            ("shrunk:by=-1(all)", "'-1'"),
+            ("component:vertex=x", "'x'"),
+            ("facing:falloff=1", "direction"),
         ] {
             let error = parse_region(text).unwrap_err().to_string();
             assert!(error.contains(named), "{text}: {error}");

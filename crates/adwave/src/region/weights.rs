@@ -1,6 +1,7 @@
 //! From a region to its weights on the vertices of a shape.
 
 use super::metric::Within;
+use super::morph;
 use super::{BrushStroke, Length, Place, Region, RegionError, SurfaceMetric, smooth_rise};
 use crate::shape::VertexMap;
 use crate::{Progress, parallel};
@@ -57,6 +58,14 @@ impl RegionWeights {
             }
             Self::Welded(weights) => weights.clone(),
             Self::Vertices(_) => unreachable!("members of a welded vertex may differ"),
+        }
+    }
+
+    /// One weight per welded vertex, the mean of its members.
+    pub(super) fn to_mean(&self, vertex_map: &VertexMap) -> Vec<f64> {
+        match self {
+            Self::Vertices(weights) => vertex_map.mean(weights, 1),
+            other => other.to_welded(vertex_map.n_welded()),
         }
     }
 
@@ -142,6 +151,14 @@ impl Region {
                 };
                 sparse(metric.within(&sources, radius, progress)?, rise)
             }
+            Self::Facing { direction, falloff } => morph::facing(metric, direction, *falloff, progress)?,
+            Self::Component { vertex } => morph::component(metric, *vertex, progress)?,
+            Self::Grown { by, region } => {
+                morph::grown(metric, &region.weights(metric, field, field_names, progress)?, *by, progress)?
+            }
+            Self::Blurred { by, region } => {
+                morph::blurred(metric, &region.weights(metric, field, field_names, progress)?, *by, progress)?
+            }
             Self::Faded { factor, region } => {
                 if !(0.0..=1.0).contains(factor) {
                     let must = "in [0, 1]";
@@ -150,7 +167,7 @@ impl Region {
                 faded(region.weights(metric, field, field_names, progress)?, *factor, metric)
             }
             Self::Painted(strokes) => {
-                painted(strokes, metric, |r| r.weights(metric, field, field_names, progress))?
+                painted(strokes, metric, progress, |r| r.weights(metric, field, field_names, progress))?
             }
             Self::Not(region) => invert(region.weights(metric, field, field_names, progress)?, metric),
             Self::Any(regions) => {
@@ -198,6 +215,7 @@ fn faded(weights: RegionWeights, factor: f64, metric: &SurfaceMetric) -> RegionW
 fn painted(
     strokes: &[BrushStroke],
     metric: &SurfaceMetric,
+    progress: Progress<'_>,
     weights_of: impl Fn(&Region) -> Result<RegionWeights, RegionError>,
 ) -> Result<RegionWeights, RegionError> {
     let (vertex_map, n_welded) = (metric.geometry().vertex_map(), metric.geometry().n_vertices());
@@ -208,6 +226,16 @@ fn painted(
         let (region, join): (_, fn(f64, f64) -> f64) = match stroke {
             BrushStroke::Add(region) => (region, f64::max),
             BrushStroke::Subtract(region) => (region, |there, r| there.min(1.0 - r)),
+            BrushStroke::Smooth { region, by } => {
+                let there =
+                    by_vertex.take().map_or_else(|| welded.clone(), |weights| vertex_map.mean(&weights, 1));
+                let blurred = morph::blur(metric, &there, by.in_units(metric.diagonal()), progress)?;
+                let part = weights_of(region)?.to_mean(vertex_map);
+                for x in 0..n_welded {
+                    welded[x] = there[x] + part[x] * (blurred[x] - there[x]);
+                }
+                continue;
+            }
         };
         let part = weights_of(region)?;
         if let (RegionWeights::Sparse { vertices, weights }, None) = (&part, &by_vertex) {
@@ -250,7 +278,7 @@ fn combine(
     Ok(if by_vertex { RegionWeights::Vertices(weights) } else { RegionWeights::Welded(weights) })
 }
 
-fn welded(metric: &SurfaceMetric, vertex: u32) -> Result<usize, RegionError> {
+pub(super) fn welded(metric: &SurfaceMetric, vertex: u32) -> Result<usize, RegionError> {
     let n_vertices = metric.n_vertices();
     if vertex as usize >= n_vertices {
         return Err(RegionError::NoSuchVertex { vertex, n_vertices });

@@ -20,7 +20,7 @@ use adwave::measure::rms;
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::{PositionParams, Volume, settle};
 use adwave::region::Length;
-use adwave_io::{Levels, Recipe, read_recipe, write_recipe};
+use adwave_io::{Levels, Recipe, read_recipe, region_field, write_recipe};
 pub(crate) use args::FilterArgs;
 use args::KeepVolumeArg;
 use serde_json::json;
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer, global)?;
     let (schedule, layers) = keeping_volume(args.keep_volume, schedule, layers)?;
     let names = signal::field_names(&input.file);
-    let lookup = |name: &str| signal::field(&input.file, name);
+    let lookup = |name: &str| region_field(&input.file, &decomposer, name);
     let edit = Edit::new(&layers).with_fields(&lookup, &names);
     // By the object that an interactive edit uses too, so that a recipe gives the same bits everywhere.
     let edited = with_progress(global, "filtering", |progress| {

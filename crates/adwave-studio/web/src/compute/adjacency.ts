@@ -6,45 +6,6 @@ export interface Rows {
   entries: Uint32Array;
 }
 
-/**
- * Vertices at the same place: the first of them for each vertex, and the others by it. Null where all places differ.
- * Distance along the surface does not stop at a seam.
- */
-export function weld(positions: Float32Array): { first: Uint32Array; twins: Map<number, number[]> } | null {
-  const n = positions.length / 3;
-  // −0 and 0 are the same place.
-  const bits = new Int32Array(positions.map((x) => x + 0).buffer);
-  let size = 16;
-  while (size < 2 * n) size <<= 1;
-  const table = new Int32Array(size).fill(-1);
-  const first = new Uint32Array(n);
-  const twins = new Map<number, number[]>();
-  for (let v = 0; v < n; v++) {
-    const x = bits[3 * v]!;
-    const y = bits[3 * v + 1]!;
-    const z = bits[3 * v + 2]!;
-    const hash = Math.imul(x, 0x9e3779b1) ^ Math.imul(y, 0x85ebca6b) ^ Math.imul(z, 0xc2b2ae35);
-    let slot = (hash ^ (hash >>> 15)) & (size - 1);
-    for (;;) {
-      const w = table[slot]!;
-      if (w < 0) {
-        table[slot] = v;
-        first[v] = v;
-        break;
-      }
-      if (bits[3 * w] === x && bits[3 * w + 1] === y && bits[3 * w + 2] === z) {
-        first[v] = w;
-        const others = twins.get(w);
-        if (others) others.push(v);
-        else twins.set(w, [v]);
-        break;
-      }
-      slot = (slot + 1) & (size - 1);
-    }
-  }
-  return twins.size ? { first, twins } : null;
-}
-
 /** The triangles at each vertex. */
 export function trianglesOfVertices(triangles: Uint32Array, n: number): Rows {
   const offsets = new Uint32Array(n + 1);

@@ -1,42 +1,14 @@
 import { describe, expect, test } from 'vitest';
-import type { Region } from '../protocol';
-import { neighboursOfCloud, neighboursOfMesh, trianglesOfVertices, weld } from './adjacency';
+import { neighboursOfCloud } from './adjacency';
 import { coarseTriangles, edgePairs } from './coarse';
-import { applyDelta, packDelta } from './delta';
 import { cloudNormals, meshNormals } from './normals';
-import { Painter } from './painter';
 import { nearestVertex, pickMesh } from './pick';
 import { displacement, editedPositions, volume } from './positions';
-import { type Ground, smoothstep, toBytes, weights } from './regions';
 import { contour } from './ring';
 import { SurfaceSearch } from './search';
 import { readBands } from './stream';
-
-/** A grid of (k + 1)² vertices in the unit square, bumpy in z, with a fixed pattern of diagonals. */
-function sheet(k: number, bump = 0): { positions: Float32Array; triangles: Uint32Array; n: number } {
-  const n = (k + 1) ** 2;
-  const positions = new Float32Array(3 * n);
-  for (let i = 0; i <= k; i++) {
-    for (let j = 0; j <= k; j++) {
-      positions.set([i / k, j / k, bump * Math.sin(7 * i + 3 * j)], 3 * (i * (k + 1) + j));
-    }
-  }
-  const triangles: number[] = [];
-  for (let i = 0; i < k; i++) {
-    for (let j = 0; j < k; j++) {
-      const a = i * (k + 1) + j;
-      const b = a + k + 1;
-      if ((i * 5 + j * 3) % 4 < 2) triangles.push(a, b, b + 1, a, b + 1, a + 1);
-      else triangles.push(a, b, a + 1, b, b + 1, a + 1);
-    }
-  }
-  return { positions, triangles: Uint32Array.from(triangles), n };
-}
-
-function rows(s: { triangles: Uint32Array; n: number }) {
-  const around = trianglesOfVertices(s.triangles, s.n);
-  return { around, neighbours: neighboursOfMesh(s.triangles, s.n, around) };
-}
+import { placeNormals, readSurface } from './surface';
+import { random, rows, sheet, surfaceOf } from './testing';
 
 /** Dijkstra with the straight line over two edges, as the server has it, literally: the queue is searched through. */
 function literalDistances(
@@ -78,33 +50,11 @@ function literalDistances(
   return distance;
 }
 
-function ground(s: ReturnType<typeof sheet>): Ground {
-  const { neighbours } = rows(s);
-  return {
-    n: s.n,
-    positions: s.positions,
-    centre: [0, 0, 0],
-    diagonal: Math.SQRT2,
-    search: new SurfaceSearch(neighbours, s.positions),
-    local: true,
-    ask: () => Promise.reject(new Error('asked')),
-  };
-}
-
-/** Numbers in [0, 1), the same each time. */
-function random(seed: number): () => number {
-  let x = seed;
-  return () => {
-    x = (Math.imul(x, 1664525) + 1013904223) >>> 0;
-    return x / 2 ** 32;
-  };
-}
-
 describe('distance along the surface', () => {
   test('equals the literal rule on random strokes', () => {
     const s = sheet(17, 0.02);
     const { neighbours } = rows(s);
-    const search = new SurfaceSearch(neighbours, s.positions);
+    const search = new SurfaceSearch(surfaceOf(s));
     const next = random(1);
     for (let stroke = 0; stroke < 40; stroke++) {
       const sources = Array.from({ length: 1 + Math.floor(4 * next()) }, () => Math.floor(next() * s.n));
@@ -121,15 +71,23 @@ describe('distance along the surface', () => {
     // The same sheet as loose triangles.
     const positions = new Float32Array(3 * s.triangles.length);
     for (const [i, v] of s.triangles.entries()) positions.set(s.positions.subarray(3 * v, 3 * v + 3), 3 * i);
-    const welded = weld(positions)!;
-    const triangles = Uint32Array.from(s.triangles, (_, i) => welded.first[i]!);
-    const { neighbours } = rows({ triangles, n: s.triangles.length });
-    const loose = new SurfaceSearch(neighbours, positions, welded);
+    // As the server numbers the places: any order will do.
+    const places = Uint32Array.from(s.triangles, (v) => s.n - 1 - v);
+    const bytes = new ArrayBuffer(28 * places.length);
+    new Float64Array(bytes, 0, 3 * places.length).set(positions);
+    new Uint32Array(bytes, 24 * places.length).set(places);
+    const triangles = Uint32Array.from(s.triangles, (_, i) => i);
+    const surface = readSurface(bytes, places.length, triangles);
+    expect(surface.points.length).toBe(3 * s.n);
+    const loose = new SurfaceSearch(surface);
     loose.run([s.triangles.indexOf(40)], 0.5);
-    const whole = new SurfaceSearch(rows(s).neighbours, s.positions);
+    const whole = new SurfaceSearch(surfaceOf(s));
     whole.run([40], 0.5);
     for (const [i, v] of s.triangles.entries()) expect(loose.distance(i)).toBeCloseTo(whole.distance(v), 1);
-    expect(weld(s.positions)).toBeNull();
+    expect(loose.nReached).toBeGreaterThan(whole.nReached);
+    const normals = placeNormals(surface, triangles);
+    for (let i = 0; i < normals.length; i += 3)
+      expect(Array.from(normals.subarray(i, i + 3))).toEqual([0, 0, 1]);
   });
 });
 
@@ -225,99 +183,6 @@ test('neighbours in a cloud are the nearest', () => {
   expect(right).toBe(200 * k);
 });
 
-describe('regions and strokes', () => {
-  const stamp = (indices: number[], radius: number, factor = 1): Region => {
-    const stamps: Region = { vertices: { indices, radius } };
-    return factor < 1 ? { faded: { factor, region: stamps } } : stamps;
-  };
-
-  test('the rise is 0 and 1 with flat ends, and symmetric', () => {
-    expect([smoothstep(-1), smoothstep(0), smoothstep(0.5), smoothstep(1), smoothstep(2)]).toEqual([
-      0, 0, 0.5, 1, 1,
-    ]);
-    expect(smoothstep(0.3) + smoothstep(0.7)).toBeCloseTo(1, 12);
-  });
-
-  test('painted, not, any, all are largest and smallest', async () => {
-    const g = ground(sheet(12));
-    const a = stamp([20], 0.4);
-    const b = stamp([90], 0.5, 0.5);
-    const [wa, wb] = [await weights(a, g), await weights(b, g)];
-    const both = await weights({ painted: [{ add: a }, { subtract: b }] }, g);
-    const any = await weights({ any: [a, b] }, g);
-    const all = await weights({ all: [a, { not: b }] }, g);
-    for (let v = 0; v < g.n; v++) {
-      expect(any[v]).toBe(Math.max(wa[v]!, wb[v]!));
-      expect(both[v]).toBeCloseTo(Math.min(wa[v]!, 1 - wb[v]!), 6);
-      expect(all[v]).toBeCloseTo(both[v]!, 6);
-    }
-    expect(wa[20]).toBe(1);
-    expect(Math.max(...wb)).toBe(0.5);
-  });
-
-  test('what is not known here is asked for', async () => {
-    await expect(weights({ field: { name: 'x', low: 0, high: 1 } }, ground(sheet(3)))).rejects.toThrow(
-      'asked',
-    );
-  });
-
-  test('a mask after strokes equals the region from scratch; undo and redo give back every byte', async () => {
-    const s = sheet(24, 0.01);
-    const g = ground(s);
-    const next = random(3);
-    const painter = new Painter(g, () => {});
-    painter.learn([[0, { painted: [] }]]);
-    await painter.show(7, 0);
-    const strokes: ({ add: Region } | { subtract: Region })[] = [];
-    const masks = [painter.mask(7)!.slice()];
-    for (let id = 1; id <= 30; id++) {
-      const subtract = id % 3 === 0;
-      const radius = 0.05 + 0.2 * next();
-      const strength = id % 4 ? 1 : 0.6;
-      const brush = { radius, falloff: radius, strength, subtract, mirror: null };
-      const at = Math.floor(next() * s.n);
-      painter.stamp(7, [at, (at + 3) % s.n, (at + 40) % s.n], brush);
-      painter.stamp(7, [(at + 60) % s.n], brush);
-      const region = stamp(painter.end(id), radius, strength);
-      strokes.push(subtract ? { subtract: region } : { add: region });
-      painter.learn([[id, { painted: [...strokes] }]]);
-      await painter.show(7, id);
-      masks.push(painter.mask(7)!.slice());
-      expect(painter.mask(7)).toEqual(toBytes(await weights({ painted: strokes }, g)));
-    }
-    for (let id = 29; id >= 0; id--) {
-      await painter.show(7, id);
-      expect(painter.mask(7)).toEqual(masks[id]);
-    }
-    for (let id = 1; id <= 30; id++) await painter.show(7, id);
-    expect(painter.mask(7)).toEqual(masks[30]);
-  });
-
-  test('a stroke that is given up leaves nothing', async () => {
-    const painter = new Painter(ground(sheet(12)), () => {});
-    painter.learn([[0, { painted: [] }]]);
-    await painter.show(1, 0);
-    painter.stamp(1, [5, 6], { radius: 0.3, falloff: 0.1, strength: 1, subtract: false, mirror: null });
-    expect(Math.max(...painter.mask(1)!)).toBe(255);
-    painter.cancel();
-    expect(Math.max(...painter.mask(1)!)).toBe(0);
-  });
-
-  test('a delta takes two bytes a vertex, and works over long gaps', () => {
-    const before = new Uint8Array(2000);
-    const after = before.slice();
-    const touched = Uint32Array.from([0, 1, 255, 256, 511, 1500, 1999]);
-    for (const v of touched) after[v] = (v % 250) | 1;
-    const delta = packDelta(touched, (v) => before[v]!, after);
-    expect(delta.changes.length).toBe(touched.length);
-    const there = before.slice();
-    expect(applyDelta(there, delta)).toEqual([0, 2000]);
-    expect(there).toEqual(after);
-    applyDelta(there, delta);
-    expect(there).toEqual(before);
-  });
-});
-
 test('a pick finds the triangle under the ray, and the nearest of its corners', () => {
   const s = sheet(20);
   const { around } = rows(s);
@@ -380,8 +245,8 @@ test('bands are read whatever the pieces they come in', async () => {
 
 test('the circle of the brush is closed, and at its distance', () => {
   const s = sheet(40);
-  const { around, neighbours } = rows(s);
-  const search = new SurfaceSearch(neighbours, s.positions);
+  const { around } = rows(s);
+  const search = new SurfaceSearch(surfaceOf(s));
   const middle = nearestVertex(s.positions, 0.5, 0.5, 0);
   search.run([middle], 0.3);
   const ring = contour(search, s.positions, s.triangles, around, 0.2);

@@ -1,6 +1,6 @@
 /** Computes all that depends on the number of vertices: positions, normals, masks, what is under the cursor. */
 
-import { neighboursOfCloud, neighboursOfMesh, type Rows, trianglesOfVertices, weld } from './adjacency';
+import { type Rows, trianglesOfVertices } from './adjacency';
 import { edgePairs } from './coarse';
 import type { Call, Calls, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
 import { cloudNormals, meshNormals } from './normals';
@@ -11,6 +11,7 @@ import type { Ground } from './regions';
 import { contour } from './ring';
 import { SurfaceSearch } from './search';
 import { readBands } from './stream';
+import { cloudSurface, placeNormals, readSurface, type Surface } from './surface';
 
 const post = self.postMessage.bind(self) as (message: FromWorker, transfer?: Transferable[]) => void;
 
@@ -26,32 +27,37 @@ class Shape {
   bands: (Band | null)[] = [];
   private readonly sums: Float32Array;
   private aroundRows: Rows | null = null;
-  private neighbourRows: Rows | null = null;
-  private surfaceSearch: SurfaceSearch | null = null;
-  private weldedOnce: ReturnType<typeof weld> | undefined;
+  private surfaceOnce: Surface | null = null;
+  private searchOnce: SurfaceSearch | null = null;
+  private normalsOnce: Float64Array | null = null;
   private bandsAbort: AbortController | null = null;
 
   constructor(readonly given: Calls['shape'][0]) {
     this.n = given.n;
     this.edited = given.positions.slice();
     this.sums = given.cloud ? new Float32Array(0) : new Float32Array(3 * this.n);
-    const search = () => this.search;
+    const of = this;
     this.ground = {
       n: this.n,
-      positions: given.positions,
-      centre: given.centre,
       diagonal: given.diagonal,
       local: !given.cloud,
+      get surface() {
+        return of.surface;
+      },
       get search() {
-        return search();
+        return of.search;
+      },
+      get normals() {
+        of.normalsOnce ??= placeNormals(of.surface, given.triangles);
+        return of.normalsOnce;
       },
       ask: async (region) => {
         const response = await this.fetch('weights', { method: 'POST', body: JSON.stringify(region) });
         return new Uint8Array(await response.arrayBuffer());
       },
     };
-    this.painter = new Painter(this.ground, (key, from, bytes) => {
-      post({ news: 'mask', key, from, bytes }, [bytes.buffer]);
+    this.painter = new Painter(this.ground, given.positions, (key, from, bytes) => {
+      post({ news: 'mask', key, from, bytes }, [bytes.buffer as ArrayBuffer]);
     });
   }
 
@@ -60,33 +66,45 @@ class Shape {
     return this.aroundRows;
   }
 
-  private get weldedTriangles(): Uint32Array {
-    return this.given.triangles.map((v) => this.welded!.first[v]!);
+  /** Distances need the surface as the server has it: whoever measures waits for it once. */
+  async prepare(): Promise<void> {
+    if (this.surfaceOnce) return;
+    const { cloud, positions, triangles } = this.given;
+    this.surfaceOnce = cloud
+      ? cloudSurface(positions, CLOUD_NEIGHBOURS)
+      : readSurface(await (await this.fetch('surface')).arrayBuffer(), this.n, triangles);
   }
 
-  private get welded(): ReturnType<typeof weld> {
-    if (this.weldedOnce === undefined) this.weldedOnce = this.given.cloud ? null : weld(this.given.positions);
-    return this.weldedOnce;
+  get hasSurface(): boolean {
+    return this.surfaceOnce !== null;
   }
 
-  get neighbours(): Rows {
-    this.neighbourRows ??= this.given.cloud
-      ? neighboursOfCloud(this.given.positions, CLOUD_NEIGHBOURS)
-      : this.welded
-        ? neighboursOfMesh(this.weldedTriangles, this.n, trianglesOfVertices(this.weldedTriangles, this.n))
-        : neighboursOfMesh(this.given.triangles, this.n, this.around);
-    return this.neighbourRows;
+  private get surface(): Surface {
+    if (!this.surfaceOnce) throw new Error('The surface has not come yet. Try again.');
+    return this.surfaceOnce;
   }
 
   get search(): SurfaceSearch {
-    this.surfaceSearch ??= new SurfaceSearch(this.neighbours, this.given.positions, this.welded);
-    return this.surfaceSearch;
+    this.searchOnce ??= new SurfaceSearch(this.surface);
+    return this.searchOnce;
+  }
+
+  /** Every edge once, as vertices. */
+  async edges(): Promise<Uint32Array> {
+    await this.prepare();
+    const { neighbours, members } = this.surface;
+    const pairs = edgePairs(neighbours.offsets, neighbours.entries);
+    for (let i = 0; i < pairs.length; i++) pairs[i] = members.entries[members.offsets[pairs[i]!]!]!;
+    return pairs;
   }
 
   normals(positions: Float32Array): Int8Array<ArrayBuffer> {
     const out = new Int8Array(4 * this.n);
-    if (this.given.cloud) cloudNormals(positions, this.neighbours.offsets, this.neighbours.entries, out);
-    else meshNormals(positions, this.given.triangles, this.sums, out);
+    if (this.given.cloud) {
+      this.surfaceOnce ??= cloudSurface(this.given.positions, CLOUD_NEIGHBOURS);
+      const { offsets, entries } = this.surface.neighbours;
+      cloudNormals(positions, offsets, entries, out);
+    } else meshNormals(positions, this.given.triangles, this.sums, out);
     return out;
   }
 
@@ -159,7 +177,7 @@ class Shape {
       inner: null,
       took: 0,
     };
-    if (hit && radius && !this.given.cloud) {
+    if (hit && radius && !this.given.cloud && this.hasSurface) {
       // A little beyond the radius, so that the triangles it crosses are known.
       if (this.search.run([hit.vertex], radius + 2 * this.given.meanLength, RING_MOST)) {
         const { triangles } = this.given;
@@ -201,9 +219,8 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
     current = new Shape(what);
     return { normals: current.normals(what.positions) };
   },
-  edges() {
-    const { offsets, entries } = shape().neighbours;
-    return { pairs: edgePairs(offsets, entries) };
+  async edges() {
+    return { pairs: await shape().edges() };
   },
   async bands({ nLevels, shared }) {
     const started = performance.now();
@@ -218,6 +235,7 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
     for (const l of layers) {
       if (l.region === null) continue;
       try {
+        await s.prepare();
         await s.painter.show(l.key, l.region);
       } catch (error) {
         // A layer whose place cannot be known changes nothing; the others go on.
@@ -243,15 +261,22 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
       took,
     };
   },
-  warm() {
-    // Touching them builds them.
+  async warm() {
+    await shape().prepare();
+    // Touching it builds it.
     void shape().search;
     return {};
   },
-  async mask({ key, id, region }) {
-    shape().painter.learn([[id, region]]);
-    await shape().painter.show(key, id);
+  async mask({ key, id, regions, smoothing }) {
+    const s = shape();
+    await s.prepare();
+    s.painter.learn(regions);
+    await s.painter.show(key, id);
+    if (smoothing !== null) await s.painter.prepareSmoothing(key, id, smoothing);
     return {};
+  },
+  maskBytes({ key }) {
+    return { bytes: shape().painter.mask(key)?.slice() ?? new Uint8Array(0) };
   },
   pick({ ray, ring }) {
     const started = performance.now();
@@ -300,8 +325,9 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
     }
     return { values };
   },
-  energy({ key, vertex, radius }) {
+  async energy({ key, vertex, radius }) {
     const s = shape();
+    if (vertex !== null) await s.prepare();
     return {
       rms: s.rms((see) => {
         if (vertex !== null) {
@@ -316,6 +342,9 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
         }
       }),
     };
+  },
+  normals({ positions }) {
+    return { normals: shape().normals(positions) };
   },
   positions() {
     return { positions: shape().edited.slice() };

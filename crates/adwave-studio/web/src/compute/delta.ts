@@ -1,41 +1,116 @@
-/** What a stroke changed in a mask, packed: it undoes and redoes the stroke. */
+/**
+ * What undoes a stroke: the values of a mask before it at the vertices that it changed, packed. The vertices are taken in the order of
+ * their places, which runs along a curve through space: a stroke is few runs of it, most of them with one value.
+ */
 
-/** Gaps between touched vertices, a byte each (255: go on adding), and what is to be xored there. */
-export interface MaskDelta {
-  gaps: Uint8Array;
-  changes: Uint8Array;
+/** Bytes that grow. */
+class Writer {
+  private bytes = new Uint8Array(256);
+  private size = 0;
+
+  byte(value: number): void {
+    if (this.size === this.bytes.length) {
+      const larger = new Uint8Array(2 * this.size);
+      larger.set(this.bytes);
+      this.bytes = larger;
+    }
+    this.bytes[this.size++] = value;
+  }
+
+  /** Seven bits a byte, the lowest first. */
+  number(value: number): void {
+    let rest = value;
+    for (; rest > 127; rest >>>= 7) this.byte((rest & 127) | 128);
+    this.byte(rest);
+  }
+
+  get all(): Uint8Array {
+    return this.bytes.slice(0, this.size);
+  }
 }
 
-export function packDelta(touched: Uint32Array, before: (v: number) => number, after: Uint8Array): MaskDelta {
-  const sorted = touched.slice().sort();
-  const gaps: number[] = [];
-  const changes: number[] = [];
-  let last = -1;
-  for (const v of sorted) {
-    const change = before(v) ^ after[v]!;
-    if (change === 0 || v === last) continue;
-    let gap = v - last - 1;
-    for (; gap >= 255; gap -= 255) gaps.push(255);
-    gaps.push(gap);
-    changes.push(change);
-    last = v;
+class Reader {
+  private at = 0;
+  constructor(private readonly bytes: Uint8Array) {}
+
+  byte(): number {
+    return this.bytes[this.at++]!;
   }
-  return { gaps: Uint8Array.from(gaps), changes: Uint8Array.from(changes) };
+
+  number(): number {
+    let value = 0;
+    for (let shift = 0; ; shift += 7) {
+      const byte = this.byte();
+      value |= (byte & 127) << shift;
+      if (byte < 128) return value >>> 0;
+    }
+  }
 }
 
-/** Undoes or redoes: the range of vertices that changed, or null. */
-export function applyDelta(mask: Uint8Array, delta: MaskDelta): [number, number] | null {
-  let v = -1;
-  let k = 0;
-  let first = -1;
-  let gap = 0;
-  for (const g of delta.gaps) {
-    gap += g;
-    if (g === 255) continue;
-    v += gap + 1;
-    gap = 0;
-    mask[v]! ^= delta.changes[k++]!;
-    if (first < 0) first = v;
+/** Equal values from which on their number is written in place of them. */
+const RUN = 3;
+
+/** Packs the values before a stroke at `ranks`, ascending: first the runs of ranks, then the runs of values. */
+export function packBefore(ranks: Uint32Array, before: (i: number) => number): Uint8Array {
+  const out = new Writer();
+  const n = ranks.length;
+  let nRuns = 0;
+  for (let i = 0; i < n; i++) if (i === 0 || ranks[i] !== ranks[i - 1]! + 1) nRuns++;
+  out.number(nRuns);
+  for (let i = 0, end = 0; i < n; ) {
+    let j = i + 1;
+    while (j < n && ranks[j] === ranks[j - 1]! + 1) j++;
+    out.number(ranks[i]! - end);
+    out.number(j - i);
+    end = ranks[j - 1]! + 1;
+    i = j;
   }
-  return first < 0 ? null : [first, v + 1];
+  const equalFrom = (i: number) => {
+    let j = i + 1;
+    while (j < n && before(j) === before(i)) j++;
+    return j;
+  };
+  for (let i = 0; i < n; ) {
+    const end = equalFrom(i);
+    if (end - i >= RUN) {
+      out.number(2 * (end - i));
+      out.byte(before(i));
+      i = end;
+      continue;
+    }
+    let j = end;
+    for (let next = j; j < n; j = next) {
+      next = equalFrom(j);
+      if (next - j >= RUN) break;
+    }
+    out.number(2 * (j - i) + 1);
+    for (; i < j; i++) out.byte(before(i));
+  }
+  return out.all;
+}
+
+/** Calls `see` with each rank and its value before the stroke. */
+export function unpackBefore(packed: Uint8Array, see: (rank: number, value: number) => void): void {
+  const runs = new Reader(packed);
+  const n = runs.number();
+  const lengths: number[] = [];
+  for (let k = 0; k < 2 * n; k++) lengths.push(runs.number());
+  // What follows are the values.
+  let left = 0;
+  let equal = false;
+  let value = 0;
+  let rank = 0;
+  for (let k = 0; k < 2 * n; k += 2) {
+    rank += lengths[k]!;
+    for (let i = 0; i < lengths[k + 1]!; i++, rank++, left--) {
+      if (left === 0) {
+        const head = runs.number();
+        left = head >>> 1;
+        equal = head % 2 === 0;
+        if (equal) value = runs.byte();
+      }
+      if (!equal) value = runs.byte();
+      see(rank, value);
+    }
+  }
 }

@@ -1,6 +1,6 @@
 /** What the page and its worker say to each other. */
 
-import type { Region } from '../protocol';
+import type { BrushStroke, Region } from '../protocol';
 import type { Hit, Ray } from './pick';
 
 export interface WorkerLayer {
@@ -12,11 +12,18 @@ export interface WorkerLayer {
   region: number | null;
 }
 
+export type BrushMode = 'add' | 'subtract' | 'smooth';
+
+/** A region by its number: whole, or a painted one with one stroke more. */
+export type RegionNews = [number, Region | { extends: number; stroke: BrushStroke }];
+
 export interface BrushShape {
   radius: number;
   falloff: number;
   strength: number;
-  subtract: boolean;
+  mode: BrushMode;
+  /** Paints only what faces this direction; null: all within the radius. */
+  facing: { direction: number[]; falloff: number } | null;
   /** Mirror the stamped vertices at x = this, in relative coordinates; null: no symmetry. */
   mirror: number | null;
 }
@@ -41,16 +48,20 @@ export interface Calls {
   ];
   edges: [Record<string, never>, { pairs: Uint32Array }];
   bands: [{ nLevels: number; shared: boolean }, { seconds: number }];
-  edit: [{ layers: WorkerLayer[]; regions: [number, Region][]; exact: boolean }, EditAnswer];
+  edit: [{ layers: WorkerLayer[]; regions: RegionNews[]; exact: boolean }, EditAnswer];
   /** Builds what picking and painting need, before they need it. */
   warm: [Record<string, never>, Record<string, never>];
-  /** Makes sure that the mask of a layer is that of its region. */
-  mask: [{ key: number; id: number; region: Region }, Record<string, never>];
+  /** Makes sure that the mask of a layer is that of its region, and is ready to be smoothed by a length. */
+  mask: [{ key: number; id: number; regions: RegionNews[]; smoothing: number | null }, Record<string, never>];
+  /** The mask of a layer, for tests. */
+  maskBytes: [{ key: number }, { bytes: Uint8Array }];
   pick: [{ ray: Ray; ring: { radius: number; half: number } | null }, PickAnswer];
   paint: [{ key: number; rays: Ray[]; brush: BrushShape; ring: number }, PaintAnswer];
   paintEnd: [{ key: number; keep: boolean; child: number; brush: BrushShape }, PaintEndAnswer];
   scalar: [Scalar, { values: Float32Array }];
   energy: [{ key: number | null; vertex: number | null; radius: number }, { rms: number[] }];
+  /** Normals of other positions of the same vertices. */
+  normals: [{ positions: Float32Array }, { normals: Int8Array }];
   positions: [Record<string, never>, { positions: Float32Array }];
 }
 

@@ -1,8 +1,9 @@
-/** Weights of a region, as far as the page can compute them itself. */
+/** Weights of a region, as far as the page computes them itself. */
 
 import { lengthOf } from '../lengths';
 import type { BrushStroke, Region } from '../protocol';
 import type { SurfaceSearch } from './search';
+import type { Surface } from './surface';
 
 /** 6t⁵ − 15t⁴ + 10t³ of t clamped to [0, 1]. */
 export function smoothstep(t: number): number {
@@ -20,15 +21,34 @@ export function weightAt(distance: number, radius: number, falloff: number): num
 /** What a region's weights are computed from. */
 export interface Ground {
   n: number;
-  /** Relative to `centre`. */
-  positions: Float32Array;
-  centre: readonly number[];
   diagonal: number;
+  /** Positions in double precision, as the file has them. */
+  surface: Surface;
   search: SurfaceSearch;
+  /** Normals of the places. */
+  normals: Float64Array;
   /** Whether distances of the page are those of the server: on meshes they are, of clouds it has its own graph. */
   local: boolean;
-  /** Asks the server for the weights of a region that is not known here. */
+  /** Asks the server for the mask of a region that is not known here. */
   ask: (region: Region) => Promise<Uint8Array>;
+}
+
+/** Whether the page computes a region itself, to the same bits as the server. */
+export function isLocal(region: Region, ground: Ground): boolean {
+  const inner = (r: Region) => isLocal(r, ground);
+  if (!ground.local) return false;
+  if ('any' in region) return region.any.every(inner);
+  if ('all' in region) return region.all.every(inner);
+  if ('not' in region) return inner(region.not);
+  if ('faded' in region) return inner(region.faded.region);
+  if ('painted' in region)
+    return region.painted.every((s) => ('add' in s ? inner(s.add) : 'subtract' in s && inner(s.subtract)));
+  return 'vertices' in region || 'facing' in region || 'box' in region || 'half-space' in region;
+}
+
+/** The mask of a region, 255 · w rounded: computed here where that is possible, else by the server. */
+export async function maskOf(region: Region, ground: Ground): Promise<Uint8Array> {
+  return isLocal(region, ground) ? toBytes(weights(region, ground)) : ground.ask(region);
 }
 
 /** A region that is 0 but for a few vertices: calls `see` with the weight of each of those. False where it is not so. */
@@ -39,18 +59,22 @@ export function visitSparse(
   factor = 1,
 ): boolean {
   if ('faded' in region) return visitSparse(region.faded.region, ground, see, factor * region.faded.factor);
-  const search = ground.search;
-  if (!ground.local) return false;
-  let sources: number[];
-  let radius: number;
-  let falloff: number;
-  if ('vertices' in region) {
-    sources = region.vertices.indices;
-    radius = lengthOf(region.vertices.radius, ground.diagonal);
-    falloff = Math.min(radius, lengthOf(region.vertices.falloff ?? radius, ground.diagonal));
-  } else return false;
+  if ('all' in region) {
+    const [first, ...rest] = region.all;
+    if (!first || !rest.every((r) => 'facing' in r)) return false;
+    const towards = rest.map((r) => facingWeight(r.facing, ground));
+    return visitSparse(first, ground, (v, w) => {
+      let least = w;
+      for (const weight of towards) least = Math.min(least, weight(v));
+      if (least > 0) see(v, factor * least);
+    });
+  }
+  if (!('vertices' in region)) return false;
+  const { search } = ground;
+  const radius = lengthOf(region.vertices.radius, ground.diagonal);
+  const falloff = Math.min(radius, lengthOf(region.vertices.falloff ?? radius, ground.diagonal));
   search.run(
-    sources.filter((v) => v < ground.n),
+    region.vertices.indices.filter((v) => v < ground.n),
     radius,
   );
   for (let i = 0; i < search.nReached; i++) {
@@ -61,78 +85,106 @@ export function visitSparse(
   return true;
 }
 
-/** The weights of a region at every vertex, in [0, 1]. */
-export async function weights(region: Region, ground: Ground): Promise<Float32Array> {
-  if ('any' in region) return combine(region.any, ground, 0, (a, b) => Math.max(b, a));
-  if ('all' in region) return combine(region.all, ground, 1, (a, b) => Math.min(b, a));
+/** The weights of a region that is local at every vertex, in [0, 1]. */
+export function weights(region: Region, ground: Ground): Float64Array {
+  if ('any' in region) return combine(region.any, ground, 0, Math.max);
+  if ('all' in region) return combine(region.all, ground, 1, Math.min);
   if ('painted' in region) return painted(region.painted, ground);
   if ('not' in region) {
-    const w = await weights(region.not, ground);
+    const w = weights(region.not, ground);
     for (let v = 0; v < w.length; v++) w[v] = 1 - w[v]!;
     return w;
   }
   if ('faded' in region) {
-    const w = await weights(region.faded.region, ground);
+    const w = weights(region.faded.region, ground);
     const f = region.faded.factor;
     for (let v = 0; v < w.length; v++) w[v]! *= f;
     return w;
   }
-  const out = new Float32Array(ground.n);
-  if (
-    visitSparse(region, ground, (v, w) => {
-      out[v] = w;
-    })
-  ) {
+  const out = new Float64Array(ground.n);
+  const sparse = visitSparse(region, ground, (v, w) => {
+    out[v] = w;
+  });
+  if (sparse) return out;
+  if ('facing' in region) {
+    const weight = facingWeight(region.facing, ground);
+    for (let v = 0; v < out.length; v++) out[v] = weight(v);
     return out;
   }
   if ('box' in region) return boxWeights(region.box, ground, out);
   if ('half-space' in region) return halfSpaceWeights(region['half-space'], ground, out);
-  const bytes = await ground.ask(region);
-  for (let v = 0; v < out.length; v++) out[v] = bytes[v]! / 255;
-  return out;
+  throw new Error(`The page cannot compute a region ${Object.keys(region)[0]}.`);
+}
+
+/** What a stroke makes of the value that is there; both in [0, 1]. */
+function joined(stroke: BrushStroke): (there: number, w: number) => number {
+  return 'add' in stroke ? (there, w) => Math.max(there, w) : (there, w) => Math.min(there, 1 - w);
 }
 
 /** Strokes one after the other, from 0 everywhere; each touches only the vertices that it reaches. */
-async function painted(strokes: readonly BrushStroke[], ground: Ground): Promise<Float32Array> {
-  const out = new Float32Array(ground.n);
+function painted(strokes: readonly BrushStroke[], ground: Ground): Float64Array {
+  const out = new Float64Array(ground.n);
   for (const stroke of strokes) {
-    const adds = 'add' in stroke;
-    const region = adds ? stroke.add : stroke.subtract;
-    const change = (v: number, w: number) => {
-      if (adds ? w > out[v]! : 1 - w < out[v]!) out[v] = adds ? w : 1 - w;
-    };
-    if (visitSparse(region, ground, change)) continue;
-    const w = await weights(region, ground);
-    for (let v = 0; v < w.length; v++) change(v, w[v]!);
+    const join = joined(stroke);
+    visitStroke(stroke, ground, (v, w) => {
+      out[v] = join(out[v]!, w);
+    });
   }
   return out;
 }
 
-async function combine(
+/** Calls `see` with the weight of the stroke's own region, at least where it is not 0. */
+export function visitStroke(stroke: BrushStroke, ground: Ground, see: (v: number, w: number) => void): void {
+  const region = 'add' in stroke ? stroke.add : 'subtract' in stroke ? stroke.subtract : null;
+  if (!region) throw new Error('The page leaves smoothing strokes to the server.');
+  if (visitSparse(region, ground, see)) return;
+  const w = weights(region, ground);
+  for (let v = 0; v < w.length; v++) see(v, w[v]!);
+}
+
+function combine(
   regions: readonly Region[],
   ground: Ground,
   empty: number,
   pick: (a: number, b: number) => number,
-): Promise<Float32Array> {
-  const out = new Float32Array(ground.n).fill(empty);
+): Float64Array {
+  const out = new Float64Array(ground.n).fill(empty);
   for (const region of regions) {
-    const w = await weights(region, ground);
+    const w = weights(region, ground);
     for (let v = 0; v < w.length; v++) out[v] = pick(out[v]!, w[v]!);
   }
   return out;
 }
 
+/** S(n·d / (|d| falloff)) with the normal n at a vertex. */
+export function facingWeight(
+  facing: { direction: readonly number[]; falloff?: number },
+  ground: Ground,
+): (v: number) => number {
+  const [a, b, c] = facing.direction as [number, number, number];
+  const length = Math.sqrt(a * a + b * b + c * c);
+  const [x, y, z] = [a / length, b / length, c / length];
+  const falloff = facing.falloff ?? 0;
+  const { normals } = ground;
+  const { places } = ground.surface;
+  return (v) => {
+    const i = 3 * places[v]!;
+    const cosine = x * normals[i]! + y * normals[i + 1]! + z * normals[i + 2]!;
+    return falloff > 0 ? smoothstep(cosine / falloff) : cosine > 0 ? 1 : 0;
+  };
+}
+
 function boxWeights(
   box: { min: number[]; max: number[]; falloff?: number | string },
   ground: Ground,
-  out: Float32Array,
-): Float32Array {
-  const { positions, centre } = ground;
+  out: Float64Array,
+): Float64Array {
+  const { places, points } = ground.surface;
   const falloff = lengthOf(box.falloff ?? '5%', ground.diagonal);
   for (let v = 0; v < ground.n; v++) {
     let inside = Infinity;
     for (let c = 0; c < 3; c++) {
-      const x = positions[3 * v + c]! + centre[c]!;
+      const x = points[3 * places[v]! + c]!;
       inside = Math.min(inside, x - box.min[c]!, box.max[c]! - x);
     }
     out[v] = inside < 0 ? 0 : falloff > 0 ? smoothstep(inside / falloff) : 1;
@@ -143,27 +195,29 @@ function boxWeights(
 function halfSpaceWeights(
   half: { point: number[]; normal: number[]; falloff?: number | string },
   ground: Ground,
-  out: Float32Array,
-): Float32Array {
-  const { positions, centre } = ground;
+  out: Float64Array,
+): Float64Array {
+  const { places, points } = ground.surface;
   const [a, b, c] = half.normal as [number, number, number];
-  const length = Math.hypot(a, b, c) || 1;
+  const length = Math.sqrt(a * a + b * b + c * c);
+  const [x, y, z] = [a / length, b / length, c / length];
   const [px, py, pz] = half.point as [number, number, number];
   const falloff = lengthOf(half.falloff ?? '5%', ground.diagonal);
   for (let v = 0; v < ground.n; v++) {
-    const d =
-      (a * (positions[3 * v]! + centre[0]! - px) +
-        b * (positions[3 * v + 1]! + centre[1]! - py) +
-        c * (positions[3 * v + 2]! + centre[2]! - pz)) /
-      length;
+    const i = 3 * places[v]!;
+    const d = x * (points[i]! - px) + y * (points[i + 1]! - py) + z * (points[i + 2]! - pz);
     out[v] = d < 0 ? 0 : falloff > 0 ? smoothstep(d / falloff) : 1;
   }
   return out;
 }
 
 /** 255 w, rounded. */
-export function toBytes(w: Float32Array): Uint8Array {
+export function toByte(w: number): number {
+  return Math.round(255 * w);
+}
+
+export function toBytes(w: Float64Array): Uint8Array {
   const bytes = new Uint8Array(w.length);
-  for (let v = 0; v < w.length; v++) bytes[v] = Math.round(255 * w[v]!);
+  for (let v = 0; v < w.length; v++) bytes[v] = toByte(w[v]!);
   return bytes;
 }

@@ -1,6 +1,7 @@
 /** Where the distance of the last search is `level`, as segments over the triangles round the vertices it reached. */
 
 import type { Rows } from './adjacency';
+import type { Hit } from './pick';
 import type { SurfaceSearch } from './search';
 
 export function contour(
@@ -49,4 +50,24 @@ export function contour(
     }
   }
   return Float32Array.from(out);
+}
+
+/** A circle in the tangent plane, where distances along the surface are not drawn. */
+export function flatRing({ point, normal }: Hit, radius: number): Float32Array {
+  const [nx, ny, nz] = normal;
+  const a = Math.abs(nx) < 0.8 ? [0, -nz, ny] : [nz, 0, -nx];
+  const length = Math.hypot(...a);
+  const u = a.map((x) => x / length) as [number, number, number];
+  const v = [ny * u[2] - nz * u[1], nz * u[0] - nx * u[2], nx * u[1] - ny * u[0]];
+  const n = 64;
+  const out = new Float32Array(6 * n);
+  for (let i = 0; i < n; i++) {
+    for (const end of [0, 1]) {
+      const t = (2 * Math.PI * (i + end)) / n;
+      for (let c = 0; c < 3; c++) {
+        out[6 * i + 3 * end + c] = point[c]! + radius * (Math.cos(t) * u[c]! + Math.sin(t) * v[c]!);
+      }
+    }
+  }
+  return out;
 }

@@ -4,62 +4,66 @@
  * Memory is kept from one search to the next, so that a search costs what it finds.
  */
 
-import type { Rows, weld } from './adjacency';
+import type { Surface } from './surface';
 
 const NONE = 0xffffffff;
 
 export class SurfaceSearch {
-  /** Vertices within the radius of the last search, in the order in which they were first seen. */
-  reached: Uint32Array;
+  /** Vertices within the radius of the last search. */
+  reached = new Uint32Array(1024);
   nReached = 0;
+  /** The same as places of the surface, in the order in which they were first seen. */
+  private found = new Uint32Array(1024);
+  private nFound = 0;
   private readonly distances: Float64Array;
   private readonly before: Uint32Array;
   private readonly stamps: Uint32Array;
   private stamp = 0;
   private heapKeys = new Float64Array(1024);
-  private heapVertices = new Uint32Array(1024);
+  private heapPlaces = new Uint32Array(1024);
   private heapSize = 0;
 
-  constructor(
-    private readonly neighbours: Rows,
-    private readonly points: Float32Array,
-    /** Where several vertices are at one place: `neighbours` are those of the first. */
-    private readonly welded: ReturnType<typeof weld> = null,
-  ) {
-    const n = points.length / 3;
+  constructor(private readonly surface: Surface) {
+    const n = surface.points.length / 3;
     this.distances = new Float64Array(n);
     this.before = new Uint32Array(n);
     this.stamps = new Uint32Array(n);
-    this.reached = new Uint32Array(1024);
   }
 
   /** The distance of a vertex from the nearest source of the last search; infinite beyond its radius. */
   distance(v: number): number {
-    return this.stamps[v] === this.stamp ? this.distances[v]! : Infinity;
+    return this.distanceOf(this.surface.places[v]!);
   }
 
-  /** Searches from `sources`, all with distance 0. At most `most` vertices are looked at; false where there were more. */
+  private distanceOf(place: number): number {
+    return this.stamps[place] === this.stamp ? this.distances[place]! : Infinity;
+  }
+
+  /** Searches from `sources`, all with distance 0. At most `most` places are looked at; false where there were more. */
   run(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
+    const { places, neighbours } = this.surface;
     this.stamp++;
+    this.nFound = 0;
     this.nReached = 0;
     this.heapSize = 0;
     for (let i = 0; i < sources.length; i++) {
-      const source = this.welded ? this.welded.first[sources[i]!]! : sources[i]!;
-      if (this.distance(source) > 0) this.label(source, 0, NONE);
+      const source = places[sources[i]!]!;
+      if (this.distanceOf(source) > 0) this.label(source, 0, NONE);
     }
-    const { offsets, entries } = this.neighbours;
+    const { offsets, entries } = neighbours;
+    const { stamps, distances } = this;
     while (this.heapSize > 0) {
       const key = this.heapKeys[0]!;
-      const x = this.heapVertices[0]!;
+      const x = this.heapPlaces[0]!;
       this.pop();
-      const here = this.distances[x]!;
+      const here = distances[x]!;
       if (key > here) continue; // reached on a shorter way since it was put in
-      if (this.nReached > most) return false;
+      if (this.nFound > most) return false;
       const before = this.before[x]!;
-      const start = before === NONE ? 0 : this.distances[before]!;
-      for (let e = offsets[x]!; e < offsets[x + 1]!; e++) {
+      const start = before === NONE ? 0 : distances[before]!;
+      for (let e = offsets[x]!, end = offsets[x + 1]!; e < end; e++) {
         const y = entries[e]!;
-        const known = this.stamps[y] === this.stamp ? this.distances[y]! : Infinity;
+        const known = stamps[y] === this.stamp ? distances[y]! : Infinity;
         let there = here + this.length(x, y);
         if (before !== NONE) {
           const straight = start + this.length(before, y);
@@ -68,73 +72,69 @@ export class SurfaceSearch {
         if (there < known && there <= radius) this.label(y, there, x);
       }
     }
-    if (this.welded) this.labelTwins();
+    this.listVertices();
     return true;
   }
 
-  /** Vertices at the place of one that was reached have its distance. */
-  private labelTwins(): void {
-    const n = this.nReached;
-    for (let i = 0; i < n; i++) {
-      const v = this.reached[i]!;
-      for (const w of this.welded!.twins.get(v) ?? []) this.label(w, this.distances[v]!, NONE);
+  /** The vertices at the places that were found. */
+  private listVertices(): void {
+    const { offsets, entries } = this.surface.members;
+    for (let i = 0; i < this.nFound; i++) {
+      const place = this.found[i]!;
+      for (let e = offsets[place]!; e < offsets[place + 1]!; e++) {
+        if (this.nReached === this.reached.length) this.reached = doubled(this.reached);
+        this.reached[this.nReached++] = entries[e]!;
+      }
     }
-    this.heapSize = 0;
   }
 
   private length(x: number, y: number): number {
-    const p = this.points;
+    const p = this.surface.points;
     const a = p[3 * x]! - p[3 * y]!;
     const b = p[3 * x + 1]! - p[3 * y + 1]!;
     const c = p[3 * x + 2]! - p[3 * y + 2]!;
     return Math.sqrt(a * a + b * b + c * c);
   }
 
-  private label(v: number, distance: number, before: number): void {
-    if (this.stamps[v] !== this.stamp) {
-      this.stamps[v] = this.stamp;
-      if (this.nReached === this.reached.length) {
-        const larger = new Uint32Array(2 * this.nReached);
-        larger.set(this.reached);
-        this.reached = larger;
-      }
-      this.reached[this.nReached++] = v;
+  private label(place: number, distance: number, before: number): void {
+    if (this.stamps[place] !== this.stamp) {
+      this.stamps[place] = this.stamp;
+      if (this.nFound === this.found.length) this.found = doubled(this.found);
+      this.found[this.nFound++] = place;
     }
-    this.distances[v] = distance;
-    this.before[v] = before;
-    this.push(distance, v);
+    this.distances[place] = distance;
+    this.before[place] = before;
+    this.push(distance, place);
   }
 
-  private push(key: number, vertex: number): void {
+  private push(key: number, place: number): void {
     if (this.heapSize === this.heapKeys.length) {
       const keys = new Float64Array(2 * this.heapSize);
       keys.set(this.heapKeys);
       this.heapKeys = keys;
-      const vertices = new Uint32Array(2 * this.heapSize);
-      vertices.set(this.heapVertices);
-      this.heapVertices = vertices;
+      this.heapPlaces = doubled(this.heapPlaces);
     }
     const keys = this.heapKeys;
-    const vertices = this.heapVertices;
+    const places = this.heapPlaces;
     let i = this.heapSize++;
     while (i > 0) {
       const up = (i - 1) >> 1;
       const k = keys[up]!;
-      if (k < key || (k === key && vertices[up]! <= vertex)) break;
+      if (k < key || (k === key && places[up]! <= place)) break;
       keys[i] = k;
-      vertices[i] = vertices[up]!;
+      places[i] = places[up]!;
       i = up;
     }
     keys[i] = key;
-    vertices[i] = vertex;
+    places[i] = place;
   }
 
   private pop(): void {
     const keys = this.heapKeys;
-    const vertices = this.heapVertices;
+    const places = this.heapPlaces;
     const size = --this.heapSize;
     const key = keys[size]!;
-    const vertex = vertices[size]!;
+    const place = places[size]!;
     let i = 0;
     for (;;) {
       let child = 2 * i + 1;
@@ -142,17 +142,23 @@ export class SurfaceSearch {
       const right = child + 1;
       if (
         right < size &&
-        (keys[right]! < keys[child]! || (keys[right] === keys[child] && vertices[right]! < vertices[child]!))
+        (keys[right]! < keys[child]! || (keys[right] === keys[child] && places[right]! < places[child]!))
       ) {
         child = right;
       }
       const k = keys[child]!;
-      if (key < k || (key === k && vertex <= vertices[child]!)) break;
+      if (key < k || (key === k && place <= places[child]!)) break;
       keys[i] = k;
-      vertices[i] = vertices[child]!;
+      places[i] = places[child]!;
       i = child;
     }
     keys[i] = key;
-    vertices[i] = vertex;
+    places[i] = place;
   }
+}
+
+function doubled(array: Uint32Array<ArrayBuffer>): Uint32Array<ArrayBuffer> {
+  const larger = new Uint32Array(2 * array.length);
+  larger.set(array);
+  return larger;
 }

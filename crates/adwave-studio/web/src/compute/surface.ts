@@ -1,0 +1,83 @@
+/**
+ * The surface as distances along it are measured: vertices at one point are one place, places are in the server's order, and
+ * positions are those of the file in double precision, so that a brush paints here what the server will replay, to the bit.
+ */
+
+import { neighboursOfCloud, neighboursOfMesh, type Rows, trianglesOfVertices } from './adjacency';
+
+export interface Surface {
+  /** The place of each vertex. */
+  places: Uint32Array;
+  /** Where the places are (3 a place). */
+  points: Float64Array;
+  /** The vertices at each place. */
+  members: Rows;
+  /** The places next to each. */
+  neighbours: Rows;
+}
+
+/** What `GET surface` gives: `f64 × 3 × n`, then `u32 × n` places. */
+export function readSurface(buffer: ArrayBuffer, n: number, triangles: Uint32Array): Surface {
+  const positions = new Float64Array(buffer, 0, 3 * n);
+  const places = new Uint32Array(buffer, 24 * n, n);
+  let nPlaces = 0;
+  for (let v = 0; v < n; v++) if (places[v]! >= nPlaces) nPlaces = places[v]! + 1;
+  const points = new Float64Array(3 * nPlaces);
+  for (let v = 0; v < n; v++) {
+    for (let c = 0; c < 3; c++) points[3 * places[v]! + c] = positions[3 * v + c]!;
+  }
+  const welded = triangles.map((v) => places[v]!);
+  const neighbours = neighboursOfMesh(welded, nPlaces, trianglesOfVertices(welded, nPlaces));
+  return { places: places.slice(), points, members: membersOf(places, nPlaces), neighbours };
+}
+
+/** The surface of a cloud: near to that of the server, which is asked for what a brush has painted. */
+export function cloudSurface(positions: Float32Array, nNeighbours: number): Surface {
+  const n = positions.length / 3;
+  const places = Uint32Array.from({ length: n }, (_, v) => v);
+  const neighbours = neighboursOfCloud(positions, nNeighbours);
+  return { places, points: Float64Array.from(positions), members: membersOf(places, n), neighbours };
+}
+
+function membersOf(places: Uint32Array, nPlaces: number): Rows {
+  const offsets = new Uint32Array(nPlaces + 1);
+  for (const place of places) offsets[place + 1]!++;
+  for (let p = 0; p < nPlaces; p++) offsets[p + 1]! += offsets[p]!;
+  const next = offsets.slice(0, nPlaces);
+  const entries = new Uint32Array(places.length);
+  for (let v = 0; v < places.length; v++) entries[next[places[v]!]!++] = v;
+  return { offsets, entries };
+}
+
+/** Normals of the places: sums of those of the triangles round them, weighted by area, of length 1; 0 where there are none. */
+export function placeNormals({ places, points }: Surface, triangles: Uint32Array): Float64Array {
+  const sums = new Float64Array(points.length);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const a = 3 * places[triangles[t]!]!;
+    const b = 3 * places[triangles[t + 1]!]!;
+    const c = 3 * places[triangles[t + 2]!]!;
+    const ux = points[b]! - points[a]!;
+    const uy = points[b + 1]! - points[a + 1]!;
+    const uz = points[b + 2]! - points[a + 2]!;
+    const vx = points[c]! - points[a]!;
+    const vy = points[c + 1]! - points[a + 1]!;
+    const vz = points[c + 2]! - points[a + 2]!;
+    const nx = uy * vz - uz * vy;
+    const ny = uz * vx - ux * vz;
+    const nz = ux * vy - uy * vx;
+    for (const i of [a, b, c]) {
+      sums[i]! += nx;
+      sums[i + 1]! += ny;
+      sums[i + 2]! += nz;
+    }
+  }
+  for (let i = 0; i < sums.length; i += 3) {
+    const [x, y, z] = [sums[i]!, sums[i + 1]!, sums[i + 2]!];
+    const length = Math.sqrt(x * x + y * y + z * z);
+    if (length === 0) continue;
+    sums[i] = x / length;
+    sums[i + 1] = y / length;
+    sums[i + 2] = z / length;
+  }
+  return sums;
+}

@@ -1,0 +1,45 @@
+/** Arrays as attributes, and how large a shape is. */
+
+import { BufferAttribute, type BufferGeometry } from 'three';
+
+/** The middle of the bounding box, and how far the vertices reach from it. */
+export function boundingSphere(p: Float32Array): { centre: number[]; radius: number } {
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < p.length; i += 3) {
+    for (let c = 0; c < 3; c++) {
+      const x = p[i + c]!;
+      if (x < low[c]!) low[c] = x;
+      if (x > high[c]!) high[c] = x;
+    }
+  }
+  const centre = low.map((x, c) => (x + high[c]!) / 2);
+  let radius = 0;
+  const [cx, cy, cz] = centre as [number, number, number];
+  for (let i = 0; i < p.length; i += 3) {
+    const d = (p[i]! - cx) ** 2 + (p[i + 1]! - cy) ** 2 + (p[i + 2]! - cz) ** 2;
+    if (d > radius) radius = d;
+  }
+  return { centre, radius: Math.sqrt(radius) };
+}
+
+/** Puts an array into an attribute: of the same size into the buffer that is there. */
+export function replace(
+  geometry: BufferGeometry,
+  name: string,
+  array: Float32Array | Int8Array,
+  itemSize: number,
+  normalized: boolean,
+): void {
+  const attribute = geometry.getAttribute(name) as BufferAttribute | undefined;
+  if (
+    attribute &&
+    attribute.array.length === array.length &&
+    attribute.array.constructor === array.constructor
+  ) {
+    attribute.array = array as typeof attribute.array;
+    attribute.needsUpdate = true;
+  } else {
+    geometry.setAttribute(name, new BufferAttribute(array, itemSize, normalized));
+  }
+}

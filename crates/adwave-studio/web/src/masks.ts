@@ -1,0 +1,54 @@
+/** The masks of the layers as the shader has them: each in a slot of its own. */
+
+import type { DocLayer } from './state';
+import type { View } from './view';
+
+export class Masks {
+  private readonly masks = new Map<number, Uint8Array>();
+  /** The layer whose mask is in each slot. */
+  private slots: number[] = [];
+  private n = 0;
+
+  constructor(private readonly view: View) {}
+
+  /** Another shape. */
+  begin(nVertices: number): void {
+    this.n = nVertices;
+    this.masks.clear();
+    this.slots = [];
+  }
+
+  /** The worker says what a mask is from a vertex on. */
+  hear(key: number, from: number, bytes: Uint8Array): void {
+    let mask = this.masks.get(key);
+    if (!mask) {
+      mask = new Uint8Array(this.n);
+      this.masks.set(key, mask);
+    }
+    mask.set(bytes, from);
+    const slot = this.slot(key);
+    if (slot >= 0) this.view.setMask(slot, from, bytes);
+  }
+
+  has(key: number): boolean {
+    return this.masks.has(key);
+  }
+
+  /** The slot of a layer; −1 where it has none. */
+  slot(key: number): number {
+    return this.slots.indexOf(key);
+  }
+
+  /** Gives the layers that have a region their slots. */
+  take(layers: readonly DocLayer[]): void {
+    const slots = layers.filter((l) => l.region).map((l) => l.key);
+    if (slots.length === this.slots.length && slots.every((k, i) => k === this.slots[i])) return;
+    const old = this.slots;
+    this.slots = slots;
+    for (const [slot, key] of slots.entries()) {
+      const mask = this.masks.get(key);
+      if (mask && old[slot] !== key) this.view.setMask(slot, 0, mask);
+      else if (!mask && this.n > 0) this.view.setMask(slot, 0, new Uint8Array(this.n));
+    }
+  }
+}

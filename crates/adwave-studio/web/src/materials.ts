@@ -1,0 +1,125 @@
+/** The shaders of the shape with what they are told: colours, a scalar field, the edit as a sum of bands. */
+
+import {
+  DataTexture,
+  DoubleSide,
+  GLSL3,
+  LinearFilter,
+  RawShaderMaterial,
+  Vector2,
+  Vector3,
+  Vector4,
+} from 'three';
+import { type MapName, table } from './colours';
+import { fragmentShader, maskPacks, type Variant, vertexShader } from './shader';
+
+/** What layers with a mask do, by slot: opacity · (gain − 1) of each band. */
+export type Masked = readonly { slot: number; slopes: readonly number[] }[];
+
+export class Materials {
+  packs = 0;
+  hasScalar = false;
+  tinted = false;
+  private readonly made = new Map<string, RawShaderMaterial>();
+  /** The edit as uniforms of the sum; their lengths are part of its shader. */
+  private sums = noSums();
+  private readonly tints = [new Vector4(), new Vector4()];
+  private readonly texture: DataTexture;
+  private readonly shared: Record<string, { value: unknown }>;
+
+  constructor() {
+    this.texture = new DataTexture(table('viridis'), 256, 1);
+    this.texture.magFilter = LinearFilter;
+    this.texture.minFilter = LinearFilter;
+    this.texture.needsUpdate = true;
+    this.shared = {
+      surface: { value: new Vector3() },
+      accent: { value: new Vector3() },
+      range: { value: new Vector2(0, 1) },
+      colours: { value: this.texture },
+      tint: { value: this.tints[0] },
+      tint1: { value: this.tints[1] },
+      pointSize: { value: 1 },
+    };
+  }
+
+  get(variant: Variant): RawShaderMaterial {
+    const key = JSON.stringify(variant);
+    let material = this.made.get(key);
+    if (!material) {
+      material = new RawShaderMaterial({
+        glslVersion: GLSL3,
+        vertexShader: vertexShader(variant),
+        fragmentShader: fragmentShader(variant),
+        side: DoubleSide,
+        uniforms: { ...this.shared, ...this.sums },
+      });
+      this.made.set(key, material);
+    }
+    return material;
+  }
+
+  setColours(surface: [number, number, number], accent: [number, number, number]): void {
+    (this.shared['surface']!.value as Vector3).set(...surface);
+    (this.shared['accent']!.value as Vector3).set(...accent);
+  }
+
+  setPointSize(size: number): void {
+    this.shared['pointSize']!.value = size;
+  }
+
+  setScalarRange(range: [number, number], map: MapName): void {
+    (this.shared['range']!.value as Vector2).set(...range);
+    this.texture.image.data!.set(table(map));
+    this.texture.needsUpdate = true;
+  }
+
+  /** Tints what is in the mask of a slot; null: nothing. */
+  setTint(slot: number | null): void {
+    for (const tint of this.tints) tint.set(0, 0, 0, 0);
+    if (slot !== null) this.tints[slot >> 2]?.setComponent(slot & 3, 1);
+    this.tinted = slot !== null && slot < 8;
+  }
+
+  /** Of other levels or more masks other shaders are made. */
+  forgetSums(): void {
+    this.sums = noSums();
+    for (const [key, material] of this.made) {
+      if ((JSON.parse(key) as Variant).nLevels === 0) continue;
+      material.dispose();
+      this.made.delete(key);
+    }
+  }
+
+  /** The edit as uniforms, `scales` those of the bands. False where the shader cannot do it. */
+  setSums(
+    global: ArrayLike<number>,
+    masked: Masked,
+    scales: readonly (number | undefined)[],
+    nLevels: number,
+  ): boolean {
+    const nMasks = masked.reduce((n, m) => Math.max(n, m.slot + 1), 0);
+    const packs = maskPacks(nLevels, nMasks);
+    if (packs === null) return false;
+    const each = 4 * packs;
+    if (this.sums.gains.value.length !== nLevels || packs !== this.packs) {
+      this.forgetSums();
+      this.packs = packs;
+      this.sums.gains.value = new Array<number>(nLevels).fill(1);
+      this.sums.scales.value = new Array<number>(nLevels).fill(0);
+      this.sums.slopes.value = new Array<number>(Math.max(1, nLevels * each)).fill(0);
+    }
+    const sums = this.sums;
+    sums.slopes.value.fill(0);
+    for (let j = 0; j < nLevels; j++) {
+      sums.gains.value[j] = global[j]!;
+      sums.scales.value[j] = scales[j] ?? 0;
+      for (const m of masked) sums.slopes.value[j * each + m.slot] = m.slopes[j]!;
+    }
+    return true;
+  }
+}
+
+function noSums(): Record<'gains' | 'scales' | 'slopes', { value: number[] }> {
+  return { gains: { value: [] }, scales: { value: [] }, slopes: { value: [] } };
+}

@@ -1,0 +1,144 @@
+/** What is drawn over the shape: the brush's circle, balls at features, edges. */
+
+import {
+  BufferAttribute,
+  BufferGeometry,
+  GLSL3,
+  LineSegments,
+  Points,
+  RawShaderMaterial,
+  type Scene,
+  Vector3,
+  Vector4,
+} from 'three';
+import type { Feature } from './protocol';
+import { ballFragment, ballVertex, lineFragment, lineVertex } from './shader';
+
+type Lines = LineSegments<BufferGeometry, RawShaderMaterial>;
+type Ink = [number, number, number];
+
+export class Overlays {
+  private readonly ring: Lines[] = [];
+  private readonly balls: Points<BufferGeometry, RawShaderMaterial>;
+  private readonly lines = new BufferGeometry();
+  private wires: Lines | null = null;
+  private edgeInk: Ink = [0, 0, 0];
+
+  constructor(private readonly scene: Scene) {
+    for (const opacity of [1, 0.45]) {
+      const ring = new LineSegments(new BufferGeometry(), lineMaterial(opacity, 0.0015));
+      ring.frustumCulled = false;
+      ring.visible = false;
+      ring.renderOrder = 2;
+      this.ring.push(ring);
+      scene.add(ring);
+    }
+    this.balls = new Points(
+      new BufferGeometry(),
+      new RawShaderMaterial({
+        glslVersion: GLSL3,
+        vertexShader: ballVertex,
+        fragmentShader: ballFragment,
+        uniforms: {
+          pixels: { value: 1 },
+          high: { value: new Vector3(0.87, 0.43, 0.2) },
+          low: { value: new Vector3(0.22, 0.48, 0.78) },
+        },
+      }),
+    );
+    this.balls.frustumCulled = false;
+    this.balls.visible = false;
+    scene.add(this.balls);
+  }
+
+  setInk(ring: Ink, edges: Ink): void {
+    for (const [i, lines] of this.ring.entries()) ink(lines).set(...ring, i === 0 ? 1 : 0.5);
+    this.edgeInk = edges;
+  }
+
+  /** Pixels a unit has at distance 1. */
+  setPixels(pixels: number): void {
+    this.balls.material.uniforms['pixels']!.value = pixels;
+  }
+
+  showRing(outer: Float32Array | null, inner: Float32Array | null): void {
+    for (const [i, segments] of [outer, inner].entries()) {
+      const ring = this.ring[i]!;
+      ring.visible = segments !== null && segments.length > 0;
+      if (!segments || !ring.visible) continue;
+      ring.geometry.dispose();
+      ring.geometry = new BufferGeometry();
+      ring.geometry.setAttribute('position', new BufferAttribute(segments, 3));
+    }
+  }
+
+  showFeatures(features: readonly Feature[], radii: number): void {
+    this.balls.visible = features.length > 0;
+    this.balls.geometry.dispose();
+    this.balls.geometry = new BufferGeometry();
+    if (features.length === 0) return;
+    const set = (name: string, values: Iterable<number>, itemSize: number) =>
+      this.balls.geometry.setAttribute(name, new BufferAttribute(Float32Array.from(values), itemSize));
+    set(
+      'position',
+      features.flatMap((f) => f.position),
+      3,
+    );
+    set(
+      'size',
+      features.map((f) => radii * f.sigma),
+      1,
+    );
+    set(
+      'sign',
+      features.map((f) => f.sign),
+      1,
+    );
+  }
+
+  setEdges(pairs: Uint32Array): void {
+    this.lines.setIndex(new BufferAttribute(pairs, 1));
+    this.wires = new LineSegments(this.lines, lineMaterial(0.35, 0.0002));
+    this.wires.frustumCulled = false;
+    this.wires.renderOrder = 1;
+    this.scene.add(this.wires);
+  }
+
+  get hasEdges(): boolean {
+    return this.wires !== null;
+  }
+
+  /** Shows the edges of a shape at these positions, or hides them. */
+  placeEdges(shown: boolean, of: BufferGeometry): void {
+    if (!this.wires) return;
+    this.wires.visible = shown;
+    if (!shown) return;
+    this.lines.setAttribute('position', of.getAttribute('position'));
+    ink(this.wires).set(...this.edgeInk, 0.4);
+  }
+
+  clear(): void {
+    if (this.wires) this.scene.remove(this.wires);
+    this.wires = null;
+    this.lines.dispose();
+    this.lines.deleteAttribute('position');
+    this.lines.setIndex(null);
+    this.showFeatures([], 1);
+    this.showRing(null, null);
+  }
+}
+
+function ink(lines: Lines): Vector4 {
+  return lines.material.uniforms['ink']!.value as Vector4;
+}
+
+function lineMaterial(opacity: number, bias: number): RawShaderMaterial {
+  return new RawShaderMaterial({
+    glslVersion: GLSL3,
+    vertexShader: lineVertex,
+    fragmentShader: lineFragment,
+    uniforms: { ink: { value: new Vector4(0, 0, 0, opacity) }, bias: { value: bias } },
+    transparent: true,
+    depthWrite: false,
+  });
+}
