@@ -388,8 +388,9 @@ def as_shape(shape: object, faces: object = None) -> Shape:
 def read(path: Path, *, kind: Kind | None = None, progress: ProgressLike = None) -> Shape:
     """Read a shape from a file.
 
-    The format is found from the content first and from the name second: OBJ, PLY, OFF, STL, XYZ, PTS, PWN, CSV, PCD, LAS, LAZ,
-    GIFTI, FreeSurfer, VTK (VTP, VTU, VTI, VTR, VTS, legacy), MatrixMarket (a graph); plain or gzip.
+    The format is found from the content first and from the name second: OBJ, PLY, OFF, STL, glTF, GLB, XYZ, PTS, PWN, CSV, PCD,
+    LAS, LAZ, E57, GIFTI, FreeSurfer, VTK (VTP, VTU, VTI, VTR, VTS, legacy), Gmsh, Medit, AMF, 3MF, Geomview, DMAT; MatrixMarket,
+    TGF, GraphML and lists of edges (graphs); plain or gzip.
 
     Parameters
     ----------
