@@ -252,7 +252,7 @@ mod tests {
         let again = String::from_utf8(json.to_text()).unwrap();
         assert_eq!(
             again,
-            "{\"z\":[1,-2.5,true,null],\"a\":{\"y\":\"\u{e9}\\n\",\"b\":18446744073709551615},\"m\":1e300}"
+            "{\"z\":[1,-2.5,true,null],\"a\":{\"y\":\"\u{e9}\\n\",\"b\":18446744073709551615},\"m\":1e+300}"
         );
         assert_eq!(json.get("a").and_then(|a| a.text_of("y")), Some("\u{e9}\n"));
     }
