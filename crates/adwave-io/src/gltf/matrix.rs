@@ -63,6 +63,11 @@ pub(crate) fn normal(m: &Matrix, n: [f64; 3]) -> [f64; 3] {
     if length > 0.0 && length.is_finite() { turned.map(|x| x / length) } else { n }
 }
 
+/// Whether it does more than shift.
+pub(crate) fn turns(m: &Matrix) -> bool {
+    (0..3).any(|i| (0..3).any(|j| m[i][j] != IDENTITY[i][j]))
+}
+
 /// The matrix that undoes `m`, or `None` where `m` flattens.
 pub(crate) fn inverse(m: &Matrix) -> Option<Matrix> {
     let (c, d) = (cofactors(m), determinant(m));

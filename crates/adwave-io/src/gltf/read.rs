@@ -9,7 +9,7 @@ use adwave::shape::Polygons;
 use super::accessor::Accessor;
 use super::document::Document;
 use super::json::Json;
-use super::matrix::{IDENTITY, Matrix, determinant, normal, point};
+use super::matrix::{IDENTITY, Matrix, determinant, normal, point, turns};
 use super::scene::{Instance, instances};
 use super::update::GltfOriginal;
 use crate::original::Original;
@@ -215,7 +215,7 @@ fn in_scene(attribute: &str, accessor: &Accessor, values: FieldValues, matrix: &
     if is_texcoord(attribute) && accessor.n_channels == 2 {
         flip_v(&mut values);
     }
-    if attribute == "NORMAL" && accessor.n_channels == 3 && *matrix != IDENTITY {
+    if attribute == "NORMAL" && accessor.n_channels == 3 && turns(matrix) {
         let turned =
             |row: &[f32]| normal(matrix, [row[0].into(), row[1].into(), row[2].into()]).map(|x| x as f32);
         if let FieldValues::F32(list) = &mut values {

@@ -10,7 +10,7 @@ use base64::Engine as _;
 use super::accessor::Accessor;
 use super::document::Document;
 use super::json::{Json, object};
-use super::matrix::{IDENTITY, inverse, normal, point};
+use super::matrix::{IDENTITY, inverse, normal, point, turns};
 use super::read::{Part, field_name};
 use super::write::{
     Attribute, Numbers, Rows, VERTICES, attributes, finish, positions, range, report_field, rows,
@@ -148,7 +148,7 @@ impl Changed<'_> {
         let part = &original.parts[k];
         let back = inverse(&part.instance.matrix).unwrap_or(IDENTITY);
         for attribute in attributes(field) {
-            let turn = attribute.name == "NORMAL" && part.instance.matrix != IDENTITY;
+            let turn = attribute.name == "NORMAL" && turns(&part.instance.matrix);
             let turned = |row: &mut [f32]| {
                 if turn && let [x, y, z] = row {
                     [*x, *y, *z] = normal(&back, [(*x).into(), (*y).into(), (*z).into()]).map(|x| x as f32);
