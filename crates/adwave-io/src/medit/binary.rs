@@ -14,11 +14,14 @@ use crate::original::Original;
 use crate::progress::{all, extend};
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
-/// Whether bytes begin as such a file, and the order of bytes in it.
+/// Whether bytes begin as such a file, and the order of bytes in it. The dimension comes first: without that an MGH of a few vertices would
+/// begin so too.
 pub(crate) fn begins_as_meshb(bytes: &[u8]) -> Option<ByteOrder> {
-    let head = bytes.get(..8)?;
+    const DIMENSION: i32 = 3;
+    let head = bytes.get(..12)?;
     [ByteOrder::Little, ByteOrder::Big].into_iter().find(|&order| {
-        i32::from_bytes(head, order) == 1 && (1..=4).contains(&i32::from_bytes(&head[4..], order))
+        let number = |at: usize| i32::from_bytes(&head[at..], order);
+        number(0) == 1 && (1..=4).contains(&number(4)) && number(8) == DIMENSION
     })
 }
 
