@@ -465,8 +465,11 @@ fn unchanged(file: &ShapeFile, written: &[u8], name: &str) -> Result<(), String>
         .map_err(|e| format!("what was written is not read: {e}"))?;
     let same = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
     let (old, new) = (file.points().as_flattened(), again.points().as_flattened());
-    if old.len() != new.len() || !old.iter().zip(new).all(|(&a, &b)| same(a, b)) {
-        return Err("other points after writing and reading".into());
+    if old.len() != new.len() {
+        return Err(format!("{} points after writing and reading, {} before", new.len() / 3, old.len() / 3));
+    }
+    if let Some((a, b)) = old.iter().zip(new).find(|&(&a, &b)| !same(a, b)) {
+        return Err(format!("other points after writing and reading: {a:e} is now {b:e}"));
     }
     // Triangles are all that an STL has.
     if !matches!(file.format(), Some(Format::Stl | Format::StlAscii)) && file.faces() != again.faces() {

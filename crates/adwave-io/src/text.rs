@@ -41,16 +41,18 @@ pub(crate) fn parse_f64(word: &[u8]) -> Option<f64> {
     fast_float2::parse(word).ok().or_else(|| parse_special(word))
 }
 
-/// The number that begins at `start`, and how many bytes it takes; the number ends at a blank or the end.
+/// The number that bytes begin with, and how many bytes it takes; the number ends at a blank or the end.
 pub(crate) fn parse_f64_at(bytes: &[u8]) -> Option<(f64, usize)> {
-    if let Ok((x, n)) = fast_float2::parse_partial::<f64, _>(bytes)
-        && n > 0
-        && bytes.get(n).is_none_or(|&b| is_space(b))
-    {
-        return Some((x, n));
-    }
-    let n = bytes.iter().position(|&b| is_space(b)).unwrap_or(bytes.len());
-    parse_f64(&bytes[..n]).map(|x| (x, n))
+    plain_f64_at(bytes).or_else(|| {
+        let n = bytes.iter().position(|&b| is_space(b)).unwrap_or(bytes.len());
+        parse_f64(&bytes[..n]).map(|x| (x, n))
+    })
+}
+
+/// As [`parse_f64_at`], of decimal numbers only.
+pub(crate) fn plain_f64_at(bytes: &[u8]) -> Option<(f64, usize)> {
+    let (x, n) = fast_float2::parse_partial::<f64, _>(bytes).ok()?;
+    (n > 0 && bytes.get(n).is_none_or(|&b| is_space(b))).then_some((x, n))
 }
 
 /// As [`parse_f64`], rounded once to 32 bits.

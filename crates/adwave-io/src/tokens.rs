@@ -1,7 +1,7 @@
 //! Numbers of texts whose lines mean nothing: words separated by blanks or line ends, remarks from `#` to the end of a line.
 
 use crate::ReadError;
-use crate::text::{is_space, line_end, parse_f64_at, show};
+use crate::text::{is_space, line_end, plain_f64_at, show};
 
 /// The words of such a text, one after the other.
 #[derive(Clone)]
@@ -30,7 +30,10 @@ impl<'a> Tokens<'a> {
     pub(crate) fn next(&mut self) -> Option<(usize, &'a [u8])> {
         self.skip();
         let start = self.position;
-        while self.bytes.get(self.position).is_some_and(|&b| !is_space(b) && b != b'#') {
+        while let Some(&b) = self.bytes.get(self.position)
+            && !is_space(b)
+            && (b != b'#' || is_special(&self.bytes[start..], self.position - start))
+        {
             self.position += 1;
         }
         (start < self.position).then(|| (start, &self.bytes[start..self.position]))
@@ -51,11 +54,11 @@ impl<'a> Tokens<'a> {
     /// The next number.
     pub(crate) fn number(&mut self, element: &str, row: u64) -> Result<f64, ReadError> {
         self.skip();
-        if let Some((x, n)) = parse_f64_at(&self.bytes[self.position..]) {
+        if let Some((x, n)) = plain_f64_at(&self.bytes[self.position..]) {
             self.position += n;
             return Ok(x);
         }
-        // A remark may follow without a blank.
+        // A remark may follow without a blank, and not-a-number has a spelling with `#`.
         let start = self.position;
         if let Some((_, word)) = self.next()
             && let Some(x) = crate::text::parse_f64(word)
@@ -110,6 +113,14 @@ impl<'a> Tokens<'a> {
     }
 }
 
+/// Whether the `#` at `at` of what begins with a word is part of a number that is none or infinite: `1.#IND`, `-1.#INF00`.
+fn is_special(bytes: &[u8], at: usize) -> bool {
+    let follows =
+        |name: &&[u8]| bytes[at + 1..].get(..name.len()).is_some_and(|next| next.eq_ignore_ascii_case(name));
+    matches!(&bytes[..at], b"1." | b"-1." | b"+1.")
+        && [&b"IND"[..], b"INF", b"QNAN", b"SNAN"].iter().any(follows)
+}
+
 /// Fails when `n` rows of at least `row_bytes` are more than the bytes from `position` on and `spare` beyond.
 pub(crate) fn check_rows(
     end: usize,
@@ -147,6 +158,18 @@ mod tests {
         tokens.next();
         let message = tokens.count("row", 8).unwrap_err().to_string();
         assert_eq!(message, "line 4: the file ends in row 8; get the whole file");
+    }
+
+    #[test]
+    fn a_number_sign_is_a_remark_but_in_special_numbers() {
+        let mut tokens = Tokens::new(b"1.#IND1 2.#IND\n-1.#inf00 1.#remark\n7", 0);
+        assert!(tokens.number("row", 0).unwrap().is_nan());
+        assert_eq!(tokens.number("row", 0).unwrap(), 2.0);
+        assert_eq!(tokens.peek(), Some(&b"-1.#inf00"[..]));
+        assert_eq!(tokens.number("row", 0).unwrap(), f64::NEG_INFINITY);
+        assert_eq!(tokens.number("row", 0).unwrap(), 1.0);
+        assert_eq!(tokens.number("row", 0).unwrap(), 7.0);
+        assert!(tokens.next().is_none());
     }
 
     #[test]

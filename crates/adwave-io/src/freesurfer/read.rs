@@ -139,7 +139,9 @@ fn quads(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Sh
     let points = if is_new {
         floats(points).to_points(progress)?
     } else {
-        let hundredths = |i: usize| f64::from(i16::from_bytes(&points[2 * i..], ByteOrder::Big)) / 100.0;
+        // Hundredths, which FreeSurfer holds as 32-bit numbers, as the newer kinds of file do.
+        let hundredths =
+            |i: usize| f64::from(f32::from(i16::from_bytes(&points[2 * i..], ByteOrder::Big)) / 100.0);
         collect(n_vertices as usize, progress, |i| [0, 1, 2].map(|c| hundredths(3 * i + c)))?
     };
     let mut shape = ShapeFile::from_cloud(points);
