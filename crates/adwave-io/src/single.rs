@@ -1,7 +1,7 @@
 //! What formats of 32-bit floats and triangles hold of a shape, and what is said of the rest.
 
 use adwave::Progress;
-use adwave::shape::triangulate;
+use adwave::shape::{triangulate, triangulate_with_faces};
 
 use crate::progress::all;
 use crate::{Format, ShapeFile, WriteError, WriteReport};
@@ -34,15 +34,21 @@ pub(crate) fn is_single(
 
 /// The faces as triangles.
 pub(crate) fn triangles(shape: &ShapeFile, report: &mut WriteReport) -> Vec<[u32; 3]> {
-    if shape.faces.iter().all(|face| face.len() == 3) {
-        return shape.faces.iter().map(|face| [face[0], face[1], face[2]]).collect();
-    }
-    for face in shape.faces.iter() {
-        match face.len() {
-            3 => {}
-            0..3 => report.leave_out("faces of fewer than three corners"),
-            _ => report.leave_out("polygons (as triangles)"),
-        }
-    }
+    say_what_is_cut(shape, report);
     triangulate(&shape.points, &shape.faces)
+}
+
+/// The faces as triangles, each with its face.
+pub(crate) fn triangles_with_faces(shape: &ShapeFile, report: &mut WriteReport) -> Vec<(usize, [u32; 3])> {
+    say_what_is_cut(shape, report);
+    triangulate_with_faces(&shape.points, &shape.faces)
+}
+
+fn say_what_is_cut(shape: &ShapeFile, report: &mut WriteReport) {
+    if shape.faces.iter().any(|face| face.len() < 3) {
+        report.leave_out("faces of fewer than three corners");
+    }
+    if shape.faces.iter().any(|face| face.len() > 3) {
+        report.leave_out("polygons (as triangles)");
+    }
 }

@@ -8,6 +8,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use adwave::shape::triangulate;
 use adwave_io::{Format, Precision, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes};
 use adwave_test_data::data_test;
 
@@ -106,12 +107,8 @@ fn same_points(a: &ShapeFile, b: &ShapeFile) -> bool {
 fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
     let what = format!("{} as {format}", name.display());
     if matches!(format, Format::Stl | Format::StlAscii) {
-        let soup: Vec<[f64; 3]> = a
-            .faces()
-            .iter()
-            .flat_map(|f| f.windows(2).skip(1).flat_map(|w| [f[0], w[0], w[1]]))
-            .map(|v| a.points()[v as usize])
-            .collect();
+        let triangles = triangulate(a.points(), a.faces());
+        let soup: Vec<[f64; 3]> = triangles.iter().flatten().map(|&v| a.points()[v as usize]).collect();
         assert_eq!(soup.len(), b.points().len(), "{what}");
         let single = format == Format::Stl;
         for (x, y) in soup.as_flattened().iter().zip(b.points().as_flattened()) {

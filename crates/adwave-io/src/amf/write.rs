@@ -5,6 +5,7 @@ use std::io::Write;
 use adwave::Progress;
 
 use crate::progress::at_row;
+use crate::single::triangles_with_faces;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
@@ -66,19 +67,13 @@ pub(crate) fn write_amf(
         out.write_all(&text)?;
     }
     out.write_all(b"</vertices>\n<volume>\n")?;
-    for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, shape.faces.len() as u64)?;
-        if face.len() < 3 {
-            report.leave_out("faces of fewer than three corners");
-        } else if face.len() > 3 {
-            report.leave_out("polygons (as triangles)");
-        }
+    let triangles = triangles_with_faces(shape, report);
+    for (row, &(f, [a, b, c])) in triangles.iter().enumerate() {
+        at_row(progress, row as u64, triangles.len() as u64)?;
         text.clear();
-        for w in face.windows(2).skip(1) {
-            text.extend_from_slice(b"<triangle>");
-            push_color(of_faces, f, &mut text);
-            writeln!(text, "<v1>{}</v1><v2>{}</v2><v3>{}</v3></triangle>", face[0], w[0], w[1])?;
-        }
+        text.extend_from_slice(b"<triangle>");
+        push_color(of_faces, f, &mut text);
+        writeln!(text, "<v1>{a}</v1><v2>{b}</v2><v3>{c}</v3></triangle>")?;
         out.write_all(&text)?;
     }
     out.write_all(b"</volume>\n</mesh>\n</object>\n</amf>\n")?;

@@ -2,15 +2,16 @@
 
 use std::io::Write;
 
-use adwave::{Cancelled, Progress};
+use adwave::Progress;
 
 use crate::original::Original;
-use crate::progress::{all, at_row};
+use crate::progress::at_row;
+use crate::single::{is_single, triangles_with_faces};
 use crate::stl::read::StlOriginal;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
 
-/// Writes the faces as triangles, polygons split into fans.
+/// Writes the faces as triangles, polygons cut into triangles.
 pub(crate) fn write_stl(
     shape: &ShapeFile,
     format: Format,
@@ -36,22 +37,12 @@ pub(crate) fn write_stl(
     let solids = solids(shape).filter(|_| format == Format::StlAscii);
     let held = [Some("normal"), attribute.map(|_| "attribute"), solids.as_ref().map(|_| "solid")];
     report.leave_face_fields(shape, &held.into_iter().flatten().collect::<Vec<_>>());
-    let mut triangles = Vec::new();
-    for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, shape.faces.len() as u64)?;
-        if face.len() < 3 {
-            report.leave_out("faces of fewer than three corners");
-        } else if face.len() > 3 {
-            report.leave_out("polygons (as triangles)");
-        }
-        for w in face.windows(2).skip(1) {
-            triangles.push((f, [face[0], w[0], w[1]]));
-        }
-    }
+    let triangles = triangles_with_faces(shape, report);
     if format == Format::StlAscii {
         return write_ascii(&normals, &triangles, solids.as_deref(), out, progress);
     }
-    if shape.precision == Precision::F64 && !is_single(shape, progress)? {
+    let coordinates = shape.points.as_flattened();
+    if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
         report.leave_out("digits of coordinates beyond 32-bit floats");
     }
     let n = u32::try_from(triangles.len());
@@ -74,11 +65,6 @@ pub(crate) fn write_stl(
         out.write_all(&record)?;
     }
     Ok(())
-}
-
-fn is_single(shape: &ShapeFile, progress: Progress<'_>) -> Result<bool, Cancelled> {
-    let is_single = |x: f64| f64::from(x as f32).to_bits() == x.to_bits() || x.is_nan();
-    all(shape.points.len(), progress, |i| shape.points[i].into_iter().all(is_single))
 }
 
 /// The normals of the triangles.

@@ -7,6 +7,7 @@ use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 use crate::progress::at_row;
+use crate::single::triangles_with_faces;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
@@ -116,24 +117,17 @@ fn model(
         out.write_all(&text)?;
     }
     out.write_all(b"</vertices>\n<triangles>\n")?;
-    for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, shape.faces.len() as u64)?;
-        if face.len() < 3 {
-            report.leave_out("faces of fewer than three corners");
-        } else if face.len() > 3 {
-            report.leave_out("polygons (as triangles)");
-        }
+    let triangles = triangles_with_faces(shape, report);
+    for (row, &(f, [a, b, c])) in triangles.iter().enumerate() {
+        at_row(progress, row as u64, triangles.len() as u64)?;
         text.clear();
-        for w in face.windows(2).skip(1) {
-            let (a, b, c) = (face[0], w[0], w[1]);
-            write!(text, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
-            if of_vertices.is_some() {
-                write!(text, " pid=\"2\" p1=\"{a}\" p2=\"{b}\" p3=\"{c}\"")?;
-            } else if of_faces.is_some() {
-                write!(text, " pid=\"2\" p1=\"{f}\"")?;
-            }
-            text.extend_from_slice(b"/>\n");
+        write!(text, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
+        if of_vertices.is_some() {
+            write!(text, " pid=\"2\" p1=\"{a}\" p2=\"{b}\" p3=\"{c}\"")?;
+        } else if of_faces.is_some() {
+            write!(text, " pid=\"2\" p1=\"{f}\"")?;
         }
+        text.extend_from_slice(b"/>\n");
         out.write_all(&text)?;
     }
     out.write_all(

@@ -32,7 +32,7 @@ pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;
 pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
-pub use triangulate::triangulate;
+pub use triangulate::{triangulate, triangulate_with_faces};
 pub use vertex_map::{VertexMap, WeldMode};
 
 use crate::vector::{norm, subtract};

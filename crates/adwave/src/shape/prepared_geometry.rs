@@ -65,7 +65,9 @@ impl PreparedGeometry {
         progress.step(2, STAGES)?;
         let welded = vertex_map.as_slice();
         let triangles = match faces {
-            Some(faces) => try_triangulate(points, faces, progress, |corner| welded[corner as usize])?,
+            Some(faces) => try_triangulate(points, faces, progress, |_, corners| {
+                corners.map(|corner| welded[corner as usize])
+            })?,
             None => Vec::new(),
         };
         progress.step(STAGES, STAGES)?;

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// Cuts every face of three corners or more into triangles with the corners of the face. O(corners) for convex faces.
 ///
 /// Convex faces become a fan round their first corner; faces that are not convex (in the plane of their Newell normal)
-/// are cut by ear clipping. Faces of fewer than three corners give no triangle.
+/// are cut by ear clipping. A face of n corners gives n − 2 triangles that use them all; fewer than three corners give none.
 ///
 /// ```
 /// use adwave::shape::{Polygons, triangulate};
@@ -20,43 +20,59 @@ use nalgebra::Vector3;
 /// assert!(triangles.iter().all(|t| t.contains(&1)));
 /// ```
 pub fn triangulate(points: &[[f64; 3]], faces: &Polygons) -> Vec<[u32; 3]> {
-    unstopped(try_triangulate(points, faces, Progress::none(), |corner| corner))
+    unstopped(try_triangulate(points, faces, Progress::none(), |_, corners| corners))
+}
+
+/// The triangles of [`triangulate`], each with the face that it is part of.
+///
+/// ```
+/// use adwave::shape::{Polygons, triangulate_with_faces};
+/// let mut faces = Polygons::new();
+/// faces.push(&[0, 1, 2]);
+/// faces.push(&[0, 2, 3, 4]);
+/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.5, 2.0, 0.0], [0.0, 1.0, 0.0]];
+/// let triangles = triangulate_with_faces(&points, &faces);
+/// assert_eq!(triangles, [(0, [0, 1, 2]), (1, [0, 2, 3]), (1, [0, 3, 4])]);
+/// ```
+pub fn triangulate_with_faces(points: &[[f64; 3]], faces: &Polygons) -> Vec<(usize, [u32; 3])> {
+    unstopped(try_triangulate(points, faces, Progress::none(), |face, corners| (face, corners)))
 }
 
 /// Faces that a thread cuts at a time.
 const FACES_AT_A_TIME: usize = 1 << 12;
 
-/// [`triangulate`] with other names for the corners, stopped when the call is.
-pub(super) fn try_triangulate(
+/// What `made` makes of each triangle of [`triangulate`], given its face and its corners; stopped when the call is.
+pub(super) fn try_triangulate<T: Clone + Default + Send>(
     points: &[[f64; 3]],
     faces: &Polygons,
     progress: Progress<'_>,
-    renamed: impl Fn(u32) -> u32 + Sync + Send,
-) -> Result<Vec<[u32; 3]>, Cancelled> {
+    made: impl Fn(usize, [u32; 3]) -> T + Sync + Send,
+) -> Result<Vec<T>, Cancelled> {
     if let Some(triangles) = faces.triangles() {
-        return parallel::try_collect(triangles.len(), progress, |f| triangles[f].map(&renamed));
+        return parallel::try_collect(triangles.len(), progress, |f| made(f, triangles[f]));
     }
     let scratch = || (earcut::Earcut::new(), Vec::new());
     let chunks =
         parallel::try_map_chunks(faces.len(), FACES_AT_A_TIME, progress, scratch, |scratch, range| {
             let (earcut, cut) = scratch;
-            let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(2 * range.len());
-            for face in range.map(|f| faces.get(f)) {
+            let mut triangles = Vec::with_capacity(2 * range.len());
+            for f in range {
+                let face = faces.get(f);
                 match *face {
                     [_, _] | [_] | [] => {}
-                    [a, b, c] => triangles.push([a, b, c]),
+                    [a, b, c] => triangles.push(made(f, [a, b, c])),
                     _ => match reflex_outline(points, face) {
-                        None => triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]])),
+                        None => {
+                            let fan = (2..face.len()).map(|k| [face[0], face[k - 1], face[k]]);
+                            triangles.extend(fan.map(|corners| made(f, corners)));
+                        }
                         Some(outline) => {
                             earcut.earcut(outline.iter().copied(), &[], cut);
-                            let ears = cut.as_chunks().0.iter();
-                            triangles.extend(ears.map(|ear: &[u32; 3]| ear.map(|k| face[k as usize])));
+                            let ears = with_flat_corners(cut.as_chunks().0.to_vec(), face.len());
+                            triangles.extend(ears.iter().map(|ear| made(f, ear.map(|k| face[k as usize]))));
                         }
                     },
                 }
-            }
-            for corner in triangles.as_flattened_mut() {
-                *corner = renamed(*corner);
             }
             triangles
         })?;
@@ -66,6 +82,39 @@ pub(super) fn try_triangulate(
         triangles.extend(chunk);
     }
     Ok(triangles)
+}
+
+/// Ears that use all of `n` corners: ear clipping leaves out corners on straight edges, where other faces may meet, so the
+/// triangle at such an edge is cut once more for each. A fan where that gives no n − 2 triangles, as when edges cross.
+fn with_flat_corners(mut ears: Vec<[u32; 3]>, n: usize) -> Vec<[u32; 3]> {
+    let n_corners = n as u32;
+    if ears.len() + 2 != n {
+        let mut is_used = vec![false; n];
+        ears.as_flattened().iter().for_each(|&k| is_used[k as usize] = true);
+        // The next corner that is used, for each.
+        let mut next = vec![0; n];
+        let mut following = is_used.iter().position(|&used| used).unwrap_or(0);
+        for k in (0..n).rev() {
+            next[k] = following as u32;
+            following = if is_used[k] { k } else { following };
+        }
+        for e in 0..ears.len() {
+            for side in 0..3 {
+                let [start, mut end, apex] = [0, 1, 2].map(|c| ears[e][(side + c) % 3]);
+                if end != next[start as usize] {
+                    continue;
+                }
+                // The triangle keeps the first part of its edge.
+                while end != (start + 1) % n_corners {
+                    let corner = (end + n_corners - 1) % n_corners;
+                    ears.push([corner, end, apex]);
+                    end = corner;
+                }
+                ears[e][(side + 1) % 3] = end;
+            }
+        }
+    }
+    if ears.len() + 2 == n { ears } else { (2..n_corners).map(|k| [0, k - 1, k]).collect() }
 }
 
 /// The face in its own plane when it has a reflex corner, `None` when it is convex or has no area.
@@ -91,4 +140,62 @@ fn reflex_outline(points: &[[f64; 3]], face: &[u32]) -> Option<Vec<[f64; 2]>> {
         (q[0] - p[0]) * (r[1] - q[1]) - (q[1] - p[1]) * (r[0] - q[0])
     };
     (0..outline.len()).any(|k| turns(k) < -tolerance).then_some(outline)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area([a, b, c]: [[f64; 3]; 3]) -> f64 {
+        0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    }
+
+    /// The triangles of one face: n − 2 that use all corners, turn as it does and have its area.
+    fn check(outline: &[[f64; 2]]) {
+        for rotation in 0..outline.len() {
+            let n = outline.len();
+            let points: Vec<[f64; 3]> =
+                (0..n).map(|k| outline[(k + rotation) % n]).map(|[x, y]| [x, y, 0.0]).collect();
+            let mut faces = Polygons::new();
+            faces.push(&(0..n as u32).collect::<Vec<_>>());
+            let triangles = triangulate(&points, &faces);
+            assert_eq!(triangles.len(), n - 2);
+            let areas: Vec<f64> = triangles.iter().map(|t| area(t.map(|k| points[k as usize]))).collect();
+            assert!(areas.iter().all(|&a| a >= 0.0), "{areas:?}");
+            let of_face: f64 = (0..n).map(|k| area([[0.0; 3], points[k], points[(k + 1) % n]])).sum();
+            assert!((areas.iter().sum::<f64>() - of_face).abs() < 1e-12);
+            for k in 0..n as u32 {
+                // Each edge of the face is one of a triangle, in its direction.
+                let edge = [k, (k + 1) % n as u32];
+                let has = |t: &[u32; 3]| (0..3).any(|c| [t[c], t[(c + 1) % 3]] == edge);
+                assert!(triangles.iter().any(has), "{edge:?} of {triangles:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn corners_on_straight_edges_stay() {
+        // An L with one and with three corners on its edges.
+        check(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]);
+        check(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]);
+        check(&[
+            [0.0, 0.0],
+            [0.5, 0.0],
+            [0.75, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+            [0.0, 1.0],
+        ]);
+    }
+
+    #[test]
+    fn a_face_that_crosses_itself_is_a_fan() {
+        let points = [[0.0; 3], [0.0, -3e199, 0.0], [502.0, 0.0, 0.0], [0.0, 680.0, 0.0]];
+        let mut faces = Polygons::new();
+        faces.push(&[2, 3, 0, 2, 1]);
+        assert_eq!(triangulate(&points, &faces).len(), 3);
+    }
 }
