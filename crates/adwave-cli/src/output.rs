@@ -263,9 +263,9 @@ pub(crate) fn write_shape(
     path: &Path,
 ) -> Result<WriteReport, CliError> {
     let report = if path == Path::new(PIPE) {
-        write_to_pipe(file)?
+        write_to_pipe(global, file)?
     } else {
-        adwave_io::write_path(file, path, None).map_err(write_error)?
+        adwave_io::write_path_with(file, path, None, global.progress()).map_err(write_error)?
     };
     if !report.not_written.is_empty() {
         note(global, &format!("{} cannot hold {}", path.display(), report.not_written.join(", ")));
@@ -274,10 +274,10 @@ pub(crate) fn write_shape(
 }
 
 /// Writes a shape to the standard output, in the format that it came in or as PLY.
-fn write_to_pipe(file: &ShapeFile) -> Result<WriteReport, CliError> {
+fn write_to_pipe(global: &Global<'_>, file: &ShapeFile) -> Result<WriteReport, CliError> {
     let format = file.format().filter(|format| format.can_write()).unwrap_or(Format::Ply);
     let mut out = std::io::BufWriter::with_capacity(1 << 18, std::io::stdout().lock());
-    let written = adwave_io::write_bytes(file, format, &mut out);
+    let written = adwave_io::write_bytes_with(file, format, &mut out, global.progress());
     let written = written.and_then(|report| out.flush().map(|()| report).map_err(WriteError::from));
     written.map_err(|error| match error {
         WriteError::Io(e) if e.kind() == std::io::ErrorKind::BrokenPipe => CliError::ClosedPipe,
@@ -299,7 +299,7 @@ pub(crate) fn command_line<'a>(words: impl Iterator<Item = &'a OsString>) -> Str
     std::iter::once("adwave".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
-/// A failed write: the disk's fault or the user's.
+/// A failed write: the disk's fault or the user's, or the user's wish.
 #[expect(clippy::needless_pass_by_value, reason = "for use as map_err(write_error)")]
 pub(crate) fn write_error(error: WriteError) -> CliError {
     let text = error.to_string();
@@ -309,6 +309,7 @@ pub(crate) fn write_error(error: WriteError) -> CliError {
     }
     match cause {
         WriteError::Io(_) => CliError::Environment(text),
+        WriteError::Cancelled(_) => CliError::Cancelled,
         _ => CliError::Input(text),
     }
 }

@@ -26,6 +26,12 @@ pub(crate) fn sniff(bytes: &[u8], name: Option<&str>) -> Result<Format, ReadErro
     if hint == Some(Format::Dmat) || crate::dmat::read::begins_as_dmat(bytes) {
         return Ok(Format::Dmat);
     }
+    // An archive that was cut has lost its list of names, but the name says what it was.
+    if bytes.starts_with(b"PK\x03\x04")
+        && let Some(format @ (Format::ThreeMf | Format::Amf)) = hint
+    {
+        return Ok(format);
+    }
     if let Some(found) = foreign(bytes) {
         return Err(ReadError::UnknownFormat { found: found.into() });
     }

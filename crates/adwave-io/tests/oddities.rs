@@ -255,3 +255,38 @@ fn an_xml_error_is_one_line() {
     let error = adwave_io::parse_gifti_fields(b"<?x\ry?><GIFTI\r", &ReadLimits::default()).unwrap_err();
     assert!(!error.to_string().contains('\r'), "{error:?}");
 }
+
+#[test]
+fn faces_that_are_not_convex_are_cut_inside() {
+    // An arrow head of area 1.5 whose fan round its first corner would leave it.
+    let off = b"OFF\n5 2 0\n-1 0 0\n0 .5 0\n1 0 0\n0 2 0\n0 0 1\n4 0 1 2 3\n3 0 3 4\n";
+    let shape = read_bytes(off.to_vec(), None, &ReadLimits::default()).unwrap();
+    for format in [Format::Stl, Format::StlAscii, Format::Amf, Format::ThreeMf, Format::Glb] {
+        let mut bytes = Vec::new();
+        let report = write_bytes(&shape, format, &mut bytes).unwrap();
+        assert!(report.not_written.contains(&"polygons (as triangles)".to_owned()), "{format}");
+        let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
+        assert_eq!(again.faces().len(), 3, "{format}");
+        let area = |face: &[u32]| {
+            let [a, b, c] = [0, 1, 2].map(|k| again.points()[face[k] as usize]);
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
+        };
+        let flat = |face: &&[u32]| face.iter().all(|&v| again.points()[v as usize][2] == 0.0);
+        let total: f64 = again.faces().iter().filter(flat).map(area).sum();
+        assert!((total - 1.5).abs() < 1e-12, "{format}: {total}");
+    }
+}
+
+#[test]
+fn an_archive_that_was_cut_is_said_to_be_cut() {
+    let off = b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let shape = read_bytes(off.to_vec(), None, &ReadLimits::default()).unwrap();
+    let mut bytes = Vec::new();
+    write_bytes(&shape, Format::ThreeMf, &mut bytes).unwrap();
+    bytes.truncate(bytes.len() - 20);
+    for name in ["a.3mf", "a.amf"] {
+        let error = read_bytes(bytes.clone(), Some(name), &ReadLimits::default()).unwrap_err().to_string();
+        assert!(error.starts_with("the ZIP archive is broken"), "{error}");
+        assert!(error.ends_with("get the whole file"), "{error}");
+    }
+}
