@@ -1,6 +1,8 @@
 //! LAS 1.0 – 1.4 and its compressed form LAZ.
 
+pub(crate) mod extra;
 pub(crate) mod fields;
 pub(crate) mod laz;
+mod places;
 pub(crate) mod read;
 pub(crate) mod write;

@@ -9,7 +9,8 @@ use std::sync::Arc;
 
 use adwave::Progress;
 
-use crate::las::fields::{ExtraBytes, Records, fields};
+use crate::las::extra::ExtraBytes;
+use crate::las::fields::{Records, fields, record_bytes};
 use crate::las::write::LasOriginal;
 use crate::original::Original;
 use crate::progress::collect;
@@ -78,7 +79,8 @@ pub(crate) fn read_las(
     let points = unpacked(bytes, &header, progress)?;
     let records = records(bytes, &header);
     let extra = |r: &&Record<'_>| r.user.starts_with(b"LASF_Spec") && r.id == 4;
-    let extra = ExtraBytes::parse(records.iter().find(extra).map_or(&[], |r| r.content));
+    let standard = record_bytes(header.format).unwrap_or(header.record_bytes);
+    let extra = ExtraBytes::parse(records.iter().find(extra).map_or(&[], |r| r.content), standard);
     let n = header.n_points as usize;
     let n = n.min(points.len() / header.record_bytes);
     let row = |i: usize| &points[i * header.record_bytes..][..header.record_bytes];
@@ -143,7 +145,7 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
 }
 
 fn check_header(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
-    let Some(least) = crate::las::fields::record_bytes(header.format) else {
+    let Some(least) = record_bytes(header.format) else {
         let message =
             format!("point format {} is none of LAS's 0 to 10; get an unbroken file", header.format);
         return Err(ReadError::at_byte(104, message));

@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use adwave::Progress;
 
-use crate::las::fields::{record_bytes, whole_column};
+use crate::las::fields::record_bytes;
+use crate::las::places::{Place, fits};
 use crate::las::read::{Header, LEAST_HEADER, RECORD_HEAD, parse_header, records, unpacked};
 use crate::original::Original;
 use crate::progress::at_row;
-use crate::{Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
+use crate::{Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// The bytes of a LAS or LAZ, and which of its points the shape has; all where there is no list.
 #[derive(Debug)]
@@ -25,43 +26,21 @@ const MOST_STEPS: f64 = 1e9;
 const COMPRESSED: u8 = 0x80;
 /// The number of the record of the compression.
 const LASZIP: u16 = 22204;
-
-/// Colours of one byte become those of two.
-fn factor(field: &Field) -> f64 {
-    if field.name == "color" && matches!(field.values, FieldValues::U8(_)) { 257.0 } else { 1.0 }
-}
-
-/// Whether the type holds all values of the field as they are.
-fn fits(field: &Field, kind: ValueType) -> bool {
-    let range = match kind {
-        ValueType::U8 => 0.0..=255.0,
-        ValueType::I8 => -128.0..=127.0,
-        ValueType::I16 => -32768.0..=32767.0,
-        ValueType::F64 => return true,
-        _ => 0.0..=65535.0,
-    };
-    let factor = factor(field);
-    // Colours that are numbers from 0 to 1 are no colours of a LAS.
-    let is_color = field.name != "color" || matches!(field.values, FieldValues::U8(_) | FieldValues::U16(_));
-    let holds = |k: usize| {
-        let value = factor * field.values.get(k);
-        value.fract() == 0.0 && range.contains(&value)
-    };
-    is_color && (0..field.values.len()).all(holds)
-}
+/// Bytes of the header of version 1.4.
+const LONG_HEADER: usize = 375;
 
 /// A file in parts, uncompressed.
-struct Parts {
-    header: Vec<u8>,
+pub(crate) struct Parts {
+    pub(crate) header: Vec<u8>,
     /// The variable-length records, whole, without that of the compression.
-    records: Vec<Vec<u8>>,
+    pub(crate) records: Vec<Vec<u8>>,
     /// What a program left between these and the points.
     gap: Vec<u8>,
-    points: Vec<u8>,
+    pub(crate) points: Vec<u8>,
     /// What comes after the points, and where it began.
     tail: Vec<u8>,
     tail_start: usize,
-    parsed: Header,
+    pub(crate) parsed: Header,
 }
 
 /// Writes the shape's points.
@@ -108,7 +87,7 @@ fn cannot(format: Format, what: impl Into<String>) -> WriteError {
     WriteError::CannotHold { format, what: what.into() }
 }
 
-fn put<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
+pub(crate) fn put<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
     bytes[at..at + N].copy_from_slice(&value);
 }
 
@@ -178,24 +157,34 @@ impl Parts {
         u64::from_le_bytes(own)
     }
 
-    /// A file of version 1.2 with the intensity, classes and colours that the shape has.
+    /// A file without fields: of version 1.2 where its records have a place for all fields of the shape, else of 1.4, which is
+    /// the first that describes extra bytes.
     fn new(shape: &ShapeFile, format: Format) -> Result<Self, WriteError> {
         if shape.points.is_empty() {
             return Err(cannot(format, "a shape without points"));
         }
         let has_color = shape.field("color").is_some_and(|f| f.n_channels == 3 && fits(f, ValueType::U16));
-        let id = if has_color { 2 } else { 0 };
+        let old = if has_color { 2 } else { 0 };
+        let is_old = shape.vertex_fields.iter().all(|field| Place::of(old, field).is_some());
+        let id = if is_old { old } else { 6 + u8::from(has_color) };
         let size = record_bytes(id).unwrap_or(20);
-        let mut header = vec![0; LEAST_HEADER];
+        let n_bytes = if is_old { LEAST_HEADER } else { LONG_HEADER };
+        let mut header = vec![0; n_bytes];
         header[..4].copy_from_slice(b"LASF");
-        header[24..26].copy_from_slice(&[1, 2]);
+        header[24..26].copy_from_slice(if is_old { &[1, 2] } else { &[1, 4] });
+        if !is_old {
+            // Coordinate systems of these formats are texts.
+            header[6] = 16;
+        }
         header[26..31].copy_from_slice(b"OTHER");
         let program = concat!("adwave ", env!("CARGO_PKG_VERSION")).as_bytes();
         header[58..58 + program.len()].copy_from_slice(program);
-        put(&mut header, 94, (LEAST_HEADER as u16).to_le_bytes());
+        put(&mut header, 94, (n_bytes as u16).to_le_bytes());
         header[104] = id;
         put(&mut header, 105, (size as u16).to_le_bytes());
-        put(&mut header, 107, 1_u32.to_le_bytes());
+        if is_old {
+            put(&mut header, 107, 1_u32.to_le_bytes());
+        }
         for axis in 0..3 {
             let all = || shape.points.iter().map(|p| p[axis]);
             let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
@@ -206,7 +195,7 @@ impl Parts {
         }
         // Return 1 of 1.
         let mut record = vec![0; size];
-        record[14] = 0b1001;
+        record[14] = if is_old { 0b1001 } else { 0b1_0001 };
         let Some(parsed) = parse_header(&header) else { return Err(cannot(format, "these points")) };
         Ok(Self {
             header,
@@ -264,46 +253,6 @@ impl Parts {
             })
         };
         shape.points.iter().enumerate().all(is_same)
-    }
-
-    /// Values of the fields that changed, where a record has a place for them.
-    fn set_fields(
-        &mut self,
-        shape: &ShapeFile,
-        has_original: bool,
-        report: &mut WriteReport,
-        progress: Progress<'_>,
-    ) -> Result<(), WriteError> {
-        let size = self.parsed.record_bytes;
-        for field in &shape.vertex_fields {
-            if has_original && !shape.edited.contains(&field.name) {
-                continue;
-            }
-            let place = whole_column(self.parsed.format, &field.name);
-            let fitting = place.filter(|place| place.2 == field.n_channels && fits(field, place.1));
-            let Some((at, kind, n_channels)) = fitting else {
-                report.leave_out(format!("vertex field `{}`", field.name));
-                continue;
-            };
-            let factor = factor(field);
-            for i in 0..shape.n_vertices {
-                at_row(progress, i as u64, shape.n_vertices as u64)?;
-                for c in 0..n_channels {
-                    let value = factor * field.get(i, c);
-                    let place = &mut self.points[i * size + at + c * kind.n_bytes()..];
-                    match kind {
-                        // The other three bits of this byte are flags.
-                        ValueType::U8 if at == 15 => place[0] = place[0] & 0xe0 | value.round() as u8 & 0x1f,
-                        ValueType::U8 => put(place, 0, (value.round() as u8).to_le_bytes()),
-                        ValueType::I8 => put(place, 0, (value.round() as i8).to_le_bytes()),
-                        ValueType::I16 => put(place, 0, (value.round() as i16).to_le_bytes()),
-                        ValueType::F64 => put(place, 0, value.to_le_bytes()),
-                        _ => put(place, 0, (value.round() as u16).to_le_bytes()),
-                    }
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Counts the points, of each return too, into the header.
@@ -391,9 +340,14 @@ fn compression_record(description: &laz::LazVlr) -> Vec<u8> {
     let mut content = Vec::new();
     // A vector takes whatever is written.
     let _ = description.write_to(&mut content);
+    variable_record(b"laszip encoded", LASZIP, &content)
+}
+
+/// A variable-length record of at most 65 535 bytes.
+pub(crate) fn variable_record(user: &[u8], id: u16, content: &[u8]) -> Vec<u8> {
     let mut record = vec![0; RECORD_HEAD];
-    record[2..16].copy_from_slice(b"laszip encoded");
-    put(&mut record, 18, LASZIP.to_le_bytes());
+    record[2..2 + user.len()].copy_from_slice(user);
+    put(&mut record, 18, id.to_le_bytes());
     put(&mut record, 20, (content.len() as u16).to_le_bytes());
     record.extend(content);
     record
