@@ -4,7 +4,7 @@ files written by adwave are read by these. Prints a line for each: are points, f
     python -m pip install meshio gmsh trimesh networkx scipy lxml
     python benches/formats/meshes.py target/debug/adwave
 
-`adwave saliency` stands for reading and writing: it changes no point, and adds a field to what holds fields.
+`adwave saliency` stands for reading and writing where the format holds fields: it changes no point and adds one. Elsewhere `adwave convert`.
 """
 
 import subprocess
@@ -22,6 +22,14 @@ import trimesh
 
 ADWAVE = Path(sys.argv[1]).resolve()
 FAILED = []
+
+
+def write_again(source, target, *args):
+    """The shape of a file in another, with a field more where there is room for it."""
+    if target.suffix in (".ply", ".msh", ".graphml"):
+        run("saliency", source, "-o", target, *args)
+    else:
+        run("convert", source, "-o", target)
 
 
 def run(*args):
@@ -122,7 +130,7 @@ def by_meshio(folder):
         say(f"{name} of meshio, read", points=same(read.points, points), faces=same(faces(read), triangles), fields=fields)
         # The file again, with a field more; Medit has no place for it.
         back = folder / f"back-{name}"
-        run("saliency", path, "-o", back)
+        write_again(path, back)
         again = meshio.read(back)
         what = {"points": same(again.points, points), "faces": same(faces(again), triangles)}
         if has_fields:
@@ -144,7 +152,7 @@ def by_meshio(folder):
     run("saliency", source, "-o", middle)
     for name in ("new.msh", "new.mesh", "new.meshb"):
         path = folder / name
-        run("saliency", middle, "-o", path)
+        write_again(middle, path)
         again = meshio.read(path)
         what = {"points": same(again.points, points), "faces": same(faces(again), triangles)}
         if name == "new.msh":
@@ -210,10 +218,10 @@ def manufacturing(folder):
     say("trimesh.3mf, read", points=same(read.points, other.vertices), faces=same(faces(read), other.faces))
     mesh.export(folder / "source.ply", vertex_normal=False, encoding="ascii")
     meshio.write(folder / "source.ply", meshio.Mesh(points, [("triangle", triangles)]))
-    run("saliency", folder / "source.ply", "-o", folder / "new.3mf")
+    write_again(folder / "source.ply", folder / "new.3mf")
     again = trimesh.load(folder / "new.3mf", process=False).to_mesh()
     say("new.3mf by adwave, trimesh reads", points=same(again.vertices, points), faces=same(again.faces, triangles))
-    run("saliency", folder / "source.ply", "-o", folder / "new.amf")
+    write_again(folder / "source.ply", folder / "new.amf")
     root = ElementTree.parse(folder / "new.amf").getroot()
     numbers = [[float(c.find(a).text) for a in "xyz"] for c in root.iter("coordinates")]
     corners = [[int(t.find(v).text) for v in ("v1", "v2", "v3")] for t in root.iter("triangle")]
@@ -267,7 +275,7 @@ def graphs(folder):
 
     for source in ("nx.graphml", "nx.edgelist", "nxdict.edges", "places.tgf"):
         for target, start in (("out.graphml", 0), ("out.edgelist", 0), ("out.tgf", 1)):
-            run("saliency", folder / source, "--field", "degree", "-o", folder / target)
+            write_again(folder / source, folder / target, "--field", "degree")
             found, back = edges(folder / target, start)
             parts = {"edges": found == wanted}
             if target == "out.graphml" and source in ("nx.graphml", "places.tgf"):

@@ -67,9 +67,15 @@ pub(crate) fn holds_fields(path: &Path) -> bool {
 
 /// Refuses a name, with the endings that `what` can have: those of formats with fields, and `others`.
 pub(crate) fn no_fields(path: &Path, what: &str, others: &[&str]) -> CliError {
-    let with_fields = Format::all().filter(|format| format.holds_fields());
+    no_fields_of(path, what, |_| true, others)
+}
+
+/// The same, where only some of these formats will do.
+pub(crate) fn no_fields_of(path: &Path, what: &str, does: fn(Format) -> bool, others: &[&str]) -> CliError {
+    let with_fields = Format::all().filter(|&format| format.holds_fields() && does(format));
     let mut endings: Vec<String> =
         with_fields.filter_map(|f| Some(format!(".{}", f.extensions().first()?))).collect();
+    endings.dedup();
     endings.extend(others.iter().map(|ending| (*ending).to_owned()));
     let last = endings.pop().unwrap_or_default();
     CliError::Input(format!("{}: {what} written as {} or {last}", path.display(), endings.join(", ")))

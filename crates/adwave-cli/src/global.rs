@@ -1,6 +1,7 @@
 //! What every command is told: how to print, and when to stop.
 
 use crate::args::GlobalArgs;
+use crate::provenance::Inputs;
 use adwave::Progress;
 use adwave_io::ReadLimits;
 use std::ffi::OsString;
@@ -19,14 +20,29 @@ pub(crate) struct Global<'a> {
     pub(crate) limits: ReadLimits,
     /// Whether the result goes to the standard output, so that what is said goes beside it.
     pub(crate) is_piped: bool,
+    /// What has been read so far.
+    pub(crate) inputs: &'a Inputs,
     cancel: &'a AtomicBool,
 }
 
 impl<'a> Global<'a> {
-    pub(crate) fn new(args: &GlobalArgs, arguments: &'a [OsString], cancel: &'a AtomicBool) -> Self {
+    pub(crate) fn new(
+        args: &GlobalArgs,
+        arguments: &'a [OsString],
+        inputs: &'a Inputs,
+        cancel: &'a AtomicBool,
+    ) -> Self {
         let mut limits = ReadLimits::default();
         limits.max_bytes = args.max_input.unwrap_or(limits.max_bytes);
-        Self { json: args.json, quiet: args.quiet, arguments, limits, is_piped: is_piped(arguments), cancel }
+        Self {
+            json: args.json,
+            quiet: args.quiet,
+            arguments,
+            limits,
+            is_piped: is_piped(arguments),
+            inputs,
+            cancel,
+        }
     }
 
     /// A handle that stops a call when the run is to stop.

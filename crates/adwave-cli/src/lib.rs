@@ -14,6 +14,7 @@ mod global;
 mod movement;
 mod output;
 mod progress;
+mod provenance;
 mod region;
 mod shape_input;
 mod signal;
@@ -24,6 +25,7 @@ use clap::FromArgMatches;
 use cli::{Cli, Command};
 use error::CliError;
 use global::Global;
+use provenance::Inputs;
 use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
 
@@ -52,7 +54,8 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
             return u8::try_from(error.exit_code()).unwrap_or(1);
         }
     };
-    let global = Global::new(&cli.global, &arguments, cancel);
+    let inputs = Inputs::new(cli.global.provenance);
+    let global = Global::new(&cli.global, &arguments, &inputs, cancel);
     let outcome = match cli.global.threads {
         None => dispatch(&cli.command, &global),
         Some(asked) => {

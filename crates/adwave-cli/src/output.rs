@@ -3,6 +3,7 @@
 use crate::args::LevelArgs;
 use crate::error::CliError;
 use crate::global::Global;
+use crate::provenance::provenance;
 use adwave::Decomposer;
 use adwave::bands::{BandsParams, DEFAULT_EXTENT, FWHM, Schedule};
 use adwave::region::Length;
@@ -262,6 +263,15 @@ pub(crate) fn write_shape(
     file: &ShapeFile,
     path: &Path,
 ) -> Result<WriteReport, CliError> {
+    let own;
+    let file = if carries_provenance(global, path) {
+        let mut copy = file.clone();
+        copy.set_provenance(Some(provenance(global)?));
+        own = copy;
+        &own
+    } else {
+        file
+    };
     let report = if path == Path::new(PIPE) {
         write_to_pipe(global, file)?
     } else {
@@ -271,6 +281,13 @@ pub(crate) fn write_shape(
         note(global, &format!("{} cannot hold {}", path.display(), report.not_written.join(", ")));
     }
     Ok(report)
+}
+
+fn carries_provenance(global: &Global<'_>, path: &Path) -> bool {
+    match Format::from_path(path) {
+        Some(Format::Ply | Format::PlyAscii | Format::Obj) => global.inputs.in_comments,
+        format => format.is_some_and(Format::holds_provenance),
+    }
 }
 
 /// Writes a shape to the standard output, in the format that it came in or as PLY.

@@ -6,7 +6,7 @@ use crate::global::Global;
 use crate::output::note;
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Shape, triangulate, vertex_normals};
-use adwave_io::{ReadError, ReadLimits, ShapeFile, ShapeKind, read_bytes, read_path};
+use adwave_io::{ReadError, ShapeFile, ShapeKind, read_bytes, read_path};
 use std::io::Read;
 use std::path::Path;
 
@@ -49,6 +49,7 @@ pub(crate) fn load(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliEr
 pub(crate) fn load_source(source: &Source<'_>, global: &Global<'_>) -> Result<Input, CliError> {
     let name = source.shape.to_owned();
     let file = if let Some(sample) = source.shape.strip_prefix("sample:") {
+        global.inputs.add_sample(source.shape);
         make_sample(sample, source.vertices, source.noise, source.seed)?
     } else {
         for (flag, given) in [("--vertices", source.vertices.is_some()), ("--noise", source.noise.is_some())]
@@ -57,7 +58,7 @@ pub(crate) fn load_source(source: &Source<'_>, global: &Global<'_>) -> Result<In
                 return Err(CliError::Input(format!("{flag} is for samples; '{name}' is a file")));
             }
         }
-        read(source.shape, &global.limits)?
+        read(source.shape, global)?
     };
     let kind = match source.kind {
         None => file.kind(),
@@ -83,7 +84,8 @@ pub(crate) fn make_sample(
     Ok(ShapeFile::from_mesh(sample.points, sample.faces))
 }
 
-fn read(source: &str, limits: &ReadLimits) -> Result<ShapeFile, CliError> {
+fn read(source: &str, global: &Global<'_>) -> Result<ShapeFile, CliError> {
+    let limits = &global.limits;
     let read = if source == "-" {
         let mut bytes = Vec::new();
         std::io::stdin()
@@ -91,8 +93,10 @@ fn read(source: &str, limits: &ReadLimits) -> Result<ShapeFile, CliError> {
             .take(limits.max_bytes.saturating_add(1))
             .read_to_end(&mut bytes)
             .map_err(|e| CliError::Environment(format!("cannot read the standard input: {e}")))?;
+        global.inputs.add_bytes(source, &bytes);
         read_bytes(bytes, None, limits)
     } else {
+        global.inputs.add_file(Path::new(source));
         read_path(Path::new(source), limits)
     };
     read.map_err(|error| {

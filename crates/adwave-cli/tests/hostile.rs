@@ -153,7 +153,8 @@ fn odd_shapes_are_done_and_give_finite_numbers() {
                 continue;
             }
             assert!(output.status.success(), "{line}: {error}");
-            let text = String::from_utf8_lossy(&output.stdout).to_lowercase();
+            // The name of a member, which has these letters.
+            let text = String::from_utf8_lossy(&output.stdout).to_lowercase().replace("\"provenance\"", "");
             assert!(
                 !text.contains("nan") && !text.contains("inf,") && !text.contains("null,\n      \"max"),
                 "{line}: {text}"

@@ -573,10 +573,27 @@ impl Format {
 
     /// Whether a file of it has a shape together with any fields of its vertices, by their names.
     pub fn holds_fields(self) -> bool {
-        matches!(
-            self,
-            Self::Ply | Self::PlyAscii | Self::Glb | Self::Gltf | Self::Vtp | Self::Vtu | Self::Vtk
-        )
+        let is_cloud =
+            matches!(self.family(), Self::Xyz | Self::Pcd | Self::Las | Self::Laz) || self == Self::GraphMl;
+        let is_mesh = matches!(
+            self.family(),
+            Self::Ply | Self::Glb | Self::Gltf | Self::Vtp | Self::Vtu | Self::Vtk | Self::Msh
+        );
+        is_cloud || is_mesh
+    }
+
+    /// Whether it has room for the [`Provenance`](crate::Provenance) of a shape, beside its content.
+    pub fn holds_provenance(self) -> bool {
+        matches!(self, Self::Glb | Self::Gltf | Self::Vtp | Self::Vtu | Self::Las | Self::Laz)
+    }
+
+    /// Whether it holds faces, so that a mesh remains one.
+    pub fn holds_faces(self) -> bool {
+        let is_cloud = matches!(
+            self.family(),
+            Self::Xyz | Self::Pts | Self::Csv | Self::Pcd | Self::Las | Self::Laz | Self::E57 | Self::Dmat
+        );
+        !is_cloud && !self.holds_graphs()
     }
 
     /// Whether it holds graphs, without coordinates too.

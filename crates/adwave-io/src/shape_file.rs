@@ -5,6 +5,7 @@ use std::sync::Arc;
 use adwave::shape::Polygons;
 
 use crate::original::Original;
+use crate::provenance::Provenance;
 use crate::{Field, Format, ShapeFileError};
 
 /// The number type of the coordinates in the file.
@@ -76,6 +77,9 @@ pub struct ShapeFile {
     pub(crate) edited: Vec<String>,
     /// Whether the points are as in the original.
     pub(crate) moved: bool,
+    pub(crate) provenance: Option<Arc<Provenance>>,
+    /// Whether that is about this shape, and not what its file says of itself.
+    pub(crate) is_new_provenance: bool,
 }
 
 /// What a file says of a shape, each part on its own; see [`ShapeFile::into_parts`].
@@ -116,6 +120,8 @@ impl ShapeFile {
             n_original_fields: 0,
             edited: Vec::new(),
             moved: false,
+            provenance: None,
+            is_new_provenance: false,
         }
     }
 
@@ -278,6 +284,22 @@ impl ShapeFile {
             format: self.format,
             precision: self.precision,
         }
+    }
+
+    /// Where the shape came from, as its file says or as [`set_provenance`](Self::set_provenance) has it.
+    pub fn provenance(&self) -> Option<&Provenance> {
+        self.provenance.as_deref()
+    }
+
+    /// Says where the shape came from, to be written where the format has room for it; see [`Provenance`].
+    pub fn set_provenance(&mut self, provenance: Option<Provenance>) {
+        self.is_new_provenance = provenance.is_some();
+        self.provenance = provenance.map(Arc::new);
+    }
+
+    /// What is to be written into a file that says something else so far.
+    pub(crate) fn new_provenance(&self) -> Option<&Provenance> {
+        self.provenance().filter(|_| self.is_new_provenance)
     }
 
     /// Forgets the original bytes: frees their memory, and writing makes a plain new file.

@@ -7,6 +7,7 @@ use adwave::Progress;
 
 use crate::original::{Original, RowEdit};
 use crate::progress::{Watched, all};
+use crate::provenance::{NAME, Provenance, WithComment};
 use crate::{Format, Precision, ShapeFile, WriteError, atomic_write_with};
 
 /// What is not in the written file because the format cannot hold it.
@@ -109,6 +110,25 @@ pub fn write_bytes_with(
         return Err(WriteError::ReadOnly { format });
     }
     let out = &mut Watched::new(out, progress);
+    let comment = shape.new_provenance().map(Provenance::to_json).and_then(|json| match format.family() {
+        Format::Ply => Some((format!("comment {NAME} {json}\n"), 2)),
+        Format::Obj => Some((format!("# {NAME} {json}\n"), 0)),
+        _ => None,
+    });
+    match comment {
+        Some((line, lines_before)) => {
+            write_shape(shape, format, &mut WithComment::new(out, line, lines_before), progress)
+        }
+        None => write_shape(shape, format, out, progress),
+    }
+}
+
+fn write_shape(
+    shape: &ShapeFile,
+    format: Format,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<WriteReport, WriteError> {
     check_indices(shape, format, progress)?;
     check_range(shape, format, progress)?;
     if shape.points.len() != shape.n_vertices && !format.holds_graphs() {

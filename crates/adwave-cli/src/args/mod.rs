@@ -26,6 +26,9 @@ pub(crate) struct GlobalArgs {
     /// Largest input after decompression, in bytes or with K, M, G [default: a quarter of the free memory]
     #[arg(long, global = true, value_name = "SIZE", value_parser = size, help_heading = "General")]
     pub(crate) max_input: Option<u64>,
+    /// Write version, command and hashes of the inputs into PLY and OBJ too, as a comment; GLB, VTP, VTU, LAS and NPZ have them anyway
+    #[arg(long, global = true, help_heading = "General")]
+    pub(crate) provenance: bool,
 }
 
 /// A number of bytes: `4000000`, `500M`, `1.5G`, with or without `iB` or `B` after the letter, which counts by 1024.

@@ -13,7 +13,7 @@ use std::num::NonZeroUsize;
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ShapeArgs {
-    /// File (OBJ, PLY, OFF, STL, XYZ/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI, FreeSurfer, VTP/VTU/VTI/VTR/VTS/VTK, MTX; plain or gzip), '-', or sample:NAME
+    /// File (OBJ, PLY, STL, glTF, VTK, LAS and all else that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
     #[arg(value_name = "SHAPE")]
     pub(crate) shape: String,
     /// Take the shape as this, whatever the file says; a mesh as a cloud is its vertices

@@ -67,7 +67,7 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
     let functions =
         with_progress(global, "walking", |progress| decomposer.basis_of_vertex(vertex, &schedule, progress))?;
     let seconds = start.elapsed().as_secs_f64();
-    let mut file = super::transform::fresh(&input.file);
+    let mut file = super::transform::fresh(&input.file, &args.output);
     for (name, values) in [("phi", &functions.scaling_function), ("psi", &functions.wavelet)] {
         file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values.clone())))?;
     }

@@ -153,7 +153,7 @@ fn write(
     field: &str,
     outcomes: &[Outcome],
 ) -> Result<(), CliError> {
-    let mut file = fresh(&input.file);
+    let mut file = fresh(&input.file, path);
     for outcome in outcomes {
         let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse");
         if is_shape && !file.points().is_empty() {

@@ -40,7 +40,7 @@ pub(crate) struct RegionArgs {
     /// Where; several are joined by "or" (see below)
     #[arg(long, value_name = "REGION", value_parser = region, required = true)]
     pub(crate) region: Vec<Region>,
-    /// Where the weights go (.ply, .vtp, .npy, .csv or .gii); without it they are only counted
+    /// Where the weights go (.ply, .glb, .vtp, .las, .npy, .csv, .gii and others); without it they are only counted
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
 }

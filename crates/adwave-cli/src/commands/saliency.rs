@@ -2,7 +2,7 @@
 
 use crate::analysis::{Analysis, Map};
 use crate::args::{BorderArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
-use crate::commands::transform::fresh;
+use crate::commands::transform::{forget_original, fresh};
 use crate::error::CliError;
 use crate::field_file::{FieldFile, holds_fields, no_fields};
 use crate::global::Global;
@@ -36,7 +36,7 @@ Examples:
 pub(crate) struct SaliencyArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the map goes (.ply, .vtp, .npy, .csv or .gii)
+    /// Where the map goes (.ply, .glb, .vtp, .las, .npy, .csv, .gii and others)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -75,7 +75,7 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     args.map.params(&args.border).check().map_err(CliError::input)?;
     let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, args.map.extent(), global)?;
     // The map goes into a new file, and the bytes of the old one would lie beside the bands.
-    analysis.input.file.forget_original();
+    forget_original(&mut analysis.input.file, &args.output);
     let map = analysis.saliency(&args.map, &args.border, global)?;
     let levels = if args.per_level {
         saliency_per_level(&analysis.walk, &map.wavelets, &map.params, global.progress())
@@ -165,7 +165,7 @@ fn write_colored(
     fields: Vec<Field>,
     colors: Option<ColorMap>,
 ) -> Result<(), CliError> {
-    let mut file = fresh(&analysis.input.file);
+    let mut file = fresh(&analysis.input.file, &args.output);
     for field in fields {
         file.add_vertex_field(field)?;
     }

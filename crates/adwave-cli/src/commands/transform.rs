@@ -9,6 +9,7 @@ use crate::output::{
     steps_json, steps_text, table, write_error, write_shape,
 };
 use crate::progress::{prepare, with_progress, with_spinner};
+use crate::provenance::provenance;
 use crate::shape_input::{Input, load};
 use crate::signal::{self, Signal};
 use crate::stopwatch::Stopwatch;
@@ -34,7 +35,7 @@ Examples:
 pub(crate) struct TransformArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the bands go (.npz, .vtp, .ply or .gii)
+    /// Where the bands go (.npz, .vtp, .ply, .las, .gii and others)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -70,7 +71,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let split = watch.lap();
     with_spinner(global, "writing", || {
         if npz {
-            write_npz(&args.output, &input, &signal, &bands)
+            write_npz(global, &args.output, &input, &signal, &bands)
         } else if format == Some(Format::Gifti) {
             write_gifti(&args.output, &input, &bands)
         } else {
@@ -131,7 +132,14 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
 }
 
 /// The arrays points, scaling, wavelet, steps and sigma.
-fn write_npz(path: &Path, input: &Input, signal: &Signal, bands: &Bands) -> Result<(), CliError> {
+fn write_npz(
+    global: &Global<'_>,
+    path: &Path,
+    input: &Input,
+    signal: &Signal,
+    bands: &Bands,
+) -> Result<(), CliError> {
+    let made = provenance(global)?.to_json();
     let (n, d, levels) = (bands.n_vertices, bands.n_channels, bands.n_levels());
     let scaling = all_scaling(signal, bands);
     let wavelet = &bands.as_slice()[..levels * n * d];
@@ -146,6 +154,7 @@ fn write_npz(path: &Path, input: &Input, signal: &Signal, bands: &Bands) -> Resu
     if let Some(points) = input.shape.points() {
         arrays.push(("points", &points_shape, ArrayValues::F64(points.as_flattened())));
     }
+    arrays.push(("provenance", &[], ArrayValues::Text(&made)));
     adwave_io::write_npz(path, &arrays, Compression::Stored).map_err(write_error)
 }
 
@@ -169,7 +178,7 @@ fn write_fields(
     signal: &Signal,
     bands: &Bands,
 ) -> Result<(), CliError> {
-    let mut file = fresh(&input.file);
+    let mut file = fresh(&input.file, path);
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));
     for (j, level) in all_scaling(signal, bands).chunks_exact(signal.values.len()).enumerate() {
@@ -188,9 +197,18 @@ fn all_scaling(signal: &Signal, bands: &Bands) -> Vec<f64> {
     scaling
 }
 
-/// A copy of a shape that further fields can be added to.
-pub(crate) fn fresh(file: &ShapeFile) -> ShapeFile {
+/// A copy of a shape that further fields can be added to, for a file of that name.
+pub(crate) fn fresh(file: &ShapeFile, path: &Path) -> ShapeFile {
     let mut file = file.clone();
-    file.forget_original();
+    forget_original(&mut file, path);
     file
+}
+
+/// Frees the bytes that a shape was read from before long work, but for a scan that becomes one again: its coordinate system and
+/// the like are nowhere else.
+pub(crate) fn forget_original(file: &mut ShapeFile, path: &Path) {
+    let is_scan = |format: Option<Format>| matches!(format, Some(Format::Las | Format::Laz));
+    if !(is_scan(file.format()) && is_scan(Format::from_path(path))) {
+        file.forget_original();
+    }
 }

@@ -13,6 +13,7 @@ use super::matrix::{IDENTITY, Matrix, determinant, normal, point, turns};
 use super::scene::{Instance, instances};
 use super::update::GltfOriginal;
 use crate::original::Original;
+use crate::provenance::{NAME, Provenance};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// Vertices that primitives share: those of one instance with the same attributes.
@@ -59,6 +60,9 @@ pub(crate) fn read_gltf(
     shape.vertex_fields = fields(&document, &parts, shape.n_vertices, progress)?;
     cells(&document, &parts, &mut shape, limits, progress)?;
     shape.extras = extras(&document.json);
+    let made = document.json.get("asset").and_then(|asset| asset.get("extras")?.get(NAME));
+    let made = made.and_then(|made| Provenance::from_json(std::str::from_utf8(&made.to_text()).ok()?));
+    shape.provenance = made.map(Arc::new);
     shape.original = Some(Arc::new(Original::Gltf(GltfOriginal { document, parts })));
     Ok(shape)
 }

@@ -14,6 +14,7 @@ use super::matrix::{IDENTITY, inverse, normal, point, turns};
 use super::read::{Part, field_name};
 use super::write::{
     Attribute, Numbers, Rows, VERTICES, attributes, finish, positions, range, report_field, rows,
+    set_provenance,
 };
 use crate::{Field, Format, ReadError, ShapeFile, ValueType, WriteError, WriteReport};
 
@@ -82,6 +83,7 @@ pub(crate) fn update_gltf(
         }
     }
     changed.pack_pictures(format);
+    set_provenance(&mut changed.json, shape.new_provenance());
     changed.finish(format, out, progress)?;
     Ok(Some(report))
 }

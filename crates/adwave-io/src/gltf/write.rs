@@ -11,6 +11,7 @@ use super::document::glb_head;
 use super::json::{Json, object};
 use crate::field::{ByteOrder, Number, with_values};
 use crate::progress::collect;
+use crate::provenance::{NAME, Provenance};
 use crate::single::{check_range, is_single, triangles};
 use crate::{Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
@@ -217,6 +218,18 @@ fn place(shape: &ShapeFile) -> Option<[f64; 3]> {
     centre.iter().any(|x| x.abs() > FAR * size).then_some(centre)
 }
 
+/// Says in the asset's extras where the shape came from.
+pub(super) fn set_provenance(json: &mut Json, provenance: Option<&Provenance>) {
+    let value = provenance.and_then(|own| Json::parse(own.to_json().as_bytes()).ok());
+    let (Some(value), Some(asset)) = (value, json.get_mut("asset")) else { return };
+    if !matches!(asset.get("extras"), Some(Json::Object(_))) {
+        asset.set("extras", object([]));
+    }
+    if let Some(extras) = asset.get_mut("extras") {
+        extras.set(NAME, value);
+    }
+}
+
 /// Writes a glTF or GLB.
 pub(crate) fn write_gltf(
     shape: &ShapeFile,
@@ -278,6 +291,7 @@ pub(crate) fn write_gltf(
     }
     let generator = concat!("adwave ", env!("CARGO_PKG_VERSION"));
     let mut json = object([("asset", object([("version", "2.0".into()), ("generator", generator.into())]))]);
+    set_provenance(&mut json, shape.provenance());
     if n > 0 {
         json.set("scene", 0.into());
         json.set("scenes", Json::List(vec![object([("nodes", Json::List(vec![0.into()]))])]));

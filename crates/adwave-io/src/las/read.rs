@@ -11,7 +11,7 @@ use adwave::Progress;
 
 use crate::las::extra::ExtraBytes;
 use crate::las::fields::{Records, fields, record_bytes};
-use crate::las::write::LasOriginal;
+use crate::las::write::{LasOriginal, provenance};
 use crate::original::Original;
 use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
@@ -98,6 +98,7 @@ pub(crate) fn read_las(
         &extra,
     )?;
     shape.extras.push("the LAS header and its records".into());
+    shape.provenance = provenance(&records).map(Arc::new);
     // A list of points that the file has not could not be written again.
     if n as u64 == header.n_points {
         shape.original = Some(Arc::new(Original::Las(LasOriginal { bytes: Arc::new(file), kept: None })));

@@ -8,9 +8,10 @@ use adwave::Progress;
 
 use crate::las::fields::record_bytes;
 use crate::las::places::{Place, fits};
-use crate::las::read::{Header, LEAST_HEADER, RECORD_HEAD, parse_header, records, unpacked};
+use crate::las::read::{Header, LEAST_HEADER, RECORD_HEAD, Record, parse_header, records, unpacked};
 use crate::original::Original;
 use crate::progress::at_row;
+use crate::provenance::{NAME, Provenance};
 use crate::{Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// The bytes of a LAS or LAZ, and which of its points the shape has; all where there is no list.
@@ -72,6 +73,15 @@ pub(crate) fn write_las(
         parts.set_points(shape, format, progress)?;
     }
     parts.set_fields(shape, original.is_some(), report, progress)?;
+    // A scan that did not change keeps its bytes.
+    let is_same = original.is_some() && !shape.moved && shape.edited.is_empty();
+    if let Some(made) = if is_same { None } else { shape.provenance() } {
+        parts.records.retain(|record| !is_provenance(record));
+        let json = made.to_json();
+        if u16::try_from(json.len()).is_ok() {
+            parts.records.push(variable_record(NAME.as_bytes(), PROVENANCE, json.as_bytes()));
+        }
+    }
     if original.is_none() && !parts.is_exact(shape) {
         report.leave_out("digits of coordinates beyond a thousand-millionth of the extent");
     }
@@ -341,6 +351,22 @@ fn compression_record(description: &laz::LazVlr) -> Vec<u8> {
     // A vector takes whatever is written.
     let _ = description.write_to(&mut content);
     variable_record(b"laszip encoded", LASZIP, &content)
+}
+
+/// The number of the record that says where the points came from.
+const PROVENANCE: u16 = 1;
+
+fn is_provenance(record: &[u8]) -> bool {
+    record[2..].starts_with(NAME.as_bytes())
+        && record[2 + NAME.len()] == 0
+        && record[18..20] == PROVENANCE.to_le_bytes()
+}
+
+/// Where the points came from, if a record says so.
+pub(crate) fn provenance(records: &[Record<'_>]) -> Option<Provenance> {
+    let is_own =
+        |r: &&Record<'_>| r.id == PROVENANCE && r.user.split(|&b| b == 0).next() == Some(NAME.as_bytes());
+    Provenance::from_json(std::str::from_utf8(records.iter().find(is_own)?.content).ok()?)
 }
 
 /// A variable-length record of at most 65 535 bytes.

@@ -10,9 +10,11 @@ use crate::obj::attributes::{CornerIndices, attach};
 use crate::obj::line::{Line, parse_line};
 use crate::original::{Original, Separator, TextRows};
 use crate::progress::all;
+use crate::provenance::in_comments;
 use crate::text::{is_blank, line_of};
 use crate::{Direction, Edges, Format, ReadError, ReadLimits, ShapeFile};
 use adwave::shape::Polygons;
+use std::sync::Arc;
 
 /// Stands for "no index" in the lists of corners.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -79,7 +81,10 @@ pub(crate) fn read_obj(
         }
         progress.step(together.last().map_or(0, |c| c.1) as u64, bytes.len() as u64)?;
     }
-    join(bytes, parsed, limits, progress)
+    let made = in_comments(&bytes, "# adwave");
+    let mut shape = join(bytes, parsed, limits, progress)?;
+    shape.provenance = made.map(Arc::new);
+    Ok(shape)
 }
 
 /// Chunks parsed between two reports.
@@ -182,7 +187,7 @@ fn join(
             shape.extras.push(what.into());
         }
     }
-    shape.original = Some(std::sync::Arc::new(Original::Rows(TextRows {
+    shape.original = Some(Arc::new(Original::Rows(TextRows {
         bytes,
         rows,
         columns: [0, 1, if n_flat > 0 { usize::MAX } else { 2 }],

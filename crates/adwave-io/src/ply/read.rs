@@ -9,6 +9,7 @@ use crate::ply::body::Body;
 use crate::ply::fixed;
 use crate::ply::header::{Element, Encoding, Header, Kind, PlyOriginal, parse_header};
 use crate::progress::{at_row, collect};
+use crate::provenance::in_comments;
 use crate::text::line_of;
 use crate::{Direction, Edges, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 use adwave::Progress;
@@ -26,6 +27,7 @@ pub(crate) fn read_ply(
     limits.check_points(n_vertices)?;
     let mut shape = ShapeFile::empty();
     shape.n_vertices = n_vertices as usize;
+    shape.provenance = in_comments(&bytes, "comment adwave").map(Arc::new);
     shape.format = Some(if header.encoding == Encoding::Ascii { Format::PlyAscii } else { Format::Ply });
     let mut rows = (header.body, header.body);
     let mut field_properties = Vec::new();

@@ -1,5 +1,7 @@
 //! Reading: points and cells of all pieces joined, each array of values as a field.
 
+use std::sync::Arc;
+
 use adwave::Progress;
 use roxmltree::Node;
 
@@ -9,6 +11,7 @@ use super::grid::read_grid;
 use crate::cells::{CellKind, Cells, Dataset, Polyhedra};
 use crate::numbers::{Numbers, append};
 use crate::progress::{all, collect};
+use crate::provenance::{NAME, Provenance};
 use crate::text::show;
 use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
@@ -49,19 +52,40 @@ pub(crate) fn read_vtk_xml(
     let Some(data) = root.children().find(|node| node.has_tag_name(kind)) else {
         return Err(at(root, format!("there is no element {}; save the file again", show(kind.as_bytes()))));
     };
-    let mut extras = Vec::new();
+    let (mut extras, mut made) = (Vec::new(), None);
     for section in data.children().chain(root.children()).filter(|node| node.has_tag_name("FieldData")) {
-        extras.extend(arrays(section).map(|a| format!("field data `{}`", a.attribute("Name").unwrap_or(""))));
+        for array in arrays(section) {
+            let name = array.attribute("Name").unwrap_or("");
+            let own = (name == NAME)
+                .then(|| letters(array))
+                .flatten()
+                .and_then(|text| Provenance::from_json(&text));
+            match own {
+                Some(own) => made = Some(Arc::new(own)),
+                None => extras.push(format!("field data `{name}`")),
+            }
+        }
     }
     let pieces: Vec<Node<'_, '_>> = data.children().filter(|node| node.has_tag_name("Piece")).collect();
     if pieces.is_empty() {
         return Err(at(data, "there is no piece; save the file again"));
     }
     if matches!(format, Format::Vtp | Format::Vtu) {
-        return read_cells(&frame, &pieces, format, extras, progress);
+        let mut shape = read_cells(&frame, &pieces, format, extras, progress)?;
+        shape.provenance = made;
+        return Ok(shape);
     }
     let grid = read_grid(&frame, data, &pieces, format, extras, progress)?;
     grid.into_shape(format, limits, progress)
+}
+
+/// The text of an array of one text, which is written as numbers of its letters.
+fn letters(array: Node<'_, '_>) -> Option<String> {
+    let is_text = matches!(array.attribute("type"), Some("String" | "UInt8"))
+        && array.attribute("format") == Some("ascii");
+    let numbers = array.text().filter(|_| is_text)?.split_ascii_whitespace();
+    let bytes: Vec<u8> = numbers.map(|number| number.parse().ok()).collect::<Option<_>>()?;
+    String::from_utf8(bytes.strip_suffix(&[0]).unwrap_or(&bytes).to_vec()).ok()
 }
 
 /// Fields of pieces, joined.

@@ -7,6 +7,7 @@ use adwave::Progress;
 use crate::field::ByteOrder;
 use crate::numbers::filled;
 use crate::progress::{at_row, collect};
+use crate::provenance::NAME;
 use crate::text::escape_xml;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
 
@@ -170,7 +171,7 @@ pub(crate) fn write_vtp(
         "NumberOfPoints=\"{n}\" NumberOfVerts=\"{n_vertices}\" NumberOfLines=\"{n_lines}\" NumberOfStrips=\"0\" \
          NumberOfPolys=\"{n_faces}\""
     );
-    write_file(Format::Vtp, &piece, &body, &appended.bytes, out)
+    write_file(Format::Vtp, shape, &piece, &body, &appended.bytes, out)
 }
 
 /// Writes a VTU.
@@ -205,7 +206,7 @@ pub(crate) fn write_vtu(
     appended.add_cells(&mut body, "Cells", corners, ends, Some(types))?;
     let n = shape.points.len();
     let piece = format!("NumberOfPoints=\"{n}\" NumberOfCells=\"{n_cells}\"");
-    write_file(Format::Vtu, &piece, &body, &appended.bytes, out)
+    write_file(Format::Vtu, shape, &piece, &body, &appended.bytes, out)
 }
 
 /// What stands before the cells in both formats.
@@ -234,17 +235,31 @@ fn values_and_points(
 
 fn write_file(
     format: Format,
+    shape: &ShapeFile,
     piece: &str,
     body: &str,
     appended: &[u8],
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
     let element = if format == Format::Vtu { "UnstructuredGrid" } else { "PolyData" };
+    let made = shape.provenance().map_or(String::new(), |made| {
+        let mut letters = made.to_json().into_bytes();
+        // ParaView shows texts, which end with a zero; other readers of unstructured grids know numbers alone.
+        let head = if format == Format::Vtu {
+            format!("DataArray type=\"UInt8\" Name=\"{NAME}\" NumberOfTuples=\"{}\"", letters.len())
+        } else {
+            letters.push(0);
+            format!("Array type=\"String\" Name=\"{NAME}\" NumberOfTuples=\"1\"")
+        };
+        let numbers = letters.iter().map(u8::to_string).collect::<Vec<_>>().join(" ");
+        let element = head.split(' ').next().unwrap_or_default();
+        format!("<FieldData>\n<{head} format=\"ascii\">\n{numbers}\n</{element}>\n</FieldData>\n")
+    });
     write!(
         out,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"{element}\" version=\"1.0\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<{element}>\n\
-         <Piece {piece}>\n{body}</Piece>\n</{element}>\n<AppendedData encoding=\"raw\">\n_",
+         {made}<Piece {piece}>\n{body}</Piece>\n</{element}>\n<AppendedData encoding=\"raw\">\n_",
     )?;
     out.write_all(appended)?;
     Ok(out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?)

@@ -4,6 +4,7 @@ mod args;
 mod distances;
 
 use crate::args::ShapeArgs;
+use crate::commands::transform::fresh;
 use crate::error::CliError;
 use crate::field_file::no_fields;
 use crate::global::Global;
@@ -174,8 +175,7 @@ impl Compared<'_> {
 
     /// SHAPE with the difference and its bands as fields.
     fn write_fields(&self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
-        let mut file = self.first.file.clone();
-        file.forget_original();
+        let mut file = fresh(&self.first.file, path);
         let n_levels = self.bands.n_levels();
         let levels = self.bands.wavelets().enumerate().map(|(j, level)| (format!("W{}", j + 1), level));
         let rest = (format!("S{n_levels}"), self.bands.coarsest());

@@ -5,7 +5,7 @@ mod args;
 use crate::analysis::Analysis;
 use crate::args::ResponseArg;
 use crate::error::CliError;
-use crate::field_file::no_fields;
+use crate::field_file::no_fields_of;
 use crate::global::Global;
 use crate::output::{check_writable, number, percent_of, print, steps_json, table, write_error, write_shape};
 use adwave::features::{Descriptor, FEATURE_EXTENT, Feature, describe, features, spheres};
@@ -73,8 +73,8 @@ fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
     match (ending.as_deref(), Format::from_path(path)) {
         (Some("csv"), _) => Ok(OutputKind::Csv),
         (Some("json"), _) => Ok(OutputKind::Json),
-        (_, Some(format)) if format.holds_fields() => Ok(OutputKind::Spheres),
-        _ => Err(no_fields(path, "features are", &[".csv", ".json"])),
+        (_, Some(format)) if format.holds_fields() && format.holds_faces() => Ok(OutputKind::Spheres),
+        _ => Err(no_fields_of(path, "features are", Format::holds_faces, &[".csv", ".json"])),
     }
 }
 

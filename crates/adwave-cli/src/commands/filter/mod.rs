@@ -30,7 +30,10 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
     check_result(&args.output)?;
     let params = bands_params(&args.levels)?;
     let recipe = match &args.recipe {
-        Some(path) => Some(read_recipe(path).map_err(CliError::input)?),
+        Some(path) => {
+            global.inputs.add_file(path);
+            Some(read_recipe(path).map_err(CliError::input)?)
+        }
         None => None,
     };
     let layers = layers(args, recipe.as_ref(), global)?;

@@ -10,6 +10,7 @@ use crate::output::{
     steps_json, steps_text, table,
 };
 use crate::progress::{prepare, with_spinner};
+use crate::provenance;
 use crate::shape_input::load;
 use adwave::operator::SurfaceInfo;
 use adwave::region::Length;
@@ -76,11 +77,10 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     health_notes(&mut text, &health);
     let is_unsymmetric = kind == "graph" && input.file.is_unsymmetric();
     if is_unsymmetric {
-        let _ = writeln!(
-            text,
-            "  weights       (M + Mᵀ)/2: the matrix M is not symmetric, and a walk on it goes both ways"
-        );
+        text +=
+            "  weights       (M + Mᵀ)/2: the matrix M is not symmetric, and a walk on it goes both ways\n";
     }
+    text += &input.file.provenance().map_or_else(String::new, provenance::text);
     let fields = input.file.vertex_fields();
     if !fields.is_empty() {
         let named = fields.iter().map(|f| format!("{} ({})", f.name, f.n_channels)).collect::<Vec<_>>();
@@ -120,6 +120,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "kind": kind,
         "format": format,
         "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
+        "provenance": input.file.provenance().map(provenance::json),
         "bounding_box": bounds_json(bounds),
         "diagonal": diagonal,
         "made_symmetric": is_unsymmetric,

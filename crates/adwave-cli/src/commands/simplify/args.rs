@@ -19,7 +19,7 @@ Examples:
   adwave simplify scan.laz -o thin.laz --error 0.25"
 )]
 pub(crate) struct SimplifyArgs {
-    /// File (OBJ, PLY, OFF, STL, XYZ/PTS/PWN/CSV, PCD, LAS/LAZ, GIFTI, FreeSurfer, VTP/VTU/VTI/VTR/VTS/VTK; plain or gzip), '-', or sample:NAME
+    /// File (OBJ, PLY, STL, glTF, VTK, LAS and all else that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
     #[arg(value_name = "SHAPE")]
     pub(crate) shape: String,
     /// Take the shape as this, whatever the file says; a mesh as a cloud is its vertices
