@@ -162,4 +162,33 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn what_changed_is_not_said_to_be_the_old_result() {
+        use crate::{Field, FieldValues, Format, ReadLimits, ShapeFile, read_bytes, write_bytes};
+        let written = |shape: &ShapeFile, format: Format| {
+            let mut bytes = Vec::new();
+            write_bytes(shape, format, &mut bytes).unwrap();
+            bytes
+        };
+        let input = ProvenanceInput { name: "a.ply".into(), sha256: None };
+        let made = Provenance { program: "p".into(), command: "c".into(), inputs: vec![input] };
+        for format in [Format::Glb, Format::Gltf, Format::Vtp, Format::Vtu, Format::Las, Format::Laz] {
+            let mut shape = ShapeFile::from_cloud(vec![[0.0, 0.5, 1.0], [1.0, 0.0, 0.25]]);
+            shape.set_provenance(Some(made.clone()));
+            let bytes = written(&shape, format);
+            let read = |bytes: Vec<u8>| read_bytes(bytes, None, &ReadLimits::default()).unwrap();
+            let same = read(bytes.clone());
+            assert_eq!(same.provenance(), Some(&made), "{format}");
+            assert_eq!(written(&same, format), bytes, "{format}");
+            let mut moved = same.clone();
+            moved.set_points(vec![[0.0, 0.5, 1.0], [1.0, 0.0, 0.5]]).unwrap();
+            assert_eq!(read(written(&moved, format)).provenance(), None, "{format}");
+            let mut more = same.clone();
+            more.add_vertex_field(Field::new("a", 1, FieldValues::U8(vec![1, 2]))).unwrap();
+            assert_eq!(read(written(&more, format)).provenance(), None, "{format}");
+            more.set_provenance(Some(Provenance { command: "d".into(), ..made.clone() }));
+            assert_eq!(read(written(&more, format)).provenance().unwrap().command, "d", "{format}");
+        }
+    }
 }

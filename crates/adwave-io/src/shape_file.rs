@@ -302,6 +302,12 @@ impl ShapeFile {
         self.provenance().filter(|_| self.is_new_provenance)
     }
 
+    /// What holds of the shape as it is: nothing, when it was changed after its file said something.
+    pub(crate) fn valid_provenance(&self) -> Option<&Provenance> {
+        let is_changed = self.moved || !self.edited.is_empty();
+        self.provenance().filter(|_| self.is_new_provenance || !is_changed)
+    }
+
     /// Forgets the original bytes: frees their memory, and writing makes a plain new file.
     pub fn forget_original(&mut self) {
         self.original = None;

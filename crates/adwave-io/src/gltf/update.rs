@@ -83,7 +83,7 @@ pub(crate) fn update_gltf(
         }
     }
     changed.pack_pictures(format);
-    set_provenance(&mut changed.json, shape.new_provenance());
+    set_provenance(&mut changed.json, shape.valid_provenance());
     changed.finish(format, out, progress)?;
     Ok(Some(report))
 }

@@ -218,10 +218,16 @@ fn place(shape: &ShapeFile) -> Option<[f64; 3]> {
     centre.iter().any(|x| x.abs() > FAR * size).then_some(centre)
 }
 
-/// Says in the asset's extras where the shape came from.
+/// Says in the asset's extras where the shape came from, or no longer.
 pub(super) fn set_provenance(json: &mut Json, provenance: Option<&Provenance>) {
     let value = provenance.and_then(|own| Json::parse(own.to_json().as_bytes()).ok());
-    let (Some(value), Some(asset)) = (value, json.get_mut("asset")) else { return };
+    let Some(asset) = json.get_mut("asset") else { return };
+    let Some(value) = value else {
+        if let Some(extras) = asset.get_mut("extras") {
+            extras.remove(NAME);
+        }
+        return;
+    };
     if !matches!(asset.get("extras"), Some(Json::Object(_))) {
         asset.set("extras", object([]));
     }
@@ -291,7 +297,7 @@ pub(crate) fn write_gltf(
     }
     let generator = concat!("adwave ", env!("CARGO_PKG_VERSION"));
     let mut json = object([("asset", object([("version", "2.0".into()), ("generator", generator.into())]))]);
-    set_provenance(&mut json, shape.provenance());
+    set_provenance(&mut json, shape.valid_provenance());
     if n > 0 {
         json.set("scene", 0.into());
         json.set("scenes", Json::List(vec![object([("nodes", Json::List(vec![0.into()]))])]));

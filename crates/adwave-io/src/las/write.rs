@@ -75,10 +75,10 @@ pub(crate) fn write_las(
     parts.set_fields(shape, original.is_some(), report, progress)?;
     // A scan that did not change keeps its bytes.
     let is_same = original.is_some() && !shape.moved && shape.edited.is_empty();
-    if let Some(made) = if is_same { None } else { shape.provenance() } {
+    if !is_same {
         parts.records.retain(|record| !is_provenance(record));
-        let json = made.to_json();
-        if u16::try_from(json.len()).is_ok() {
+        let json = shape.valid_provenance().map(Provenance::to_json);
+        if let Some(json) = json.filter(|json| u16::try_from(json.len()).is_ok()) {
             parts.records.push(variable_record(NAME.as_bytes(), PROVENANCE, json.as_bytes()));
         }
     }

@@ -242,7 +242,7 @@ fn write_file(
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
     let element = if format == Format::Vtu { "UnstructuredGrid" } else { "PolyData" };
-    let made = shape.provenance().map_or(String::new(), |made| {
+    let made = shape.valid_provenance().map_or(String::new(), |made| {
         let mut letters = made.to_json().into_bytes();
         // ParaView shows texts, which end with a zero; other readers of unstructured grids know numbers alone.
         let head = if format == Format::Vtu {
