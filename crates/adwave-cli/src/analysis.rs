@@ -103,7 +103,7 @@ impl Analysis {
         let params = bands_params(levels)?;
         let mut watch = Stopwatch::start();
         // First the signal: a name that does not exist shows before the operator is built.
-        let signal = signal::load(&input, field.name(), field.texture.as_deref())?;
+        let signal = signal::load(global, &input, field.name(), field.texture.as_deref())?;
         let walk = prepare(global, &input.shape, &shape.operator_for(levels)?)?;
         let walk = signal::mask(walk, &signal, field.name(), global)?;
         let (schedule, why) = schedule_reaching(share, levels, &walk, global)?;

@@ -1,6 +1,7 @@
 //! What can go wrong, and the exit code that says so.
 
 use adwave::{ClassifiedError, ErrorKind};
+use adwave_io::WriteError;
 use thiserror::Error;
 
 /// A failed run. Its text is one line.
@@ -91,6 +92,21 @@ impl From<adwave::bands::BandsError> for CliError {
         match error {
             adwave::bands::BandsError::Cancelled(_) => Self::Cancelled,
             other => Self::input(other),
+        }
+    }
+}
+
+impl From<WriteError> for CliError {
+    fn from(error: WriteError) -> Self {
+        let text = error.to_string();
+        let mut cause = &error;
+        while let WriteError::InFile { source, .. } = cause {
+            cause = source;
+        }
+        match cause {
+            WriteError::Io(_) => Self::Environment(text),
+            WriteError::Cancelled(_) => Self::Cancelled,
+            _ => Self::Input(text),
         }
     }
 }

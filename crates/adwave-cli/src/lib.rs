@@ -57,14 +57,14 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
     let inputs = Inputs::new(cli.global.provenance);
     let global = Global::new(&cli.global, &arguments, &inputs, cancel);
     let outcome = match cli.global.threads {
-        None => dispatch(&cli.command, &global),
+        None => all_or_none(&cli.command, &global),
         Some(asked) => {
             let threads = started(asked.get(), &global);
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build()
                 .map_err(|e| CliError::Environment(format!("cannot start {threads} threads: {e}")))
-                .and_then(|pool| pool.install(|| dispatch(&cli.command, &global)))
+                .and_then(|pool| pool.install(|| all_or_none(&cli.command, &global)))
         }
     };
     // Who stops a run may take its temporary files away at once; the write that fails then is part of the stop.
@@ -95,6 +95,19 @@ fn started(asked: usize, global: &Global<'_>) -> usize {
         );
     }
     asked.min(most)
+}
+
+/// The command; the files of its result take their places together. Those of `reproduce` stand each for itself after minutes
+/// of work, and `studio` writes as long as it runs.
+fn all_or_none(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
+    if matches!(command, Command::Studio(_) | Command::Reproduce(_)) {
+        return dispatch(command, global);
+    }
+    adwave_io::write_together(|| match dispatch(command, global) {
+        // Whoever reads the standard output has seen enough of it; the files are wanted.
+        Err(CliError::ClosedPipe) => Ok(()),
+        outcome => outcome,
+    })
 }
 
 fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {

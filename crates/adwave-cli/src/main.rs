@@ -12,6 +12,7 @@ const PATIENCE: Duration = Duration::from_millis(1500);
 
 fn main() -> ExitCode {
     how_large_vectors_are_kept();
+    say_that_memory_ran_out();
     // Without a handler the default one ends the program at once, which is no harm: files are replaced atomically.
     let _ = ctrlc::set_handler(|| {
         if STOP.swap(true, Ordering::SeqCst) {
@@ -51,6 +52,32 @@ fn how_large_vectors_are_kept() {
 
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 fn how_large_vectors_are_kept() {}
+
+/// Where the system refuses memory, the standard library says how many bytes it was asked for and aborts. That becomes a line
+/// more and the exit code of trouble with the machine, in place of a dump of the process.
+#[cfg(unix)]
+#[allow(unsafe_code)]
+fn say_that_memory_ran_out() {
+    extern "C" fn end_without_memory(_: libc::c_int) {
+        const SAID: &[u8] =
+            b"adwave: the system has no more memory for this; no file is half written. Ask for less \
+              (fewer levels, a simplified or thinned shape), or end other programs\n";
+        adwave_io::remove_temporaries();
+        // SAFETY: the bytes are a constant; both calls are among those that a handler may make.
+        unsafe {
+            libc::write(libc::STDERR_FILENO, SAID.as_ptr().cast(), SAID.len());
+            libc::_exit(1);
+        }
+    }
+    let handler: extern "C" fn(libc::c_int) = end_without_memory;
+    // SAFETY: the handler runs in the thread that aborts, between no other instructions of this program.
+    unsafe {
+        libc::signal(libc::SIGABRT, handler as libc::sighandler_t);
+    }
+}
+
+#[cfg(not(unix))]
+fn say_that_memory_ran_out() {}
 
 /// Removes what is half written and ends; every old file stays as it was.
 fn end() -> ! {

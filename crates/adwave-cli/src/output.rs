@@ -264,7 +264,7 @@ pub(crate) fn write_shape(
     path: &Path,
 ) -> Result<WriteReport, CliError> {
     let own;
-    let file = if carries_provenance(global, path) {
+    let file = if carries_provenance(global, file, path) {
         let mut copy = file.clone();
         copy.set_provenance(Some(provenance(global)?));
         own = copy;
@@ -283,9 +283,12 @@ pub(crate) fn write_shape(
     Ok(report)
 }
 
-fn carries_provenance(global: &Global<'_>, path: &Path) -> bool {
+/// Comments say it where that is asked for, and where they would go on saying what the shape was before.
+fn carries_provenance(global: &Global<'_>, file: &ShapeFile, path: &Path) -> bool {
     match Format::from_path(path) {
-        Some(Format::Ply | Format::PlyAscii | Format::Obj) => global.inputs.in_comments,
+        Some(Format::Ply | Format::PlyAscii | Format::Obj) => {
+            global.inputs.in_comments || file.provenance().is_some()
+        }
         format => format.is_some_and(Format::holds_provenance),
     }
 }
@@ -317,18 +320,8 @@ pub(crate) fn command_line<'a>(words: impl Iterator<Item = &'a OsString>) -> Str
 }
 
 /// A failed write: the disk's fault or the user's, or the user's wish.
-#[expect(clippy::needless_pass_by_value, reason = "for use as map_err(write_error)")]
 pub(crate) fn write_error(error: WriteError) -> CliError {
-    let text = error.to_string();
-    let mut cause = &error;
-    while let WriteError::InFile { source, .. } = cause {
-        cause = source;
-    }
-    match cause {
-        WriteError::Io(_) => CliError::Environment(text),
-        WriteError::Cancelled(_) => CliError::Cancelled,
-        _ => CliError::Input(text),
-    }
+    error.into()
 }
 
 /// How the bands are computed, within the memory that the machine has left.

@@ -48,6 +48,14 @@ impl Inputs {
         self.add(Source::File(path.to_owned()));
     }
 
+    /// The files that a signal comes from, where it comes from one: `FILE` or `FILE:COLUMN`, and a picture.
+    pub(crate) fn add_signal(&self, name: &str, texture: Option<&Path>) {
+        let before_column = name.rsplit_once(':').map(|(file, _)| file);
+        let file =
+            [Some(name), before_column].into_iter().flatten().map(Path::new).find(|file| file.is_file());
+        file.into_iter().chain(texture).for_each(|path| self.add_file(path));
+    }
+
     /// Bytes that are no file.
     pub(crate) fn add_bytes(&self, name: &str, bytes: &[u8]) {
         let sha256 = Some(hexadecimal(Sha256::digest(bytes)));

@@ -15,7 +15,13 @@ use adwave_io::{SignalSource, named_signal};
 use std::path::Path;
 
 /// The signal of that name.
-pub(crate) fn load(input: &Input, name: &str, texture: Option<&Path>) -> Result<Signal, CliError> {
+pub(crate) fn load(
+    global: &Global<'_>,
+    input: &Input,
+    name: &str,
+    texture: Option<&Path>,
+) -> Result<Signal, CliError> {
+    global.inputs.add_signal(name, texture);
     let source = SignalSource { file: &input.file, shape: &input.shape, name: &input.name };
     // A file that is not there is a wrong name: for the user to mend, as for the shape's own file.
     named_signal(source, name, texture).map_err(|e| match e.kind() {

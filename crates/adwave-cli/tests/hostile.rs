@@ -387,3 +387,44 @@ fn a_result_on_the_standard_output_stands_there_alone() {
     assert!(sample.stdout.starts_with(b"ply\n") && sample.stderr.starts_with(b"{"));
     assert!(!folder.path().join("-").exists());
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_result_of_several_files_is_all_there_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    fs::create_dir(&out).unwrap();
+    fs::write(out.join("creature.ply"), "old").unwrap();
+    // The last file of the set does not fit on the disk.
+    std::os::unix::fs::symlink("/dev/full", out.join("index.html")).unwrap();
+    let run = || adwave(folder.path()).args(words("demo -o out --vertices 2000 --quiet")).output().unwrap();
+    let output = run();
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(fs::read(out.join("creature.ply")).unwrap(), b"old");
+    assert_eq!(files_below(&out).len(), 2);
+    fs::remove_file(out.join("index.html")).unwrap();
+    assert_eq!(run().status.code(), Some(0));
+    assert!(files_below(&out).len() > 5 && fs::read(out.join("creature.ply")).unwrap() != b"old");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_the_system_refuses_gives_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("b.ply"), "old").unwrap();
+    let adwave = assert_cmd::cargo::cargo_bin("adwave");
+    // Address space for the program and its threads, not for a million vertices.
+    let script =
+        format!("ulimit -v 400000; exec {} sample sphere --vertices 3000000 -o b.ply", adwave.display());
+    let output = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .env("RUST_BACKTRACE", "0")
+        .current_dir(at)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.lines().next_back().unwrap().starts_with("adwave: the system has no more memory"), "{said}");
+    assert_eq!((fs::read(at.join("b.ply")).unwrap().as_slice(), files_below(at).len()), (&b"old"[..], 1));
+}

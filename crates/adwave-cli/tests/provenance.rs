@@ -52,6 +52,11 @@ fn what_is_not_asked_for_or_did_not_change_keeps_its_bytes() {
     run(at, "sample torus --vertices 200 -o a.obj");
     run(at, "filter a.obj -o b.obj --gains 1,1");
     assert!(!std::fs::read_to_string(at.join("b.obj")).unwrap().contains("adwave filter"));
+    // What a comment says is said anew, or it would be about another shape.
+    run(at, "filter a.obj -o c.obj --gains 2,1 --provenance");
+    run(at, "denoise c.obj -o d.obj");
+    let command = json(at, "info d.obj")["provenance"]["command"].as_str().unwrap().to_owned();
+    assert_eq!(command, "adwave denoise c.obj -o d.obj");
     run(at, "convert a.obj -o a.glb");
     run(at, "convert a.glb -o c.glb");
     assert_eq!(std::fs::read(at.join("a.glb")).unwrap(), std::fs::read(at.join("c.glb")).unwrap());
@@ -62,11 +67,19 @@ fn bands_and_the_standard_input_are_named_too() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     run(at, "sample sphere --vertices 100 -o a.ply");
+    let rows = "1\n".repeat(100);
+    std::fs::write(at.join("c.csv"), format!("height\n{rows}")).unwrap();
     run(at, "transform sample:sphere --vertices 100 -o b.npz");
     let bytes = std::fs::read(at.join("b.npz")).unwrap();
     let text = String::from_utf8_lossy(&bytes);
     assert!(text.contains("\"command\":\"adwave transform sample:sphere --vertices 100 -o b.npz\""));
     assert!(text.contains("{\"name\":\"sample:sphere\",\"sha256\":null}"));
+    run(at, "transform a.ply --field c.csv -o d.npz");
+    let text = String::from_utf8_lossy(&std::fs::read(at.join("d.npz")).unwrap()).into_owned();
+    assert!(
+        text.contains("{\"name\":\"a.ply\",\"sha256\":\"")
+            && text.contains("{\"name\":\"c.csv\",\"sha256\":\"")
+    );
     let piped = std::fs::read(at.join("a.ply")).unwrap();
     adwave(at).args(["convert", "-", "-o", "c.vtp"]).write_stdin(piped).assert().success();
     let inputs = &json(at, "info c.vtp")["provenance"]["inputs"];

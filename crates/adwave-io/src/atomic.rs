@@ -1,10 +1,11 @@
 //! Replacing a file as a whole: whoever reads it sees the old bytes or the new ones, never a part.
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, mpsc};
+use std::sync::{Mutex, TryLockError, mpsc};
 use std::time::Duration;
 
 use adwave::Progress;
@@ -24,12 +25,24 @@ const SUFFIX: &str = ".tmp";
 
 /// Deletes the temporary files of all writes under way. A program calls it when it ends before they are done, for
 /// instance from what it does at Ctrl-C; those writes then fail, and the files that they would replace are unchanged.
+///
+/// It never waits long: where the list is being changed, by a thread that may be the one that ends here, the files stay for the
+/// next run to clear.
 pub fn remove_temporaries() {
-    with_temporaries(|paths| {
-        for path in std::mem::take(paths) {
-            let _ = fs::remove_file(path);
+    const TRIES: u32 = 50;
+    for _ in 0..TRIES {
+        match TEMPORARIES.try_lock() {
+            Ok(mut paths) => return std::mem::take(&mut *paths).into_iter().for_each(remove),
+            Err(TryLockError::Poisoned(paths)) => {
+                return std::mem::take(&mut *paths.into_inner()).into_iter().for_each(remove);
+            }
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
         }
-    });
+    }
+}
+
+fn remove(path: PathBuf) {
+    let _ = fs::remove_file(path);
 }
 
 /// Takes a path off the list when it is renamed or deleted.
@@ -145,8 +158,74 @@ fn replace<T>(
         file.set_permissions(old.permissions())?;
     }
     flush_to_disk(file, progress)?;
-    temporary.persist(&target).map_err(|e| e.error)?;
-    drop(listed);
+    let written = Written { temporary, target, named: path.to_path_buf(), _listed: listed };
+    let waits = TOGETHER.with_borrow_mut(|together| match together {
+        Some(waiting) => {
+            waiting.push(written);
+            None
+        }
+        None => Some(written),
+    });
+    waits.map_or(Ok(()), Written::put_in_place)?;
+    Ok(result)
+}
+
+/// A file that is whole and on the disk, and not yet in its place.
+struct Written {
+    temporary: tempfile::TempPath,
+    target: PathBuf,
+    /// The name that the user gave.
+    named: PathBuf,
+    _listed: Option<Listed>,
+}
+
+impl Written {
+    fn put_in_place(self) -> Result<(), WriteError> {
+        Ok(self.temporary.persist(&self.target).map_err(|e| e.error)?)
+    }
+}
+
+thread_local! {
+    /// Where [`write_together`] runs: the files that wait for the last one.
+    static TOGETHER: RefCell<Option<Vec<Written>>> = const { RefCell::new(None) };
+}
+
+/// Puts the files that `work` writes on this thread in their places when all of them are written: where one fails (a disk that
+/// is full) every old file is as it was, and no new one is there. Within `work` a file cannot yet be read again.
+///
+/// ```
+/// use adwave_io::{WriteError, atomic_write, write_together};
+/// let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("a.txt");
+/// let failed: Result<(), WriteError> = write_together(|| {
+///     atomic_write(&path, |w| Ok(w.write_all(b"whole")?))?;
+///     atomic_write(&folder.path().join("missing/b.txt"), |w| Ok(w.write_all(b"whole")?))
+/// });
+/// assert!(failed.is_err() && !path.exists());
+/// ```
+///
+/// # Errors
+/// Those of `work`, and where a file that is written cannot be renamed: then those before it are in their places.
+pub fn write_together<T, E: From<WriteError>>(work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+    /// What waits is dropped also where `work` panics.
+    struct Waiting;
+    impl Drop for Waiting {
+        fn drop(&mut self) {
+            TOGETHER.set(None);
+        }
+    }
+    if TOGETHER.with_borrow(Option::is_some) {
+        return work();
+    }
+    TOGETHER.set(Some(Vec::new()));
+    let waiting = Waiting;
+    let result = work()?;
+    let files = TOGETHER.take().unwrap_or_default();
+    drop(waiting);
+    for file in files {
+        let named = file.named.clone();
+        file.put_in_place().map_err(|e| e.in_file(&named))?;
+    }
     Ok(result)
 }
 

@@ -98,7 +98,7 @@ mod vtk_xml;
 mod write;
 mod xml;
 
-pub use atomic::{atomic_write, atomic_write_with, remove_temporaries};
+pub use atomic::{atomic_write, atomic_write_with, remove_temporaries, write_together};
 pub use csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
 pub use csv::write::{csv_number, push_csv_row, write_csv_fields};
 pub use dmat::read::{parse_dmat_field, read_dmat_field};

@@ -290,3 +290,10 @@ fn an_archive_that_was_cut_is_said_to_be_cut() {
         assert!(error.ends_with("get the whole file"), "{error}");
     }
 }
+
+#[test]
+fn a_matrix_of_nothing_is_none_under_another_name() {
+    let said = error("3 0\n6 ", "a.ply");
+    assert!(said.contains("named as ply"), "{said}");
+    assert_eq!(read("3 0\n", "a.dmat").n_vertices(), 0);
+}

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write;
 
-use adwave_io::{Format, ShapeFile, WriteError, atomic_write, write_path};
+use adwave_io::{Format, ShapeFile, WriteError, atomic_write, write_path, write_together};
 
 fn names(folder: &std::path::Path) -> Vec<String> {
     let mut all: Vec<_> =
@@ -42,6 +42,37 @@ fn a_panic_leaves_no_temporary_file() {
     });
     assert!(outcome.is_err());
     assert_eq!(names(folder.path()), [""; 0]);
+}
+
+#[test]
+fn several_files_are_written_all_or_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("a"), "old").unwrap();
+    let whole = |name: &str| atomic_write(&at(name), |out| Ok(out.write_all(b"new")?));
+    let failed: Result<(), WriteError> = write_together(|| {
+        whole("a")?;
+        whole("b")?;
+        atomic_write(&at("c"), failing)
+    });
+    failed.unwrap_err();
+    assert_eq!(
+        (fs::read(at("a")).unwrap().as_slice(), names(folder.path())),
+        (&b"old"[..], vec!["a".into()])
+    );
+    let panicked = std::panic::catch_unwind(|| {
+        write_together(|| -> Result<(), WriteError> {
+            whole("a")?;
+            std::panic::resume_unwind(Box::new("stopped"))
+        })
+    });
+    assert!(panicked.is_err());
+    assert_eq!(names(folder.path()), ["a"]);
+    write_together(|| whole("a").and_then(|()| whole("b"))).unwrap();
+    assert_eq!((fs::read(at("a")).unwrap().as_slice(), names(folder.path()).len()), (&b"new"[..], 2));
+    // Afterwards each file is for itself again.
+    whole("c").unwrap();
+    assert_eq!(names(folder.path()), ["a", "b", "c"]);
 }
 
 #[test]

@@ -90,7 +90,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
         (_, field) => field,
     };
     let input = with_spinner(global, "reading", || load(&args.shape, global))?;
-    let signal = signal::load(&input, field, args.field.texture.as_deref())?;
+    let signal = signal::load(global, &input, field, args.field.texture.as_deref())?;
     let start = Instant::now();
     let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let prepare_seconds = Some(start.elapsed().as_secs_f64());

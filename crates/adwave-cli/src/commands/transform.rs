@@ -55,7 +55,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     let mut watch = Stopwatch::start();
     let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let field = args.field.name();
-    let signal = signal::load(&input, field, args.field.texture.as_deref())?;
+    let signal = signal::load(global, &input, field, args.field.texture.as_deref())?;
     let read = watch.lap();
     let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let decomposer = signal::mask(decomposer, &signal, field, global)?;

@@ -37,7 +37,10 @@ pub(crate) fn begins_as_dmat(bytes: &[u8]) -> bool {
         return numbers(lines.next()) == Some(2);
     }
     // The last line of what is looked at may be cut.
-    numbers(lines.next()) == Some(1) && lines.next().is_none_or(|l| matches!(numbers(Some(l)), Some(0 | 1)))
+    let is_empty = first.is_some_and(|l| crate::text::words(l).any(|w| w.iter().all(|&b| b == b'0')));
+    !is_empty
+        && numbers(lines.next()) == Some(1)
+        && lines.next().is_none_or(|l| matches!(numbers(Some(l)), Some(0 | 1)))
 }
 
 fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<Matrix, ReadError> {

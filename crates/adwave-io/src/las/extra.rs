@@ -129,6 +129,10 @@ pub(crate) fn names(name: &str, n_channels: usize, others: &[String]) -> (String
 }
 
 fn columns_of(name: &str, n_channels: usize) -> Vec<String> {
+    // Names may have blanks here.
+    if n_channels == 1 && !name.is_empty() {
+        return vec![name.replace(|c: char| c.is_control(), "_")];
+    }
     column_names(&Field { name: name.to_owned(), n_channels, values: FieldValues::U8(Vec::new()) })
 }
 
@@ -155,6 +159,7 @@ mod tests {
         // Not within a letter.
         assert_eq!(own(&"é".repeat(20), &[]), "é".repeat(16));
         assert_eq!(own(&format!("a{}", "é".repeat(20)), &[]), format!("a{}", "é".repeat(15)));
+        assert_eq!(own("Pulse width", &[]), "Pulse width");
         let (name, columns) = names("color", 3, &["Green".into()]);
         assert_eq!((name.as_str(), columns.join(" ")), ("color_2", "color_2_x color_2_y color_2_z".into()));
     }

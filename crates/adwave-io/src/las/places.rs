@@ -76,7 +76,6 @@ fn standard_names(format: u8) -> Vec<String> {
     ];
     let whole = whole.into_iter().filter(|name| whole_column(format, name).is_some());
     let bits = bit_columns(format).iter().map(|bits| bits.0);
-    // What other programs call the standard parts.
     let colors: &[&str] =
         if whole_column(format, "color").is_some() { &["red", "green", "blue"] } else { &[] };
     // What other programs call the standard parts.

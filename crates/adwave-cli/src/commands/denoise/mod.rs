@@ -57,7 +57,7 @@ fn denoise_field(
     args: &DenoiseArgs,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let signal = signal::load(&input, name, args.field.texture.as_deref())?;
+    let signal = signal::load(global, &input, name, args.field.texture.as_deref())?;
     let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
     let decomposer = signal::mask(decomposer, &signal, name, global)?;
     let denoised = with_progress(global, "denoising", |progress| {

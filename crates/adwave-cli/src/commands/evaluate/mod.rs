@@ -42,7 +42,7 @@ fn against(
 ) -> Result<(), CliError> {
     let found = analysis.saliency(&args.map, &args.border, global)?;
     let one_channel = |name: &str| {
-        let signal = signal::load(&analysis.input, name, None)?;
+        let signal = signal::load(global, &analysis.input, name, None)?;
         if signal.n_channels != 1 {
             return Err(CliError::Input(format!("{name} has {} channels, not one", signal.n_channels)));
         }
@@ -260,7 +260,7 @@ fn find_again(
     let (n_channels, values) = if is_own {
         let file = ShapeFile::from_cloud(shape.points().unwrap_or_default().to_vec());
         let input = Input { file, shape: shape.clone(), name: analysis.input.name.clone() };
-        let signal = signal::load(&input, args.field.name(), args.field.texture.as_deref())?;
+        let signal = signal::load(global, &input, args.field.name(), args.field.texture.as_deref())?;
         (signal.n_channels, signal.values.to_vec())
     } else if same_vertices {
         (analysis.signal.n_channels, analysis.signal.values.to_vec())

@@ -43,7 +43,7 @@ pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError
 
     let mut input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let alone = FieldFile::for_result(&args.output, &field, &input.file);
-    let signal = signal::load(&input, &field, args.field.texture.as_deref())?;
+    let signal = signal::load(global, &input, &field, args.field.texture.as_deref())?;
     let decomposer = prepare(global, &input.shape, &operator(args, recipe.as_ref())?)?;
     let decomposer = signal::mask(decomposer, &signal, &field, global)?;
     let schedule = chosen_schedule(args, recipe.as_ref(), &decomposer, global)?;

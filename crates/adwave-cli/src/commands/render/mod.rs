@@ -148,7 +148,7 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<Loaded, Cl
         let colors = input.file.field("color").and_then(|field| bytes(field.n_channels, &field.values));
         vec![colors.map_or(Look::Plain, |values| Look::Colors { values, label: "color".to_owned() })]
     } else {
-        args.color.iter().map(|color| look(args, &input, color)).collect::<Result<_, _>>()?
+        args.color.iter().map(|color| look(args, global, &input, color)).collect::<Result<_, _>>()?
     };
     Ok(Loaded { input, triangles, looks })
 }
@@ -164,7 +164,7 @@ fn region_look(args: &RenderArgs, input: &Input, global: &Global<'_>) -> Result<
 }
 
 /// What is shown by a field's name: its number, its length where it has several, or the colours that it holds.
-fn look(args: &RenderArgs, input: &Input, name: &str) -> Result<Look, CliError> {
+fn look(args: &RenderArgs, global: &Global<'_>, input: &Input, name: &str) -> Result<Look, CliError> {
     if name == PLAIN {
         return Ok(Look::Plain);
     }
@@ -176,7 +176,7 @@ fn look(args: &RenderArgs, input: &Input, name: &str) -> Result<Look, CliError> 
         return Ok(Look::Colors { values, label });
     }
     let texture = args.texture.as_deref().filter(|_| name.starts_with("texture"));
-    let Signal { n_channels, values } = signal::load(input, name, texture)?;
+    let Signal { n_channels, values } = signal::load(global, input, name, texture)?;
     if name == "texture"
         && let Some(values) = bytes(n_channels, &FieldValues::F64(values.to_vec()))
     {
