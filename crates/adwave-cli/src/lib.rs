@@ -106,6 +106,8 @@ fn all_or_none(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
     adwave_io::write_together(|| match dispatch(command, global) {
         // Whoever reads the standard output has seen enough of it; the files are wanted.
         Err(CliError::ClosedPipe) => Ok(()),
+        // Whoever stops it while the last file is written wants none of them.
+        Ok(()) if global.progress().is_cancelled() => Err(CliError::Cancelled),
         outcome => outcome,
     })
 }

@@ -64,10 +64,14 @@ impl VertexMap {
             // below still separates unequal points.
             (hilbert(std::array::from_fn(|c| ((p[c] - lo[c]) * scale) as u32)), i as u32)
         })?;
-        parallel::sort_unstable_by(&mut order, progress, |a, b| {
+        let in_order = |a: &(u64, u32), b: &(u64, u32)| {
             let by_position = || compare(&points[a.1 as usize], &points[b.1 as usize]);
             a.0.cmp(&b.0).then_with(by_position).then(a.1.cmp(&b.1))
-        })?;
+        };
+        // As they are where the points are those of another map.
+        if !order.is_sorted_by(|a, b| in_order(a, b).is_lt()) {
+            parallel::sort_unstable_by(&mut order, progress, in_order)?;
+        }
         let starts_class = |k: usize| {
             let (before, here) = (order[k - 1], order[k]);
             mode == WeldMode::Off

@@ -1,0 +1,201 @@
+//! The nearest points of every point of a cloud.
+
+mod blocks;
+
+use super::{Adjacency, VertexMap, WeldMode};
+use crate::parallel::unstopped;
+use crate::{Cancelled, Progress};
+use blocks::{Blocks, Search};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The neighbourhoods of a cloud's points.
+#[derive(Clone, Debug)]
+pub struct Neighbourhoods {
+    /// The points that each point names, not symmetric.
+    pub adjacency: Adjacency,
+    /// The distance to the k-th nearest neighbour of each point, in the points' units.
+    pub radius: Vec<f64>,
+    /// How many neighbours were asked for, at most one less than there are points.
+    pub k: usize,
+}
+
+/// Distances that differ by less than this part are equal: on a grid of points, whatever its orientation, the last of
+/// the k neighbours is one of several at the same distance, and which one it is must not hang on rounding.
+const TIE: f64 = 1e-9;
+
+/// How many neighbours beyond k a tie may add; past that the first in the order of `points` are taken.
+const MAX_TIED: usize = 54;
+
+/// The `k` nearest neighbours of every point, and those at the same distance as the k-th (see below). O(n log n).
+///
+/// `N(x) = {y ≠ x : ‖x − y‖ ≤ r_k(x)}`: "the k nearest" is not a definition when several points are equally far, as on
+/// every regular grid or quantised scan; taking all of them keeps the operator unchanged when the cloud is rotated or its
+/// points are listed in another order. At most k + 54 neighbours are taken. With fewer than k + 1 points, all others are
+/// neighbours.
+///
+/// ```
+/// use adwave::shape::nearest_neighbours;
+/// let line: Vec<_> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+/// let near = nearest_neighbours(&line, 1);
+/// assert_eq!(near.adjacency.of(2), [1, 3]); // both are at distance 1
+/// assert_eq!(near.radius, [1.0; 5]);
+/// ```
+///
+/// # Panics
+/// Where a coordinate is NaN or infinite.
+pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbourhoods {
+    unstopped(try_nearest_neighbours(points, k, Progress::none()))
+}
+
+/// [`nearest_neighbours`], stopped when the call is.
+pub(crate) fn try_nearest_neighbours(
+    points: &[[f64; 3]],
+    k: usize,
+    progress: Progress<'_>,
+) -> Result<Neighbourhoods, Cancelled> {
+    let n = points.len();
+    let k = k.min(n.saturating_sub(1));
+    if k == 0 {
+        return Ok(Neighbourhoods { adjacency: Adjacency::empty(n), radius: vec![0.0; n], k });
+    }
+    // The blocks hold each position once: a search among many equal points would look at all of them.
+    let vertex_map = VertexMap::try_new(points, WeldMode::EqualPositions, progress)?;
+    let positions = vertex_map.try_positions(points, progress)?;
+    let members = vertex_map.members();
+    let blocks = Blocks::new(&positions, progress)?;
+    let is_distinct = positions.len() == n;
+    let is_ordered = is_distinct && (0..).zip(vertex_map.as_slice()).all(|(x, &w)| w == x);
+    let most = k + MAX_TIED;
+    let scratch = || (Search::new(&blocks, k + 1, (1.0 + TIE) * (1.0 + TIE)), Vec::new());
+    if is_ordered {
+        let radius: Vec<AtomicU64> = (0..n).map(|_| AtomicU64::new(0)).collect();
+        let adjacency = Adjacency::from_neighbours(n, progress, scratch, |(search, tied), x, out| {
+            let found = search.nearest(x, |_| 1);
+            radius[x].store(found.farthest.sqrt().to_bits(), Ordering::Relaxed);
+            if found.names.len() <= most + 1 {
+                out.extend_from_slice(found.names);
+            } else {
+                found.by_distance(tied);
+                out.extend(tied.iter().take(most + 1).map(|&(_, y)| y));
+            }
+        })?;
+        let radius = radius.into_iter().map(|r| f64::from_bits(r.into_inner())).collect();
+        return Ok(Neighbourhoods { adjacency, radius, k });
+    }
+    // Along the curve, whatever the order of the points: what each position has near, one more than a point of it needs.
+    let radius: Vec<AtomicU64> = (0..positions.len()).map(|_| AtomicU64::new(0)).collect();
+    let near = Adjacency::from_rows(positions.len(), progress, scratch, |(search, tied), w, out| {
+        let found = search.nearest(w, |w| if is_distinct { 1 } else { members.of(w as usize).len() });
+        radius[w].store(found.farthest.sqrt().to_bits(), Ordering::Relaxed);
+        if is_distinct && found.names.len() <= most + 1 {
+            out.extend(found.names.iter().map(|&w| vertex_map.last_members()[w as usize]));
+            return;
+        }
+        found.by_distance(tied);
+        out.extend(tied.iter().flat_map(|&(_, w)| members.of(w as usize)).take(most + 1));
+    })?;
+    let adjacency = Adjacency::from_neighbours(
+        n,
+        progress,
+        || (),
+        |(), x, out| {
+            let of_position = near.of(vertex_map.welded(x)).iter().copied();
+            out.extend(of_position.filter(|&y| y as usize != x).take(most));
+        },
+    )?;
+    let radius =
+        (0..n).map(|x| f64::from_bits(radius[vertex_map.welded(x)].load(Ordering::Relaxed))).collect();
+    Ok(Neighbourhoods { adjacency, radius, k })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::distance;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_search_finds_what_comparing_all_pairs_finds(
+            points in prop::collection::vec(prop::array::uniform3(-4_i8..4), 1..60), k in 1_usize..12,
+        ) {
+            // Small integer coordinates make ties and repeated points the rule.
+            let points: Vec<[f64; 3]> = points.into_iter().map(|p| p.map(f64::from)).collect();
+            let near = nearest_neighbours(&points, k);
+            for (x, p) in points.iter().enumerate() {
+                let mut all: Vec<f64> =
+                    (0..points.len()).filter(|&y| y != x).map(|y| distance(p, &points[y])).collect();
+                all.sort_by(f64::total_cmp);
+                let Some(&radius) = all.get(near.k.max(1) - 1) else { continue };
+                prop_assert_eq!(near.radius[x], radius);
+                let expected: Vec<u32> = (0..points.len())
+                    .filter(|&y| y != x && distance(p, &points[y]) <= radius)
+                    .map(|y| y as u32)
+                    .collect();
+                if expected.len() <= near.k + MAX_TIED {
+                    prop_assert_eq!(near.adjacency.of(x), &expected[..]);
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+
+        #[test]
+        fn many_blocks_and_more_neighbours_than_a_block_has_change_nothing(
+            seed in any::<u64>(), n in 100_usize..900, k in 1_usize..60, lumps in 1_usize..5, is_doubled: bool,
+        ) {
+            // Lumps of different sizes far apart, and points that stand alone.
+            let mut state = seed | 1;
+            let mut next = || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            let mut points: Vec<[f64; 3]> = (0..n)
+                .map(|i| {
+                    let lump = (i % lumps) as f64;
+                    let size = if i % 50 == 0 { 1e3 } else { 0.1_f64.powf(lump) };
+                    [100.0 * lump + size * next(), size * next(), 0.1 * size * next()]
+                })
+                .collect();
+            if is_doubled {
+                points.extend_from_within(..n / 3);
+            }
+            let near = nearest_neighbours(&points, k);
+            for (x, p) in points.iter().enumerate() {
+                let squared = |y: usize| crate::shape::squared_distance(p, &points[y]);
+                let mut all: Vec<f64> = (0..points.len()).filter(|&y| y != x).map(squared).collect();
+                all.sort_by(f64::total_cmp);
+                prop_assert_eq!(near.radius[x], all[k - 1].sqrt());
+                let limit = all[k - 1] * (1.0 + TIE) * (1.0 + TIE);
+                let expected: Vec<u32> =
+                    (0..points.len()).filter(|&y| y != x && squared(y) <= limit).map(|y| y as u32).collect();
+                prop_assert_eq!(near.adjacency.of(x), &expected[..]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_lattice_of_many_blocks_has_its_ties() {
+        // Every search meets ties.
+        let side = 52_u32;
+        let points: Vec<[f64; 3]> = (0..side * side * side)
+            .map(|i| [f64::from(i % side), f64::from(i / side % side), f64::from(i / side / side)])
+            .collect();
+        let near = nearest_neighbours(&points, 6);
+        for (x, p) in points.iter().enumerate() {
+            let inside = |c: f64| u32::from(c > 0.0) + u32::from(c < f64::from(side - 1));
+            let n_faces: u32 = p.iter().map(|&c| inside(c)).sum();
+            if n_faces == 6 {
+                assert_eq!((near.radius[x], near.adjacency.of(x).len()), (1.0, 6), "{p:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_hundred_thousand_equal_points_neither_hang_nor_blow_up() {
+        let near = nearest_neighbours(&vec![[1.0, 2.0, 3.0]; 100_000], 10);
+        assert!((0..100_000).all(|x| near.adjacency.of(x).len() <= 10 + MAX_TIED && near.radius[x] == 0.0));
+    }
+}
