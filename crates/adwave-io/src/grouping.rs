@@ -1,5 +1,7 @@
 //! Columns of a file as fields and back: `nx ny nz` is the field `normal` of three channels.
 
+use std::collections::{HashMap, HashSet, VecDeque};
+
 use adwave::{Cancelled, Progress};
 
 use crate::{Field, FieldValues};
@@ -22,24 +24,25 @@ const KNOWN: &[(&str, &[&str])] = &[
 /// The field's name and the positions of the columns that it is made of.
 pub(crate) type FieldColumns = (String, Vec<usize>);
 
-/// Fields from columns of one number per vertex, and which columns each is made of.
+/// Fields from columns of one number per vertex, and which columns each is made of. O(columns), however they are named.
 pub(crate) fn group(
     columns: Vec<(String, FieldValues)>,
     progress: Progress<'_>,
 ) -> Result<(Vec<Field>, Vec<FieldColumns>), Cancelled> {
     let mut fields: Vec<Field> = Vec::new();
     let mut members = Vec::new();
-    let mut used = vec![false; columns.len()];
+    let mut free = Free::new(&columns);
+    let mut names = Names::default();
     let mut columns: Vec<_> = columns.into_iter().map(|(name, values)| (name, Some(values))).collect();
     for i in 0..columns.len() {
-        if used[i] {
+        if free.is_used[i] {
             continue;
         }
-        let (name, positions) = known(&columns, &used, i)
-            .or_else(|| numbered(&columns, &used, i))
+        let (name, positions) = known(&columns, &mut free, i)
+            .or_else(|| numbered(&columns, &mut free, i))
             .unwrap_or_else(|| (columns[i].0.clone(), vec![i]));
         for &p in &positions {
-            used[p] = true;
+            free.is_used[p] = true;
         }
         let lists: Vec<FieldValues> = positions.iter().filter_map(|&p| columns[p].1.take()).collect();
         let values = match <[FieldValues; 1]>::try_from(lists) {
@@ -47,7 +50,7 @@ pub(crate) fn group(
             Err(lists) => FieldValues::interleave(&lists.iter().collect::<Vec<_>>(), progress)?,
         };
         let Some(values) = values else { continue };
-        let name = unique(&fields, name);
+        let name = names.unique(name);
         members.push((name.clone(), positions.clone()));
         fields.push(Field { name, n_channels: positions.len(), values });
     }
@@ -56,39 +59,92 @@ pub(crate) fn group(
 
 type Columns = [(String, Option<FieldValues>)];
 
-/// The positions of the columns of these names, when all are free and of the type of the first.
-fn find(columns: &Columns, used: &[bool], names: &[String]) -> Option<Vec<usize>> {
-    let mut positions = Vec::with_capacity(names.len());
-    for name in names {
-        let p = (0..columns.len()).find(|&p| !used[p] && columns[p].0.eq_ignore_ascii_case(name))?;
-        positions.push(p);
+/// Which columns have a name, and which of them no field has yet.
+struct Free {
+    is_used: Vec<bool>,
+    exact: HashSet<String>,
+    /// By name without regard to capitals, the first that may be free in front.
+    places: HashMap<String, VecDeque<usize>>,
+}
+
+impl Free {
+    fn new(columns: &[(String, FieldValues)]) -> Self {
+        let mut places: HashMap<String, VecDeque<usize>> = HashMap::new();
+        for (p, (name, _)) in columns.iter().enumerate() {
+            places.entry(name.to_ascii_lowercase()).or_default().push_back(p);
+        }
+        let exact = columns.iter().map(|(name, _)| name.clone()).collect();
+        Self { is_used: vec![false; columns.len()], exact, places }
     }
+
+    /// The first free column of that name, whatever its capitals.
+    fn first(&mut self, name: &str) -> Option<usize> {
+        let places = self.places.get_mut(&name.to_ascii_lowercase())?;
+        while places.front().is_some_and(|&p| self.is_used[p]) {
+            places.pop_front();
+        }
+        places.front().copied()
+    }
+}
+
+/// The positions of the columns of these names, when all are free and of the type of the first.
+fn find(columns: &Columns, free: &mut Free, names: &[String]) -> Option<Vec<usize>> {
+    let positions: Vec<usize> = names.iter().map(|name| free.first(name)).collect::<Option<_>>()?;
     let value_type = |p: &usize| columns[*p].1.as_ref().map(FieldValues::value_type);
     positions.iter().all(|p| value_type(p) == value_type(&positions[0])).then_some(positions)
 }
 
-fn known(columns: &Columns, used: &[bool], i: usize) -> Option<FieldColumns> {
+fn known(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns> {
     KNOWN.iter().filter(|(_, names)| names[0].eq_ignore_ascii_case(&columns[i].0)).find_map(
         |(field, names)| {
             let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-            Some(((*field).to_string(), find(columns, used, &names)?))
+            Some(((*field).to_string(), find(columns, free, &names)?))
         },
     )
 }
 
 /// `flow_x flow_y flow_z`, or `flow_0 flow_1 …`.
-fn numbered(columns: &Columns, used: &[bool], i: usize) -> Option<FieldColumns> {
+fn numbered(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns> {
     let name = &columns[i].0;
     if let Some(base) = name.strip_suffix("_x").filter(|base| !base.is_empty()) {
-        return Some((base.into(), find(columns, used, &["x", "y", "z"].map(|c| format!("{base}_{c}")))?));
+        return Some((base.into(), find(columns, free, &["x", "y", "z"].map(|c| format!("{base}_{c}")))?));
     }
     let base = name.strip_suffix("_0").filter(|base| !base.is_empty())?;
-    let mut n = 1;
-    while columns.iter().any(|(other, _)| *other == format!("{base}_{n}")) {
-        n += 1;
+    let mut names = vec![name.clone()];
+    loop {
+        let next = format!("{base}_{}", names.len());
+        if !free.exact.contains(&next) {
+            break;
+        }
+        // One that another field has already ends it before the rest is looked at.
+        free.first(&next)?;
+        names.push(next);
     }
-    let names: Vec<String> = (0..n).map(|c| format!("{base}_{c}")).collect();
-    (n > 1).then(|| find(columns, used, &names).map(|positions| (base.to_string(), positions)))?
+    (names.len() > 1).then(|| find(columns, free, &names).map(|positions| (base.to_string(), positions)))?
+}
+
+/// Names that are taken, and which number was tried last behind each.
+#[derive(Default)]
+struct Names {
+    taken: HashSet<String>,
+    last: HashMap<String, usize>,
+}
+
+impl Names {
+    /// The name, or where it is taken the first with a number after it that is not.
+    fn unique(&mut self, name: String) -> String {
+        if self.taken.insert(name.clone()) {
+            return name;
+        }
+        let last = self.last.entry(name.clone()).or_insert(1);
+        loop {
+            *last += 1;
+            let numbered = format!("{name}_{last}");
+            if self.taken.insert(numbered.clone()) {
+                return numbered;
+            }
+        }
+    }
 }
 
 /// The name, or where a field has it already one with a number after it.
@@ -146,5 +202,23 @@ mod tests {
         let column = |x| ("q".to_string(), FieldValues::U8(vec![x]));
         let (fields, _) = group(vec![column(1), column(2)], Progress::none()).unwrap();
         assert_eq!((fields[0].name.as_str(), fields[1].name.as_str()), ("q", "q_2"));
+    }
+
+    #[test]
+    fn a_hundred_thousand_columns_are_grouped_at_once() {
+        const MANY: usize = 100_000;
+        let named = |name: &dyn Fn(usize) -> String| {
+            let columns = (0..MANY).map(|c| (name(c), FieldValues::U8(vec![c as u8]))).collect();
+            let start = std::time::Instant::now();
+            let (fields, _) = group(columns, Progress::none()).unwrap();
+            assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+            fields.len()
+        };
+        // Names of which each could be compared with all others.
+        assert_eq!(named(&|c| format!("c{c}")), MANY);
+        assert_eq!(named(&|_| "q".into()), MANY);
+        assert_eq!(named(&|_| "nx".into()), MANY);
+        assert_eq!(named(&|c| if c % 2 == 0 { "a_0".into() } else { format!("a_{}", c / 2 + 1) }), MANY / 2);
+        assert_eq!(named(&|c| format!("a_{c}")), 1);
     }
 }

@@ -69,7 +69,8 @@ fn parse_special(word: &[u8]) -> Option<f64> {
     let lower = rest.to_ascii_lowercase();
     let magnitude = match lower.as_slice() {
         b"inf" | b"infinity" | b"1.#inf" => f64::INFINITY,
-        // MSVC prints as many digits as asked for: 1.#INF00, 1.#QNAN0.
+        // MSVC prints as many digits as asked for: 1.#INF00, 1.#QNAN0. What NaNs carry stands in brackets: nan(ind).
+        w if !w.iter().all(|b| b.is_ascii_alphanumeric() || b"+-.#()_".contains(b)) => return None,
         w if w.starts_with(b"1.#inf") => f64::INFINITY,
         w if w.starts_with(b"nan") || w.starts_with(b"1.#") => f64::NAN,
         // A second sign is no number; a plain `+1.5` is.
@@ -165,7 +166,7 @@ mod tests {
             assert_eq!(parse_f64(word.as_bytes()), Some(f64::INFINITY), "{word}");
         }
         assert_eq!(parse_f64(b"-1.#INF00"), Some(f64::NEG_INFINITY));
-        for word in ["", "-", "abc", "1.2.3", "1,5", "--1", "0x10", "1e", "+-1"] {
+        for word in ["", "-", "abc", "1.2.3", "1,5", "--1", "0x10", "1e", "+-1", "1.#IND0}a=0"] {
             assert_eq!(parse_f64(word.as_bytes()), None, "{word}");
         }
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::lines::{Statement, Statements};
 use crate::original::Original;
-use crate::progress::{at_row, collect};
+use crate::progress::{all, at_row, collect};
 use crate::text::{parse_f64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile};
 use adwave::shape::Polygons;
@@ -63,25 +63,22 @@ pub(crate) fn read_stl(
         });
     }
     limits.check_points(3 * n)?;
-    let mut points = Vec::with_capacity(3 * n as usize);
-    let mut normals = Vec::with_capacity(3 * n as usize);
-    let mut attributes = Vec::with_capacity(n as usize);
-    for (row, record) in bytes[HEADER..needed as usize].chunks_exact(RECORD).enumerate() {
-        at_row(progress, row as u64, n)?;
-        let (numbers, attribute) = record.split_at(48);
-        let mut xyz = numbers.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-        normals.extend(xyz.by_ref().take(3));
-        for _ in 0..3 {
-            let mut next = || f64::from(xyz.next().unwrap_or(f32::NAN));
-            points.push([next(), next(), next()]);
-        }
-        attributes.push(u16::from_le_bytes([attribute[0], attribute[1]]));
-    }
+    let (records, _) = bytes[HEADER..needed as usize].as_chunks::<RECORD>();
+    let n = records.len();
+    // Of each record the normal, then three corners.
+    let triple = |f: usize, part: usize| -> [f32; 3] {
+        let at = |c: usize| 12 * part + 4 * c;
+        std::array::from_fn(|c| f32::from_le_bytes(std::array::from_fn(|b| records[f][at(c) + b])))
+    };
+    let attribute = |f: usize| u16::from_le_bytes([records[f][48], records[f][49]]);
+    let points = collect(3 * n, progress, |v| triple(v / 3, 1 + v % 3).map(f64::from))?;
+    let normals = collect(n, progress, |f| triple(f, 0))?.into_flattened();
     let mut shape = soup(points, progress)?;
     shape.format = Some(Format::Stl);
     shape.precision = Precision::F32;
     shape.face_fields.push(Field::new("normal", 3, FieldValues::F32(normals)));
-    if attributes.iter().any(|&a| a != 0) {
+    if !all(n, progress, |f| attribute(f) == 0)? {
+        let attributes = collect(n, progress, attribute)?;
         shape.face_fields.push(Field::new("attribute", 1, FieldValues::U16(attributes)));
     }
     if bytes.len() as u64 > needed {
