@@ -9,6 +9,8 @@ export type SaveState = 'kept' | 'sending' | 'offline' | 'ended' | 'conflict' | 
 
 /** Milliseconds between tries while there is no server. */
 const RETRY = 1500;
+/** Milliseconds that a step waits for the picture at the most. */
+const PICTURE_FIRST = 400;
 /** Bytes that a browser sends while the page is being closed. */
 const KEEPALIVE_LIMIT = 60_000;
 /** Tenths of a second to wait for it after a reload. */
@@ -31,9 +33,13 @@ export class Saver {
     private readonly told: (moved: Moved | null) => void,
   ) {}
 
-  changed(doc: Doc): void {
+  /** A step, sent once `shown` resolves: the server computes with all processors, which the picture needs first. */
+  changed(doc: Doc, shown: Promise<void>): void {
     this.wanted = doc;
-    void this.send();
+    if (this.state === 'kept') this.set('sending');
+    void Promise.race([shown, new Promise((done) => setTimeout(done, PICTURE_FIRST))]).then(() =>
+      this.send(),
+    );
   }
 
   private set(state: SaveState, problem = ''): void {

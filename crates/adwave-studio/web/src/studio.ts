@@ -188,6 +188,8 @@ export class Studio {
   async setLevels(what: unknown): Promise<void> {
     const shape = this.shape;
     if (!shape) return;
+    // What is on its way belongs to the levels that are left.
+    await this.saver?.sent();
     const levels = await this.api.levels(shape.id, what);
     await this.takeLevels(levels, await this.api.edit(shape.id));
     // Presets have as many gains as there are levels.
@@ -209,6 +211,7 @@ export class Studio {
   }
 
   async takeRecipe(recipe: string): Promise<void> {
+    await this.saver?.sent();
     const { levels, edit } = await this.api.putRecipe(this.shape!.id, recipe);
     await this.takeLevels(levels, edit);
   }
@@ -251,7 +254,7 @@ export class Studio {
     this.masks.take(this.doc.layers);
     this.updateTint();
     this.show(committed);
-    if (committed) this.saver?.changed(this.doc);
+    if (committed) this.saver?.changed(this.doc, this.settled());
     this.emit('doc');
   }
 

@@ -2,7 +2,7 @@ import { describe, expect, test } from 'vitest';
 import { neighboursOfCloud } from './adjacency';
 import { coarseTriangles, edgePairs } from './coarse';
 import { cloudNormals, meshNormals } from './normals';
-import { nearestVertex, pickMesh } from './pick';
+import { ballsOf, nearestVertex, pickMesh } from './pick';
 import { displacement, editedPositions, volume } from './positions';
 import { contour } from './ring';
 import { SurfaceSearch } from './search';
@@ -130,6 +130,34 @@ describe('positions', () => {
     expect(out).toEqual(s.positions);
   });
 
+  test('of many bands are those of one band after the other, to the bit', () => {
+    const s = sheet(9, 0.1);
+    const next = random(5);
+    const bands = Array.from({ length: 7 }, () => ({
+      scale: 1e-5 * (0.1 + next()),
+      values: Int16Array.from({ length: 4 * s.n }, () => 65_000 * (next() - 0.5)),
+    }));
+    const gains = bands.map((_, j) => (j === 2 ? 1 : 3 * next()));
+    const expected = s.positions.slice();
+    for (const [j, { scale, values }] of bands.entries()) {
+      const c = (gains[j]! - 1) * scale;
+      for (let i = 0; i < expected.length; i++) expected[i]! += c * values[4 * Math.floor(i / 3) + (i % 3)]!;
+    }
+    const out = new Float32Array(3 * s.n);
+    editedPositions(s.positions, bands, [{ opacity: 1, gains, mask: null }], out);
+    expect(out).toEqual(expected);
+    // A layer whose mask is full at one band alone cuts the row of bands in two.
+    const mask = new Uint8Array(s.n).fill(255);
+    const alone = gains.map((_, j) => (j === 4 ? gains[4]! : 1));
+    const layers = [
+      { opacity: 1, gains: gains.with(4, 1), mask: null },
+      { opacity: 1, gains: alone, mask },
+    ];
+    const cut = new Float32Array(3 * s.n);
+    editedPositions(s.positions, bands, layers, cut);
+    for (let i = 0; i < cut.length; i++) expect(cut[i]).toBeCloseTo(expected[i]!, 6);
+  });
+
   test('outside a mask stay to the bit', () => {
     const s = sheet(9, 0.1);
     const w = { scale: 1e-3, values: new Int16Array(4 * s.n).fill(1000) };
@@ -187,12 +215,34 @@ test('a pick finds the triangle under the ray, and the nearest of its corners', 
   const s = sheet(20);
   const { around } = rows(s);
   const ray = { origin: [0.51, 0.26, 2] as const, direction: [0, 0, -1] as const, pixel: 1e-4 };
-  const hit = pickMesh(s.positions, s.triangles, around, 1 / 20, ray)!;
+  const balls = ballsOf(s.positions);
+  const hit = pickMesh(s.positions, balls, s.triangles, around, 1 / 20, ray)!;
   expect(hit.point[0]).toBeCloseTo(0.51, 6);
   expect(hit.point[2]).toBeCloseTo(0, 6);
   expect(hit.normal).toEqual([0, 0, 1]);
   expect(hit.vertex).toBe(nearestVertex(s.positions, 0.51, 0.26, 0));
-  expect(pickMesh(s.positions, s.triangles, around, 1 / 20, { ...ray, origin: [3, 0, 2] })).toBeNull();
+  expect(pickMesh(s.positions, balls, s.triangles, around, 1 / 20, { ...ray, origin: [3, 0, 2] })).toBeNull();
+});
+
+test('picking leaves out only what is far from the ray', () => {
+  const s = sheet(60, 0.004);
+  const { around } = rows(s);
+  const balls = ballsOf(s.positions);
+  const everything = balls.map((x, i) => (i % 4 === 3 ? 10 : x));
+  const next = random(3);
+  let hits = 0;
+  for (let k = 0; k < 200; k++) {
+    const aim = [1.2 * next() - 0.1, 1.2 * next() - 0.1, 0];
+    const origin = [next(), next(), 0.5 + next()] as const;
+    const far = aim.map((x, c) => x - origin[c]!);
+    const length = Math.hypot(...far);
+    const direction = far.map((x) => x / length) as [number, number, number];
+    const ray = { origin, direction, pixel: 0.001 };
+    const hit = pickMesh(s.positions, balls, s.triangles, around, 1 / 60, ray);
+    expect(hit).toEqual(pickMesh(s.positions, everything, s.triangles, around, 1 / 60, ray));
+    if (hit) hits++;
+  }
+  expect(hits).toBeGreaterThan(100);
 });
 
 test('fewer triangles over the same vertices', () => {

@@ -5,7 +5,7 @@ import { edgePairs } from './coarse';
 import type { Call, Calls, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
 import { cloudNormals, meshNormals } from './normals';
 import { Painter } from './painter';
-import { type Hit, pickCloud, pickMesh, type Ray } from './pick';
+import { type Balls, ballsOf, type Hit, pickCloud, pickMesh, type Ray } from './pick';
 import { type Band, displacement, editedPositions, type LayerTerm, volume } from './positions';
 import type { Ground } from './regions';
 import { contour } from './ring';
@@ -31,6 +31,8 @@ class Shape {
   private searchOnce: SurfaceSearch | null = null;
   private normalsOnce: Float64Array | null = null;
   private bandsAbort: AbortController | null = null;
+  /** Round the edited vertices, for picking; null since they moved. */
+  balls: Balls | null = null;
 
   constructor(readonly given: Calls['shape'][0]) {
     this.n = given.n;
@@ -158,9 +160,10 @@ class Shape {
 
   hit(ray: Ray): Hit | null {
     const { triangles, meanLength, cloud } = this.given;
+    this.balls ??= ballsOf(this.edited);
     return cloud
-      ? pickCloud(this.edited, meanLength, ray)
-      : pickMesh(this.edited, triangles, this.around, meanLength, ray);
+      ? pickCloud(this.edited, this.balls, meanLength, ray)
+      : pickMesh(this.edited, this.balls, triangles, this.around, meanLength, ray);
   }
 
   spectrum(v: number): number[] {
@@ -243,6 +246,7 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
       }
     }
     const started = performance.now();
+    s.balls = null;
     if (exact) {
       const response = await s.fetch('exact');
       s.edited.set(new Float32Array(await response.arrayBuffer()));

@@ -1,6 +1,7 @@
 /** The masks of the layers, and the brush that changes them. */
 
 import type { Region } from '../protocol';
+import { Before } from './before';
 import { packBefore, unpackBefore } from './delta';
 import type { BrushShape, RegionNews } from './messages';
 import { nearestVertex } from './pick';
@@ -18,8 +19,7 @@ interface Stroke {
   key: number;
   indices: number[];
   stamped: Set<number>;
-  /** Value before the stroke at each vertex that it touched. */
-  before: Map<number, number>;
+  before: Before;
   brush: BrushShape;
   /** Which vertices it may touch, from 0 to 1. */
   towards: ((v: number) => number) | null;
@@ -44,6 +44,7 @@ export class Painter {
   private readonly steps = new Map<number, Step>();
   private undoBytes = 0;
   private stroke: Stroke | null = null;
+  private beforeOnce: Before | null = null;
   private smoothed: { key: number; bytes: Uint8Array } | null = null;
 
   constructor(
@@ -165,11 +166,13 @@ export class Painter {
   private begin(key: number, brush: BrushShape): void {
     if (this.stroke) this.cancel();
     if (!this.masks.has(key)) this.masks.set(key, { region: -1, bytes: new Uint8Array(this.ground.n) });
+    this.beforeOnce ??= new Before(this.ground.n);
+    this.beforeOnce.clear();
     this.stroke = {
       key,
       indices: [],
       stamped: new Set(),
-      before: new Map(),
+      before: this.beforeOnce,
       brush,
       towards: brush.facing && this.ground.local ? facingWeight(brush.facing, this.ground) : null,
       smoothed: brush.mode === 'smooth' && this.smoothed?.key === key ? this.smoothed.bytes : null,
@@ -191,7 +194,7 @@ export class Painter {
     if (!stroke) return [];
     const mask = this.masks.get(stroke.key)!;
     const { bytes } = mask;
-    for (const [v, value] of stroke.before) bytes[v] = value;
+    stroke.before.restore(bytes);
     search.run(stroke.indices, stroke.brush.radius);
     for (let i = 0; i < search.nReached; i++) {
       const v = search.reached[i]!;
@@ -202,7 +205,7 @@ export class Painter {
     if (mask.region >= 0 && known) this.remember(child, stroke, bytes);
     mask.region = known ? child : -1;
     const range = new Range();
-    for (const v of stroke.before.keys()) range.add(v);
+    for (const v of stroke.before.touched) range.add(v);
     this.stroke = null;
     range.tell(this.tell, stroke.key, bytes);
     return stroke.indices;
@@ -212,14 +215,14 @@ export class Painter {
   private remember(child: number, stroke: Stroke, after: Uint8Array): void {
     const { members, places } = this.ground.surface;
     const ranks: number[] = [];
-    for (const [v, value] of stroke.before) {
-      if (value === after[v]) continue;
+    for (const v of stroke.before.touched) {
+      if (stroke.before.value(v, 0) === after[v]) continue;
       let rank = members.offsets[places[v]!]!;
       while (members.entries[rank] !== v) rank++;
       ranks.push(rank);
     }
     const sorted = Uint32Array.from(ranks).sort();
-    const undo = packBefore(sorted, (i) => stroke.before.get(members.entries[sorted[i]!]!)!);
+    const undo = packBefore(sorted, (i) => stroke.before.value(members.entries[sorted[i]!]!, 0));
     const parent = this.masks.get(stroke.key)!.region;
     this.steps.set(child, { parent, undo });
     this.undoBytes += undo.length;
@@ -236,7 +239,7 @@ export class Painter {
     if (!stroke) return;
     this.stroke = null;
     const mask = this.masks.get(stroke.key)!;
-    for (const [v, value] of stroke.before) mask.bytes[v] = value;
+    stroke.before.restore(mask.bytes);
     this.tell(stroke.key, 0, mask.bytes.slice());
   }
 }
@@ -266,7 +269,7 @@ function touch(stroke: Stroke, bytes: Uint8Array, v: number, distance: number): 
   let value: number;
   if (mode === 'smooth') {
     // A preview, until the server says it: from what was there towards what is blurred.
-    const before = stroke.before.get(v) ?? now;
+    const before = stroke.before.value(v, now);
     const there = stroke.smoothed?.[v] ?? before;
     value = Math.round(before + w * (there - before));
     if (Math.abs(value - before) <= Math.abs(now - before)) return false;
@@ -274,7 +277,7 @@ function touch(stroke: Stroke, bytes: Uint8Array, v: number, distance: number): 
     value = toByte(mode === 'subtract' ? 1 - w : w);
     if (mode === 'subtract' ? value >= now : value <= now) return false;
   }
-  if (!stroke.before.has(v)) stroke.before.set(v, now);
+  stroke.before.keep(v, now);
   bytes[v] = value;
   return true;
 }

@@ -19,18 +19,47 @@ export interface Hit {
 
 const MOST_CANDIDATES = 1 << 14;
 const candidates = new Uint32Array(MOST_CANDIDATES);
+const ROOM = 1.001;
 /** Pixels round the ray in which a point of a cloud counts as hit. */
 const POINT_PIXELS = 6;
 
+/** Vertices in a row that one ball encloses. */
+const RUN = 256;
+
+/** Balls round the vertices, a run at a time: middle and radius (4 a run). What is next in memory is mostly near. */
+export type Balls = Float64Array;
+
+export function ballsOf(p: Float32Array): Balls {
+  const balls = new Float64Array(4 * Math.ceil(p.length / (3 * RUN)));
+  for (let from = 0, b = 0; from < p.length; from += 3 * RUN, b += 4) {
+    const to = Math.min(p.length, from + 3 * RUN);
+    let squared = 0;
+    for (let c = 0; c < 3; c++) {
+      let low = Infinity;
+      let high = -Infinity;
+      for (let i = from + c; i < to; i += 3) {
+        const x = p[i]!;
+        if (x < low) low = x;
+        if (x > high) high = x;
+      }
+      balls[b + c] = (low + high) / 2;
+      squared += (high - low) ** 2;
+    }
+    balls[b + 3] = Math.sqrt(squared) / 2;
+  }
+  return balls;
+}
+
 export function pickMesh(
   positions: Float32Array,
+  balls: Balls,
   triangles: Uint32Array,
   around: Rows,
   meanLength: number,
   ray: Ray,
 ): Hit | null {
   for (const reach of [1.5, 8]) {
-    const found = inCone(positions, ray, reach * meanLength, 2 * ray.pixel);
+    const found = inCone(positions, balls, ray, reach * meanLength, 2 * ray.pixel);
     let best: Hit | null = null;
     for (let i = 0; i < found; i++) {
       const v = candidates[i]!;
@@ -47,8 +76,8 @@ export function pickMesh(
   return best;
 }
 
-export function pickCloud(positions: Float32Array, meanLength: number, ray: Ray): Hit | null {
-  const found = inCone(positions, ray, 0.7 * meanLength, POINT_PIXELS * ray.pixel);
+export function pickCloud(positions: Float32Array, balls: Balls, meanLength: number, ray: Ray): Hit | null {
+  const found = inCone(positions, balls, ray, 0.7 * meanLength, POINT_PIXELS * ray.pixel);
   const [ox, oy, oz] = ray.origin;
   const [dx, dy, dz] = ray.direction;
   let best = -1;
@@ -72,19 +101,31 @@ export function pickCloud(positions: Float32Array, meanLength: number, ray: Ray)
 }
 
 /** Puts the vertices nearer to the ray than `width + slope · depth` into `candidates`. */
-function inCone(p: Float32Array, ray: Ray, width: number, slope: number): number {
+function inCone(p: Float32Array, balls: Balls, ray: Ray, width: number, slope: number): number {
   const [ox, oy, oz] = ray.origin;
   const [dx, dy, dz] = ray.direction;
   let found = 0;
-  for (let i = 0; i < p.length; i += 3) {
-    const x = p[i]! - ox;
-    const y = p[i + 1]! - oy;
-    const z = p[i + 2]! - oz;
-    const t = x * dx + y * dy + z * dz;
-    const r = width + slope * t;
-    if (t > 0 && x * x + y * y + z * z - t * t < r * r) {
-      candidates[found++] = i / 3;
-      if (found === MOST_CANDIDATES) break;
+  for (let from = 0, b = 0; from < p.length; from += 3 * RUN, b += 4) {
+    const mx = balls[b]! - ox;
+    const my = balls[b + 1]! - oy;
+    const mz = balls[b + 2]! - oz;
+    const radius = balls[b + 3]!;
+    const depth = mx * dx + my * dy + mz * dz;
+    if (depth + radius <= 0) continue;
+    // The cone where the ball is farthest, with room for rounding.
+    const widest = (width + slope * (depth + radius) + radius) * ROOM;
+    if (mx * mx + my * my + mz * mz - depth * depth > widest * widest) continue;
+    const to = Math.min(p.length, from + 3 * RUN);
+    for (let i = from; i < to; i += 3) {
+      const x = p[i]! - ox;
+      const y = p[i + 1]! - oy;
+      const z = p[i + 2]! - oz;
+      const t = x * dx + y * dy + z * dz;
+      const r = width + slope * t;
+      if (t > 0 && x * x + y * y + z * z - t * t < r * r) {
+        candidates[found++] = i / 3;
+        if (found === MOST_CANDIDATES) return found;
+      }
     }
   }
   return found;

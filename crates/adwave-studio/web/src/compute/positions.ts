@@ -30,8 +30,8 @@ export function maskedTerms(layers: readonly LayerTerm[]): LayerTerm[] {
 
 /**
  * Writes the positions after an edit into `out` (3 n). `bands[j]` is the band of level j + 1, null while it has not
- * come. Without masks a pass a band; with masks a pass over the vertices, in which those outside all masks cost
- * no more than without.
+ * come. Bands that no mask multiplies are added four in a pass; each other one has a pass of its own, in which vertices
+ * outside its masks cost no more than without.
  */
 export function editedPositions(
   base: Float32Array,
@@ -44,6 +44,7 @@ export function editedPositions(
   const masked = maskedTerms(layers);
   out.set(base);
   const n = base.length / 3;
+  let plain: Term[] = [];
   for (let j = 0; j < nLevels; j++) {
     const band = bands[j];
     if (!band) continue;
@@ -52,20 +53,57 @@ export function editedPositions(
       .map((l) => ({ mask: l.mask!, slope: (l.opacity * ((l.gains[j] ?? 1) - 1)) / 255 }))
       .filter((t) => t.slope !== 0);
     const global = gains[j]!;
-    if (terms.length === 0) addBand(out, band, global - 1);
-    else if (terms.length === 1) addBandMasked(out, band, global, terms[0]!.mask, terms[0]!.slope, n);
+    if (terms.length === 0) {
+      const c = (global - 1) * band.scale;
+      if (c !== 0) plain.push({ c, w: band.values });
+      continue;
+    }
+    // The order of the sum is that of the bands, so that its rounding is the same with masks and without.
+    addBands(out, plain);
+    plain = [];
+    if (terms.length === 1) addBandMasked(out, band, global, terms[0]!.mask, terms[0]!.slope, n);
     else addBandManyMasks(out, band, global, terms, n);
   }
+  addBands(out, plain);
 }
 
-function addBand(out: Float32Array, band: Band, factor: number): void {
-  const c = factor * band.scale;
-  if (c === 0) return;
-  const w = band.values;
+/** A band and what it is multiplied by. */
+interface Term {
+  c: number;
+  w: Int16Array;
+}
+
+/** Adds c · w of each term, in their order, rounded to single precision after each. */
+function addBands(out: Float32Array, terms: readonly Term[]): void {
+  let j = 0;
+  for (; j + 4 <= terms.length; j += 4) addFour(out, terms[j]!, terms[j + 1]!, terms[j + 2]!, terms[j + 3]!);
+  for (; j < terms.length; j++) addOne(out, terms[j]!);
+}
+
+function addOne(out: Float32Array, { c, w }: Term): void {
   for (let i = 0, k = 0; i < out.length; i += 3, k += 4) {
     out[i]! += c * w[k]!;
     out[i + 1]! += c * w[k + 1]!;
     out[i + 2]! += c * w[k + 2]!;
+  }
+}
+
+/** The same four times over, with `out` read and written once. */
+function addFour(
+  out: Float32Array,
+  { c: c0, w: w0 }: Term,
+  { c: c1, w: w1 }: Term,
+  { c: c2, w: w2 }: Term,
+  { c: c3, w: w3 }: Term,
+): void {
+  const { fround } = Math;
+  for (let i = 0, k = 0; i < out.length; i += 3, k += 4) {
+    const x = fround(fround(fround(out[i]! + c0 * w0[k]!) + c1 * w1[k]!) + c2 * w2[k]!);
+    const y = fround(fround(fround(out[i + 1]! + c0 * w0[k + 1]!) + c1 * w1[k + 1]!) + c2 * w2[k + 1]!);
+    const z = fround(fround(fround(out[i + 2]! + c0 * w0[k + 2]!) + c1 * w1[k + 2]!) + c2 * w2[k + 2]!);
+    out[i] = x + c3 * w3[k]!;
+    out[i + 1] = y + c3 * w3[k + 1]!;
+    out[i + 2] = z + c3 * w3[k + 2]!;
   }
 }
 

@@ -13,6 +13,8 @@ export function contour(
 ): Float32Array {
   const out: number[] = [];
   const { offsets, entries } = around;
+  // From within this distance no edge reaches the level.
+  const within = level - 1.001 * search.longest;
   /** The place on the edge from `a` to `b` where the distance is `level`. */
   const crossing = (a: number, b: number, da: number, db: number) => {
     const t = (level - da) / (db - da);
@@ -21,7 +23,7 @@ export function contour(
   for (let i = 0; i < search.nReached; i++) {
     const v = search.reached[i]!;
     const dv = search.distance(v);
-    if (dv > level) continue;
+    if (dv > level || dv < within) continue;
     for (let e = offsets[v]!; e < offsets[v + 1]!; e++) {
       const t = 3 * entries[e]!;
       // The corners after v, in the order of the triangle.

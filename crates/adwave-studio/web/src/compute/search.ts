@@ -23,8 +23,12 @@ export class SurfaceSearch {
   private heapPlaces = new Uint32Array(1024);
   private heapSize = 0;
 
+  /** The longest edge. */
+  readonly longest: number;
+
   constructor(private readonly surface: Surface) {
     const n = surface.points.length / 3;
+    this.longest = longestEdge(surface);
     this.distances = new Float64Array(n);
     this.before = new Uint32Array(n);
     this.stamps = new Uint32Array(n);
@@ -41,7 +45,7 @@ export class SurfaceSearch {
 
   /** Searches from `sources`, all with distance 0. At most `most` places are looked at; false where there were more. */
   run(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
-    const { places, neighbours } = this.surface;
+    const { places, neighbours, points } = this.surface;
     this.stamp++;
     this.nFound = 0;
     this.nReached = 0;
@@ -51,7 +55,7 @@ export class SurfaceSearch {
       if (this.distanceOf(source) > 0) this.label(source, 0, NONE);
     }
     const { offsets, entries } = neighbours;
-    const { stamps, distances } = this;
+    const { stamps, distances, stamp } = this;
     while (this.heapSize > 0) {
       const key = this.heapKeys[0]!;
       const x = this.heapPlaces[0]!;
@@ -63,10 +67,10 @@ export class SurfaceSearch {
       const start = before === NONE ? 0 : distances[before]!;
       for (let e = offsets[x]!, end = offsets[x + 1]!; e < end; e++) {
         const y = entries[e]!;
-        const known = stamps[y] === this.stamp ? distances[y]! : Infinity;
-        let there = here + this.length(x, y);
+        const known = stamps[y] === stamp ? distances[y]! : Infinity;
+        let there = here + apart(points, x, y);
         if (before !== NONE) {
-          const straight = start + this.length(before, y);
+          const straight = start + apart(points, before, y);
           if (straight < there) there = straight;
         }
         if (there < known && there <= radius) this.label(y, there, x);
@@ -86,14 +90,6 @@ export class SurfaceSearch {
         this.reached[this.nReached++] = entries[e]!;
       }
     }
-  }
-
-  private length(x: number, y: number): number {
-    const p = this.surface.points;
-    const a = p[3 * x]! - p[3 * y]!;
-    const b = p[3 * x + 1]! - p[3 * y + 1]!;
-    const c = p[3 * x + 2]! - p[3 * y + 2]!;
-    return Math.sqrt(a * a + b * b + c * c);
   }
 
   private label(place: number, distance: number, before: number): void {
@@ -155,6 +151,24 @@ export class SurfaceSearch {
     keys[i] = key;
     places[i] = place;
   }
+}
+
+/** How far two places are from each other, straight. */
+function apart(p: Float64Array, x: number, y: number): number {
+  const a = p[3 * x]! - p[3 * y]!;
+  const b = p[3 * x + 1]! - p[3 * y + 1]!;
+  const c = p[3 * x + 2]! - p[3 * y + 2]!;
+  return Math.sqrt(a * a + b * b + c * c);
+}
+
+function longestEdge({ points, neighbours: { offsets, entries } }: Surface): number {
+  let most = 0;
+  for (let x = 0; x + 1 < offsets.length; x++) {
+    for (let e = offsets[x]!; e < offsets[x + 1]!; e++) {
+      if (entries[e]! > x) most = Math.max(most, apart(points, x, entries[e]!));
+    }
+  }
+  return most;
 }
 
 function doubled(array: Uint32Array<ArrayBuffer>): Uint32Array<ArrayBuffer> {
