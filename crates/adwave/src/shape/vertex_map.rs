@@ -53,25 +53,12 @@ impl VertexMap {
         mode: WeldMode,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let Some((lo, hi)) = super::bounding_box(points) else { return Ok(Self::identity(0)) };
         let n = points.len();
-        let extent = (0..3).map(|c| hi[c] - lo[c]).fold(0.0, f64::max);
-        let cells = f64::from((1_u32 << HILBERT_BITS) - 1);
-        let scale = if extent > 0.0 { cells / extent } else { 0.0 };
-        let mut order: Vec<(u64, u32)> = parallel::try_collect(n, progress, |i| {
-            let p = &points[i];
-            // `scale` may overflow for a shape of subnormal extent; the cast saturates and the exact comparison
-            // below still separates unequal points.
-            (hilbert(std::array::from_fn(|c| ((p[c] - lo[c]) * scale) as u32)), i as u32)
-        })?;
-        let in_order = |a: &(u64, u32), b: &(u64, u32)| {
-            let by_position = || compare(&points[a.1 as usize], &points[b.1 as usize]);
-            a.0.cmp(&b.0).then_with(by_position).then(a.1.cmp(&b.1))
-        };
-        // As they are where the points are those of another map.
-        if !order.is_sorted_by(|a, b| in_order(a, b).is_lt()) {
-            parallel::sort_unstable_by(&mut order, progress, in_order)?;
+        if n == 0 {
+            return Ok(Self::identity(0));
         }
+        let mut order: Vec<(u64, u32)> = parallel::try_collect(n, progress, |i| (0, i as u32))?;
+        sort_along_curve(points, &mut order, progress)?;
         let starts_class = |k: usize| {
             let (before, here) = (order[k - 1], order[k]);
             mode == WeldMode::Off
@@ -250,6 +237,62 @@ fn compare(p: &[f64; 3], q: &[f64; 3]) -> Ordering {
     x.then(y).then(z)
 }
 
+/// Sorts vertices by their Hilbert keys in the box of all of them, then by position and number.
+///
+/// Where many have one key, because a few others are very far away, they are sorted by keys in their own box: each level makes cells
+/// 2²¹ times as small.
+fn sort_along_curve(
+    points: &[[f64; 3]],
+    order: &mut [(u64, u32)],
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    let n = order.len();
+    let boxes = parallel::try_map_chunks(
+        n,
+        VERTICES_AT_A_TIME,
+        progress,
+        || (),
+        |(), range| {
+            order[range].iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(lo, hi), &(_, x)| {
+                let p = &points[x as usize];
+                (std::array::from_fn(|c| p[c].min(lo[c])), std::array::from_fn(|c| p[c].max(hi[c])))
+            })
+        },
+    )?;
+    let low = |c: usize| boxes.iter().map(|(lo, _)| lo[c]).fold(f64::INFINITY, f64::min);
+    let high = |c: usize| boxes.iter().map(|(_, hi)| hi[c]).fold(f64::NEG_INFINITY, f64::max);
+    let lo = [0, 1, 2].map(low);
+    let extent = (0..3).map(|c| high(c) - lo[c]).fold(0.0, f64::max);
+    let cells = f64::from((1_u32 << HILBERT_BITS) - 1);
+    let scale = if extent > 0.0 { cells / extent } else { 0.0 };
+    parallel::try_for_rows(order, 1, VERTICES_AT_A_TIME, progress, |_, rows| {
+        for (key, x) in rows {
+            let p = &points[*x as usize];
+            // `scale` may overflow for a shape of subnormal extent; the cast saturates and the exact comparison
+            // below still separates unequal points.
+            *key = hilbert(std::array::from_fn(|c| ((p[c] - lo[c]) * scale) as u32));
+        }
+    })?;
+    let in_order = |a: &(u64, u32), b: &(u64, u32)| {
+        let by_position = || compare(&points[a.1 as usize], &points[b.1 as usize]);
+        a.0.cmp(&b.0).then_with(by_position).then(a.1.cmp(&b.1))
+    };
+    // As they are where the points are those of another map.
+    if !order.is_sorted_by(|a, b| in_order(a, b).is_lt()) {
+        parallel::sort_unstable_by(order, progress, in_order)?;
+    }
+    let is_split = order[0].0 != order[n - 1].0;
+    let runs: Vec<_> =
+        order.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > MOST_IN_A_CELL).collect();
+    if is_split {
+        parallel::try_each(runs, n, progress, |run| sort_along_curve(points, run, progress))?;
+    }
+    Ok(())
+}
+
+/// So many vertices of one key stay in the order of their positions.
+const MOST_IN_A_CELL: usize = 32;
+
 /// Bits per axis of a Hilbert key: three axes fill 63 of 64 bits.
 const HILBERT_BITS: u32 = 21;
 
@@ -309,6 +352,26 @@ mod tests {
             assert_eq!(pair[0].0, k as u64);
             let moved: u32 = (0..3).map(|c| pair[0].1[c].abs_diff(pair[1].1[c])).sum();
             assert_eq!(moved, 1, "{:?} to {:?}", pair[0].1, pair[1].1);
+        }
+    }
+
+    #[test]
+    fn one_point_far_away_does_not_disturb_the_order_of_the_others() {
+        let mut points: Vec<[f64; 3]> =
+            (0..4000_u32).map(|i| [f64::from(i * 7919 % 4000), f64::from(i * 104_729 % 4001), 0.0]).collect();
+        points.extend_from_within(..100);
+        let alone = VertexMap::new(&points, WeldMode::EqualPositions);
+        // Further on are cells within cells within cells.
+        for far in [1e12, 1e25, 1e80] {
+            let mut with_far = points.clone();
+            with_far.push([far; 3]);
+            let map = VertexMap::new(&with_far, WeldMode::EqualPositions);
+            assert_eq!(map.n_welded(), alone.n_welded() + 1);
+            let step = |map: &VertexMap| {
+                let places = map.positions(&with_far[..map.n_vertices()]);
+                places.windows(2).map(|p| super::super::distance(&p[0], &p[1]).min(1e5)).sum::<f64>()
+            };
+            assert!(step(&map) < 1.5 * step(&alone) + 1e5, "{far}: {} beside {}", step(&map), step(&alone));
         }
     }
 

@@ -156,8 +156,11 @@ pub(super) struct Search<'a> {
     block: usize,
     /// At least the squares of the distances of the last that is wanted, for each position of the block.
     own: [f64; BLOCK],
+    /// The blocks that its positions can have near; none where these are too many or not known.
     near: Vec<u32>,
     stack: Vec<(usize, usize)>,
+    /// Boxes that are still to be looked into: level, number, at most the square of their distance.
+    boxes: Vec<(usize, usize, f64)>,
     /// What was found: the first `n_found` of each.
     squares: Vec<f64>,
     names: Vec<u32>,
@@ -165,8 +168,8 @@ pub(super) struct Search<'a> {
     sorted: Vec<f64>,
 }
 
-/// So many blocks are looked through for each position of a block; beyond them each position has its own.
-const MAX_SHARED: usize = 128;
+/// So many blocks are looked through for each position of a block; beyond them each position searches for itself.
+const MAX_SHARED: usize = 64;
 
 impl<'a> Search<'a> {
     pub(super) fn new(blocks: &'a Blocks, count: usize, tie: f64) -> Self {
@@ -180,6 +183,7 @@ impl<'a> Search<'a> {
             own: [f64::INFINITY; BLOCK],
             near: Vec::new(),
             stack: Vec::new(),
+            boxes: Vec::new(),
             squares: vec![0.0; 4 * BLOCK],
             names: vec![0; 4 * BLOCK],
             n_found: 0,
@@ -187,7 +191,10 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What position `i` has near, each position counted `weight` times. There must be as many as are wanted.
+    /// What position `i` has near, each position counted `weight` times.
+    ///
+    /// # Panics
+    /// Where there are fewer than are wanted.
     pub(super) fn nearest(&mut self, i: usize, weight: impl Fn(u32) -> usize) -> Found<'_> {
         let p = self.blocks.position(i);
         if i / BLOCK != self.block {
@@ -197,27 +204,30 @@ impl<'a> Search<'a> {
             let reach = radius + squared_distance(&p, &q).sqrt();
             reach * reach * (1.0 + ROUNDING) + f64::MIN_POSITIVE
         });
-        let mut bound = by_last.min(self.own[i % BLOCK]);
-        if bound == f64::INFINITY {
-            bound = self.along_the_curve(i, &p);
+        let bound = by_last.min(self.own[i % BLOCK]) * self.tie;
+        if self.near.is_empty() {
+            self.descend(&p, bound);
+        } else {
+            self.n_found = 0;
+            let near = std::mem::take(&mut self.near);
+            self.look(&near, &p, bound);
+            self.near = near;
         }
-        let farthest = loop {
-            self.look(&p, bound * self.tie);
-            if let Some(farthest) = self.kth(&weight) {
-                break farthest;
-            }
-            debug_assert!(bound < f64::INFINITY, "fewer positions than are wanted");
-            bound = f64::INFINITY;
-        };
+        let farthest = self.kth(&weight).expect("as many positions as are wanted");
         self.last = Some((p, farthest.sqrt() * (1.0 + ROUNDING)));
-        let limit = farthest * self.tie;
+        self.keep_within(farthest * self.tie);
+        Found { farthest, squares: &self.squares[..self.n_found], names: &self.names[..self.n_found] }
+    }
+
+    /// Drops what was found farther away.
+    fn keep_within(&mut self, limit: f64) {
         let mut kept = 0;
         for k in 0..self.n_found {
             let (square, name) = (self.squares[k], self.names[k]);
             (self.squares[kept], self.names[kept]) = (square, name);
             kept += usize::from(square <= limit);
         }
-        Found { farthest, squares: &self.squares[..kept], names: &self.names[..kept] }
+        self.n_found = kept;
     }
 
     /// Finds the blocks that the positions of a block can have near: within the distances that enough of their own block have.
@@ -247,30 +257,41 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// At least the square of the distance of the last that is wanted, from those before and after along the curve.
-    fn along_the_curve(&mut self, i: usize, p: &[f64; 3]) -> f64 {
-        let n = self.blocks.n_positions;
-        if n < self.count {
-            return f64::INFINITY;
+    /// Finds all positions whose squared distance from `p` is at most `bound`, or as far as the last that is wanted: the nearest
+    /// boxes first, so that the bound falls soon, however the positions lie along the curve.
+    fn descend(&mut self, p: &[f64; 3], mut bound: f64) {
+        let blocks = self.blocks;
+        let own = Bounds { lo: *p, hi: *p };
+        self.n_found = 0;
+        let mut many = 4 * (self.count + BLOCK);
+        self.boxes.clear();
+        self.boxes.push((blocks.levels.len() - 1, 0, 0.0));
+        while let Some((level, i, square)) = self.boxes.pop() {
+            if square > bound {
+                continue;
+            }
+            if level > 0 {
+                let first = self.boxes.len();
+                let inside = blocks.levels[level - 1].iter().enumerate().skip(i * FAN).take(FAN);
+                let inside = inside.map(|(i, bounds)| (level - 1, i, bounds.squared_distance(&own)));
+                self.boxes.extend(inside.filter(|&(_, _, square)| square <= bound));
+                self.boxes[first..].sort_unstable_by(|a, b| b.2.total_cmp(&a.2));
+                continue;
+            }
+            self.look(&[i as u32], p, bound);
+            if self.n_found > many {
+                let farthest = self.kth(&|_| 1).map_or(f64::INFINITY, |farthest| farthest * self.tie);
+                bound = bound.min(farthest);
+                self.keep_within(bound);
+                many = many.max(2 * self.n_found);
+            }
         }
-        let first = i.saturating_sub(self.count).min(n - self.count);
-        let squares = (first..(i + self.count).min(n)).map(|k| squared_distance(p, &self.blocks.position(k)));
-        self.sorted.clear();
-        self.sorted.extend(squares);
-        *self.sorted.select_nth_unstable_by(self.count - 1, f64::total_cmp).1
     }
 
-    /// All positions whose squared distance from `p`, which is in the block that was entered, is at most `bound`.
-    fn look(&mut self, p: &[f64; 3], bound: f64) {
-        let blocks = self.blocks;
-        let is_shared = !self.near.is_empty() && bound < f64::INFINITY;
-        let mut alone = Vec::new();
-        if !is_shared {
-            blocks.within(&Bounds { lo: *p, hi: *p }, bound, &mut self.stack, &mut alone);
-        }
-        let near = if is_shared { &self.near } else { &alone };
-        let Self { squares, names, .. } = self;
-        self.n_found = self.arch.dispatch(Look { blocks, near, p, bound, squares, names });
+    /// Adds all positions of some blocks whose squared distance from `p` is at most `bound`.
+    fn look(&mut self, near: &[u32], p: &[f64; 3], bound: f64) {
+        let Self { blocks, squares, names, n_found, .. } = self;
+        *n_found = self.arch.dispatch(Look { blocks, near, p, bound, squares, names, n_found: *n_found });
     }
 
     /// The square of the distance of the last that is wanted, of those that were seen.
@@ -299,17 +320,18 @@ struct Look<'a> {
     bound: f64,
     squares: &'a mut Vec<f64>,
     names: &'a mut Vec<u32>,
+    /// How many are there already.
+    n_found: usize,
 }
 
 impl NullaryFnOnce for Look<'_> {
-    /// How many are near.
+    /// How many are there now.
     type Output = usize;
 
     #[inline(always)]
     fn call(self) -> usize {
-        let Self { blocks, near, p, bound, squares, names } = self;
+        let Self { blocks, near, p, bound, squares, names, n_found: mut n } = self;
         let own = Bounds { lo: *p, hi: *p };
-        let mut n = 0;
         for &block in near {
             if blocks.levels[0][block as usize].squared_distance(&own) > bound {
                 continue;

@@ -60,7 +60,11 @@ pub(crate) fn try_nearest_neighbours(
     }
     // The blocks hold each position once: a search among many equal points would look at all of them.
     let vertex_map = VertexMap::try_new(points, WeldMode::EqualPositions, progress)?;
-    let positions = vertex_map.try_positions(points, progress)?;
+    let mut positions = vertex_map.try_positions(points, progress)?;
+    let unit = unit_of(&positions);
+    if unit != 1.0 {
+        positions.iter_mut().for_each(|p| *p = p.map(|c| c / unit));
+    }
     let members = vertex_map.members();
     let blocks = Blocks::new(&positions, progress)?;
     let is_distinct = positions.len() == n;
@@ -79,7 +83,7 @@ pub(crate) fn try_nearest_neighbours(
                 out.extend(tied.iter().take(most + 1).map(|&(_, y)| y));
             }
         })?;
-        let radius = radius.into_iter().map(|r| f64::from_bits(r.into_inner())).collect();
+        let radius = radius.into_iter().map(|r| unit * f64::from_bits(r.into_inner())).collect();
         return Ok(Neighbourhoods { adjacency, radius, k });
     }
     // Along the curve, whatever the order of the points: what each position has near, one more than a point of it needs.
@@ -104,8 +108,18 @@ pub(crate) fn try_nearest_neighbours(
         },
     )?;
     let radius =
-        (0..n).map(|x| f64::from_bits(radius[vertex_map.welded(x)].load(Ordering::Relaxed))).collect();
+        (0..n).map(|x| unit * f64::from_bits(radius[vertex_map.welded(x)].load(Ordering::Relaxed))).collect();
     Ok(Neighbourhoods { adjacency, radius, k })
+}
+
+/// Coordinates between 2⁻³⁰⁰ and 2³⁰⁰ have squares that neither overflow nor vanish beside each other.
+const MODERATE_EXPONENT: f64 = 300.0;
+
+/// A power of two near the largest coordinate, or 1 where that is moderate: dividing by it rounds nothing that matters.
+fn unit_of(positions: &[[f64; 3]]) -> f64 {
+    let largest = positions.as_flattened().iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+    let exponent = if largest > 0.0 { largest.log2().floor() } else { 0.0 };
+    if exponent.abs() <= MODERATE_EXPONENT { 1.0 } else { exponent.clamp(-1000.0, 1000.0).exp2() }
 }
 
 #[cfg(test)]
@@ -173,6 +187,51 @@ mod tests {
                     (0..points.len()).filter(|&y| y != x && squared(y) <= limit).map(|y| y as u32).collect();
                 prop_assert_eq!(near.adjacency.of(x), &expected[..]);
             }
+        }
+    }
+
+    #[test]
+    fn far_points_and_sizes_of_all_orders_take_no_longer() {
+        const N: u32 = 40_000;
+        let random = |i: u32, salt: u32| {
+            f64::from((i ^ salt).wrapping_mul(2_654_435_761).rotate_left(13).wrapping_mul(2_246_822_519))
+                / 4_294_967_296.0
+        };
+        let sheet = |i: u32| [random(i, 1), random(i, 2), 1e-3 * random(i, 3)];
+        let time = |points: &[[f64; 3]]| {
+            let start = std::time::Instant::now();
+            assert_eq!(nearest_neighbours(points, 10).radius.len(), points.len());
+            start.elapsed().as_secs_f64()
+        };
+        let mut points: Vec<[f64; 3]> = (0..N).map(sheet).collect();
+        let usual = time(&points);
+        points.push([1e12; 3]);
+        let with_far = time(&points);
+        let of_all_orders: Vec<_> =
+            (0..N).map(|i| sheet(i).map(|c| (c - 0.5) * 10_f64.powf(20.0 * random(i, 4)))).collect();
+        let of_all_orders = time(&of_all_orders);
+        let overflowing: Vec<_> = (0..N).map(|i| sheet(i).map(|c| 1e200 * c)).collect();
+        let overflowing = time(&overflowing);
+        // As many comparisons of all with all would take thousands of times as long.
+        let most = 30.0 * usual + 1.0;
+        assert!(
+            with_far < most && of_all_orders < most && overflowing < most,
+            "{usual} {with_far} {of_all_orders} {overflowing}"
+        );
+    }
+
+    #[test]
+    fn squares_that_overflow_or_vanish_find_the_same() {
+        let points: Vec<[f64; 3]> = (0..300_u32)
+            .map(|i| [f64::from(i * 37 % 101), f64::from(i * 53 % 97), f64::from(i % 7)])
+            .collect();
+        let usual = nearest_neighbours(&points, 8);
+        for exponent in [-1020, -600, 600, 1000] {
+            let factor = 2_f64.powi(exponent);
+            let scaled: Vec<_> = points.iter().map(|p| p.map(|c| c * factor)).collect();
+            let near = nearest_neighbours(&scaled, 8);
+            assert_eq!(near.adjacency, usual.adjacency, "2^{exponent}");
+            assert!(near.radius.iter().zip(&usual.radius).all(|(r, usual)| *r == usual * factor));
         }
     }
 
