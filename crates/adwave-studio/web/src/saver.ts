@@ -25,6 +25,7 @@ export class Saver {
   private sending = false;
   private retry = 0;
   private closed = false;
+  private held = false;
 
   constructor(
     private readonly api: Api,
@@ -48,7 +49,7 @@ export class Saver {
   }
 
   async send(): Promise<void> {
-    if (this.sending || !this.wanted || this.state === 'conflict' || this.closed) return;
+    if (this.sending || !this.wanted || this.state === 'conflict' || this.closed || this.held) return;
     window.clearTimeout(this.retry);
     const doc = this.wanted;
     this.sending = true;
@@ -112,8 +113,26 @@ export class Saver {
 
   close(): void {
     this.flush();
+    this.leave();
+  }
+
+  /** Another takes over, with what the server has now. */
+  leave(): void {
+    this.wanted = null;
     this.closed = true;
     window.clearTimeout(this.retry);
+  }
+
+  /** Sends nothing while the server replaces the edit: what the page changes meanwhile belongs to the one that goes. */
+  async whileReplaced<T>(replace: () => Promise<T>): Promise<T> {
+    await this.sent();
+    this.held = true;
+    try {
+      return await replace();
+    } finally {
+      this.held = false;
+      void this.send();
+    }
   }
 
   get pending(): boolean {

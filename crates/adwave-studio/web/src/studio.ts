@@ -166,7 +166,7 @@ export class Studio {
   private begin(doc: Doc, revision: number): void {
     this.history = new History(doc, (committed) => this.changed(committed));
     this.selected = doc.layers[0]!.key;
-    this.saver?.close();
+    this.saver?.leave();
     this.saver = new Saver(this.api, this.shape!.id, revision, (moved) => this.heardServer(moved));
     this.masks.take(doc.layers);
     this.updateTint();
@@ -188,32 +188,39 @@ export class Studio {
   async setLevels(what: unknown): Promise<void> {
     const shape = this.shape;
     if (!shape) return;
-    // What is on its way belongs to the levels that are left.
-    await this.saver?.sent();
-    const levels = await this.api.levels(shape.id, what);
-    await this.takeLevels(levels, await this.api.edit(shape.id));
+    await this.saver?.whileReplaced(async () => {
+      const levels = await this.api.levels(shape.id, what);
+      this.startLevels(levels, await this.api.edit(shape.id));
+    });
+    await this.readLevels();
     // Presets have as many gains as there are levels.
     const { presets } = await this.api.shape(shape.id);
     this.shape = { ...this.shape!, presets };
     this.emit('levels');
   }
 
-  private async takeLevels(levels: Level[], edit: Parameters<typeof fromEdit>[0]): Promise<void> {
-    const generation = ++this.generation;
+  private startLevels(levels: Level[], edit: Edit): void {
+    this.generation++;
     this.shape = { ...this.shape!, levels };
     this.arrived.clear();
     this.view.setLevels(levels.length);
     this.view.setUnedited();
     this.begin(fromEdit(edit, levels.length), edit.revision);
     this.emit('levels');
+  }
+
+  private async readLevels(): Promise<void> {
+    const { generation } = this;
     await this.readBands(generation);
     if (generation === this.generation) this.settle();
   }
 
   async takeRecipe(recipe: string): Promise<void> {
-    await this.saver?.sent();
-    const { levels, edit } = await this.api.putRecipe(this.shape!.id, recipe);
-    await this.takeLevels(levels, edit);
+    await this.saver?.whileReplaced(async () => {
+      const { levels, edit } = await this.api.putRecipe(this.shape!.id, recipe);
+      this.startLevels(levels, edit);
+    });
+    await this.readLevels();
   }
 
   /** An edit from a file, as one step. */

@@ -44,11 +44,17 @@ const page = await browser.newPage({ viewport: { width: 1200, height: 900 } });
 await fromDisk(page);
 const failures = [];
 let last = 'nothing';
+let loaded = Date.now();
 page.on('console', (m) => {
   if (m.type() === 'error') failures.push(`console: ${m.text()}`);
 });
-page.on('response', (r) => {
-  if (r.status() >= 400) failures.push(`${r.request().method()} ${r.url()}: ${r.status()} after ${last}`);
+page.on('response', async (r) => {
+  if (r.status() < 400) return;
+  const since = ((Date.now() - loaded) / 1000).toFixed(1);
+  const told = await r.text().catch(() => '');
+  failures.push(
+    `${r.request().method()} ${r.url()}: ${r.status()} after ${last}, ${since} s after loading: ${told.slice(0, 200)}`,
+  );
 });
 page.on('pageerror', (e) => failures.push(`page: ${e.message}`));
 page.on('dialog', (d) => d.dismiss());
@@ -168,6 +174,7 @@ while (Date.now() < end) {
     await page.keyboard.press('Escape');
     used.push(await memory());
     await page.reload();
+    loaded = Date.now();
     await untilReady(page);
   }
 }

@@ -6,7 +6,7 @@
 import { mkdir, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { chromium } from 'playwright-core';
+import { fromDisk, launch, untilReady } from './browser.mjs';
 import { decodePng, deviation } from './png.mjs';
 
 /** Anything that takes longer hangs. */
@@ -16,20 +16,9 @@ const NOT_BLANK = 5;
 /** Positions of equal documents may differ by the last bit of single precision at most; here they are equal. */
 const EQUAL = 0;
 
-/** Polls within one call: the page's policy forbids what `waitForFunction` does. */
-async function untilReady(page) {
-  await page.evaluate(async () => {
-    while (!window.studio) await new Promise((done) => setTimeout(done, 10));
-    await window.studio.ready;
-  });
-}
-
 export async function tour(url, folder, { limit = LIMIT } = {}) {
   await mkdir(folder, { recursive: true });
-  const browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--use-angle=gl-egl', '--ignore-gpu-blocklist'],
-  });
+  const browser = await launch();
   const failures = [];
   const check = (what, ok, detail = '') => {
     if (!ok) failures.push(detail === '' ? what : `${what}: ${detail}`);
@@ -40,6 +29,7 @@ export async function tour(url, folder, { limit = LIMIT } = {}) {
       colorScheme: 'light',
       hasTouch: false,
     });
+    await fromDisk(page);
     page.setDefaultTimeout(limit);
     page.on('console', (m) => {
       if (m.type() === 'error' || /content security policy/i.test(m.text()))
