@@ -7,6 +7,7 @@
 mod bands;
 mod chebyshev;
 mod error;
+mod fixed_series;
 mod heat_series;
 mod norms;
 mod params;
@@ -21,6 +22,7 @@ mod wavelets;
 pub use bands::Bands;
 pub use error::BandsError;
 pub(crate) use error::{check_buffer, check_signal};
+pub use fixed_series::FixedSeries;
 pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
 pub use powers::smooth;
 pub use schedule::{

@@ -303,7 +303,7 @@ fn engine(diffusion: &Diffusion, params: &BandsParams) -> Engine {
 }
 
 /// The steps of a schedule from 0, where powers are taken one after the other.
-fn whole(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
+pub(super) fn whole(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
     let Some(steps) = schedule.whole_steps() else {
         let level = schedule.first_real().expect("a level of a fractional power");
         let steps = schedule.steps()[level - 1];

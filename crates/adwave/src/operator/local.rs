@@ -110,6 +110,29 @@ pub fn local_operator(
     Ok(operator)
 }
 
+/// T (eq. 1) of a cloud, or of a part of one, whose neighbourhoods, areas and E are known: `T(x,y) = A(y)·exp(−‖x−y‖²/2E²)` for y in
+/// `neighbours` of x. `points` and `mean_length` (E) are in model units, `areas` in squared ones. O(entries).
+///
+/// A row depends on its own entries alone: those of a part of a cloud have the bits of the whole where all their neighbours are there.
+/// `neighbours` count as symmetric.
+///
+/// # Errors
+/// [`Cancelled`].
+///
+/// # Panics
+/// Unless `neighbours` has a row and a column, and `areas` a value, for each point.
+pub fn local_operator_of_neighbours(
+    points: &[[f64; 3]],
+    neighbours: Adjacency,
+    areas: Vec<f64>,
+    mean_length: f64,
+    progress: Progress<'_>,
+) -> Result<LocalOperator, Cancelled> {
+    assert_eq!(neighbours.n_rows(), points.len(), "a row of neighbours for each point");
+    assert_eq!(areas.len(), points.len(), "an area for each point");
+    Kernel { points, unit: 1.0, area_unit: 1.0, areas, mean_length }.operator(neighbours, true, progress)
+}
+
 fn of_mesh(
     geometry: &PreparedGeometry,
     params: &OperatorParams,

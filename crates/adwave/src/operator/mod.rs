@@ -10,7 +10,7 @@ mod surface;
 
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
 pub(crate) use guided::{Sites, site_diffusion};
-pub use local::{LocalOperator, local_operator};
+pub use local::{LocalOperator, local_operator, local_operator_of_neighbours};
 pub use surface::{SurfaceDiffusion, SurfaceInfo, surface_diffusion};
 
 use crate::shape::{CloudArea, MeshArea, WeldMode};

@@ -33,7 +33,7 @@ pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;
 pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
 pub use triangulate::{triangulate, triangulate_with_faces};
-pub use vertex_map::{VertexMap, WeldMode};
+pub use vertex_map::{HILBERT_BITS, VertexMap, WeldMode, hilbert};
 
 use crate::vector::{norm, subtract};
 use crate::{ClassifiedError, ErrorKind, parallel};

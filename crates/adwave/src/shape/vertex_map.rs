@@ -293,11 +293,17 @@ fn sort_along_curve(
 /// So many vertices of one key stay in the order of their positions.
 const MOST_IN_A_CELL: usize = 32;
 
-/// Bits per axis of a Hilbert key: three axes fill 63 of 64 bits.
-const HILBERT_BITS: u32 = 21;
+/// Bits per axis of a [`hilbert`] key: three axes fill 63 of 64 bits.
+pub const HILBERT_BITS: u32 = 21;
 
-/// Position along the Hilbert curve through the cube of 2²¹ cells a side (`skilling2004`).
-fn hilbert(mut axes: [u32; 3]) -> u64 {
+/// Position along the Hilbert curve through the cube of 2²¹ cells a side (`skilling2004`): cells that follow each other share a side. Axes
+/// count cells, and are below 2²¹.
+///
+/// ```
+/// use adwave::shape::hilbert;
+/// assert_eq!((hilbert([0, 0, 0]), hilbert([0, 0, 1])), (0, 1));
+/// ```
+pub fn hilbert(mut axes: [u32; 3]) -> u64 {
     let mut q = 1_u32 << (HILBERT_BITS - 1);
     while q > 1 {
         let p = q - 1;

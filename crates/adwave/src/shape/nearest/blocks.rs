@@ -129,7 +129,7 @@ pub(super) struct Found<'a> {
     /// The square of the distance of the last that is wanted.
     pub(super) farthest: f64,
     /// The squares of the distances of all positions within that distance or a tie of it, in no order.
-    squares: &'a [f64],
+    pub(super) squares: &'a [f64],
     pub(super) names: &'a [u32],
 }
 

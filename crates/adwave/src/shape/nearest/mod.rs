@@ -95,8 +95,12 @@ pub(crate) fn try_nearest_neighbours(
             out.extend(found.names.iter().map(|&w| vertex_map.last_members()[w as usize]));
             return;
         }
-        found.by_distance(tied);
-        out.extend(tied.iter().flat_map(|&(_, w)| members.of(w as usize)).take(most + 1));
+        // Of many at one distance the first in the order of the points, whatever the curve.
+        let all = found.squares.iter().zip(found.names);
+        tied.clear();
+        tied.extend(all.flat_map(|(&square, &w)| members.of(w as usize).iter().map(move |&y| (square, y))));
+        tied.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        out.extend(tied.iter().take(most + 1).map(|&(_, y)| y));
     })?;
     let adjacency = Adjacency::from_neighbours(
         n,

@@ -1,0 +1,154 @@
+//! Polynomials of Φ₁ whose degree does not depend on the signal, so that a part of a shape has the bands of the whole.
+
+use super::chebyshev::Passes;
+use super::error::{check_buffer, check_signal};
+use super::series::{Growth, Rest, Series};
+use super::transform::whole;
+use super::{BandsError, BandsParams, Schedule, Transform};
+use crate::Progress;
+
+/// A band, or a weighted sum of bands, as a polynomial of Φ₁ of a degree that the levels and the accuracy decide alone.
+///
+/// Where [`Transform::wavelets_into`] cuts each series as soon as the norm of this signal's band allows it, the cut here is the same for
+/// all signals: a vertex needs the values within [`reach`](Self::reach) rings around it, and no number of the whole shape. What is
+/// left out is at most `accuracy·n^(−3/2)` of the largest value that the polynomial can have, n being the steps of the band: about
+/// `accuracy` of the band of white noise on a surface, less for smoother signals.
+///
+/// ```
+/// use adwave::bands::{FixedSeries, Schedule};
+/// let bands = FixedSeries::bands(&Schedule::dyadic(8)?, 1e-6)?;
+/// assert_eq!(bands.iter().map(FixedSeries::reach).collect::<Vec<_>>(), [1, 2, 4, 8, 16, 27, 37, 53]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FixedSeries(Series);
+
+impl FixedSeries {
+    /// The series of all bands of `schedule`.
+    ///
+    /// # Errors
+    /// [`BandsError`] when the accuracy cannot be promised or a level has steps that are not whole.
+    pub fn bands(schedule: &Schedule, accuracy: f64) -> Result<Vec<Self>, BandsError> {
+        BandsParams::default().with_accuracy(accuracy).check()?;
+        let steps = whole(schedule)?;
+        let band = |pair: &[u64]| {
+            let mut series = Series::band(pair[0], pair[1], Growth::Bounded);
+            let budget = accuracy * series.total * (pair[1] as f64).powf(-1.5);
+            series.coefficients.truncate(series.degree_within(budget, 0) + 1);
+            Self::of(series.coefficients)
+        };
+        Ok(steps.windows(2).map(band).collect())
+    }
+
+    /// `Σ_j factors[j]·bands[j]`; bands whose factor is 0 do not count for the reach.
+    ///
+    /// # Panics
+    /// Unless there are as many factors as bands.
+    #[must_use]
+    pub fn weighted(bands: &[Self], factors: &[f64]) -> Self {
+        assert_eq!(bands.len(), factors.len(), "a factor for each band");
+        let n_terms = bands.iter().zip(factors).filter(|(_, f)| **f != 0.0).map(|(b, _)| b.0.coefficients.len());
+        let mut sum = vec![0.0; n_terms.max().unwrap_or(1)];
+        for (band, factor) in bands.iter().zip(factors) {
+            for (sum, a) in sum.iter_mut().zip(&band.0.coefficients) {
+                *sum += factor * a;
+            }
+        }
+        Self::of(sum)
+    }
+
+    /// How many rings around a vertex its value depends on.
+    pub fn reach(&self) -> usize {
+        self.0.degree() + 1
+    }
+
+    /// No tail, so that nothing is cut, whatever the signal.
+    fn of(coefficients: Vec<f64>) -> Self {
+        let tail = vec![0.0; coefficients.len()];
+        Self(Series { coefficients, tail, total: 0.0, rest: Rest::default() })
+    }
+}
+
+impl Transform {
+    /// `series[i](Φ₁)·(I − Φ₁)·signal` into `outs[i]`, all n_vertices × n_channels, row-major.
+    ///
+    /// The bits of a row depend on the entries within [`FixedSeries::reach`] rings alone, where these are in the same order.
+    ///
+    /// # Errors
+    /// [`BandsError`] when the signal or an output has the wrong length, a value is not finite, or when cancelled.
+    pub fn fixed_into(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+        series: &[FixedSeries],
+        outs: &mut [&mut [f64]],
+        progress: Progress<'_>,
+    ) -> Result<(), BandsError> {
+        check_signal(signal, self.diffusion().n_vertices(), n_channels)?;
+        let len = outs.iter().map(|out| out.len()).sum();
+        check_buffer(len, series.len() * signal.len())?;
+        let series: Vec<Series> = series.iter().map(|s| s.0.clone()).collect();
+        let polynomials = (&series[..], &[][..], &mut Passes::default());
+        self.prepared(progress)?.evaluate(signal, n_channels, polynomials, 1.0, outs, progress)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operator::Diffusion;
+
+    /// A path: the walk stays, or goes to either side.
+    fn path(n: usize) -> Diffusion {
+        let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        for x in 0..n as u32 {
+            let sides: Vec<u32> = [x.wrapping_sub(1), x + 1].into_iter().filter(|y| (*y as usize) < n).collect();
+            for &y in &sides {
+                rows.push(x);
+                columns.push(y);
+                values.push(0.5 / sides.len() as f64);
+            }
+            rows.push(x);
+            columns.push(x);
+            values.push(0.5);
+        }
+        Diffusion::from_columns(n, &rows, &columns, &values).unwrap()
+    }
+
+    fn fixed(diffusion: Diffusion, signal: &[f64], series: &[FixedSeries]) -> Vec<Vec<f64>> {
+        let transform = Transform::new(diffusion, &BandsParams::default()).unwrap();
+        let mut outs = vec![vec![0.0; signal.len()]; series.len()];
+        let mut slices: Vec<&mut [f64]> = outs.iter_mut().map(|out| &mut out[..]).collect();
+        transform.fixed_into(signal, 1, series, &mut slices, Progress::none()).unwrap();
+        outs
+    }
+
+    #[test]
+    fn a_part_with_rings_around_it_has_the_bits_of_the_whole_and_the_values_of_the_exact_bands() {
+        let noise = |x: usize| f64::from((x as u32).wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24);
+        let n = 6000;
+        let signal: Vec<f64> = (0..n).map(noise).collect();
+        let schedule = Schedule::dyadic(8).unwrap();
+        let mut series = FixedSeries::bands(&schedule, 1e-6).unwrap();
+        series.push(FixedSeries::weighted(&series, &[0.0, 0.5, -1.0, 0.0, 2.0, 1.0, 0.0, 0.0]));
+        assert_eq!(series[8].reach(), series[5].reach());
+        let whole = fixed(path(n), &signal, &series);
+        let reach = series.iter().map(FixedSeries::reach).max().unwrap();
+        let (first, last) = (2000, 2600);
+        let part = first - reach..last + reach;
+        let of_part = fixed(path(part.len()), &signal[part], &series);
+        for (whole, part) in whole.iter().zip(&of_part) {
+            assert_eq!(whole[first..last], part[reach..][..last - first]);
+        }
+        let transform = Transform::new(path(n), &BandsParams::default()).unwrap();
+        let mut exact = vec![vec![0.0; n]; 8];
+        let mut slices: Vec<&mut [f64]> = exact.iter_mut().map(|out| &mut out[..]).collect();
+        transform.wavelets_into(&signal, 1, &schedule, &mut slices, Progress::none()).unwrap();
+        for (exact, found) in exact.iter().zip(&whole) {
+            let norm = exact.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let off = exact.iter().zip(found).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+            assert!(off <= 1e-6 * norm, "{off:e} of {norm:e}");
+        }
+    }
+}
