@@ -23,6 +23,7 @@ use crate::commands::{
     shell::{CompletionsArgs, ManArgs},
     simplify::SimplifyArgs,
     studio::StudioArgs,
+    tiles::{TileArgs, TilesArgs},
     transform::TransformArgs,
 };
 use clap::error::{ContextKind, ContextValue};
@@ -134,6 +135,10 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Open an equaliser for the shape in the browser: a slider for each band, a brush, layers
     Studio(StudioArgs),
+    /// Bands of clouds that are larger than memory, tile by tile, with the bytes of the whole
+    Tiles(TilesArgs),
+    /// Do one job of 'adwave tiles', for clusters
+    Tile(TileArgs),
     /// Write a shape in another format
     Convert(ConvertArgs),
     /// List the formats of files: what is read, written, kept and lost

@@ -98,9 +98,9 @@ fn started(asked: usize, global: &Global<'_>) -> usize {
 }
 
 /// The command; the files of its result take their places together. Those of `reproduce` stand each for itself after minutes
-/// of work, and `studio` writes as long as it runs.
+/// of work, `studio` writes as long as it runs, and tiles are what a later run goes on from.
 fn all_or_none(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
-    if matches!(command, Command::Studio(_) | Command::Reproduce(_)) {
+    if matches!(command, Command::Studio(_) | Command::Reproduce(_) | Command::Tiles(_) | Command::Tile(_)) {
         return dispatch(command, global);
     }
     adwave_io::write_together(|| match dispatch(command, global) {
@@ -130,6 +130,8 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Region(args) => commands::region::run(args, global),
         Command::Report(args) => commands::report::run(args, global),
         Command::Studio(args) => commands::studio::run(args, global),
+        Command::Tiles(args) => commands::tiles::run(args, global),
+        Command::Tile(args) => commands::tiles::run_tile(args, global),
         Command::Convert(args) => commands::convert::run(args, global),
         Command::Formats(args) => commands::formats::run(args, global),
         Command::Sample(args) => commands::sample::run(args, global),

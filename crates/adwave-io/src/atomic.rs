@@ -130,44 +130,79 @@ fn replace<T>(
         out.flush()?;
         return Ok(result);
     }
-    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(WriteError::NoFolder { folder: folder.display().to_string() });
-    }
-    clear(folder);
-    // A file that may not be written is not replaced either, though a rename could.
-    if old.is_some() {
-        OpenOptions::new().write(true).open(&target)?;
-    }
-    let mut listed = None;
-    let temporary = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |path| {
-        // On the list before it exists, so that none is missed; and with the permissions of any new file.
-        with_temporaries(|paths| paths.insert(path.to_path_buf()));
-        let entry = Listed(path.to_path_buf());
-        let file = OpenOptions::new().write(true).create_new(true).open(path)?;
-        listed = Some(entry);
-        Ok(file)
-    })?;
-    let (file, temporary) = temporary.into_parts();
-    let mut out = BufWriter::with_capacity(1 << 18, file);
-    let result = write(&mut out)?;
-    out.flush()?;
-    let file: File = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    if let Some(old) = old {
-        keep_owner(&file, &old);
-        file.set_permissions(old.permissions())?;
-    }
-    flush_to_disk(file, progress)?;
-    let written = Written { temporary, target, named: path.to_path_buf(), _listed: listed };
-    let waits = TOGETHER.with_borrow_mut(|together| match together {
-        Some(waiting) => {
-            waiting.push(written);
-            None
-        }
-        None => Some(written),
-    });
-    waits.map_or(Ok(()), Written::put_in_place)?;
+    let mut pending = Pending::beside(path, target, old)?;
+    let result = write(&mut pending.out)?;
+    pending.finish(progress)?;
     Ok(result)
+}
+
+/// A file that is being written beside the one whose place it will take; nothing is left of it where it is dropped before.
+pub(crate) struct Pending {
+    pub(crate) out: BufWriter<File>,
+    temporary: tempfile::TempPath,
+    target: PathBuf,
+    /// The name that the user gave.
+    named: PathBuf,
+    /// What is there now.
+    old: Option<fs::Metadata>,
+    listed: Option<Listed>,
+}
+
+impl Pending {
+    /// Begins a file that positions can be sought in: a pipe or a device is refused.
+    pub(crate) fn begin(path: &Path) -> Result<Self, WriteError> {
+        let target = resolve(path)?;
+        let old = fs::metadata(&target).ok();
+        if old.as_ref().is_some_and(|m| !m.is_file()) {
+            return Err(io::Error::other("it is no regular file, and this is not written in one go").into());
+        }
+        Self::beside(path, target, old)
+    }
+
+    fn beside(path: &Path, target: PathBuf, old: Option<fs::Metadata>) -> Result<Self, WriteError> {
+        let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return Err(WriteError::NoFolder { folder: folder.display().to_string() });
+        }
+        clear(folder);
+        // A file that may not be written is not replaced either, though a rename could.
+        if old.is_some() {
+            OpenOptions::new().write(true).open(&target)?;
+        }
+        let mut listed = None;
+        let temporary = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |path| {
+            // On the list before it exists, so that none is missed; and with the permissions of any new file.
+            with_temporaries(|paths| paths.insert(path.to_path_buf()));
+            let entry = Listed(path.to_path_buf());
+            let file = OpenOptions::new().write(true).create_new(true).open(path)?;
+            listed = Some(entry);
+            Ok(file)
+        })?;
+        let (file, temporary) = temporary.into_parts();
+        let out = BufWriter::with_capacity(1 << 18, file);
+        Ok(Self { out, temporary, target, named: path.to_path_buf(), old, listed })
+    }
+
+    /// Flushes the file to the disk and puts it in its place.
+    pub(crate) fn finish(mut self, progress: Progress<'_>) -> Result<(), WriteError> {
+        self.out.flush()?;
+        let file = self.out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        if let Some(old) = self.old {
+            keep_owner(&file, &old);
+            file.set_permissions(old.permissions())?;
+        }
+        flush_to_disk(file, progress)?;
+        let (temporary, target, named) = (self.temporary, self.target, self.named);
+        let written = Written { temporary, target, named, _listed: self.listed };
+        let waits = TOGETHER.with_borrow_mut(|together| match together {
+            Some(waiting) => {
+                waiting.push(written);
+                None
+            }
+            None => Some(written),
+        });
+        waits.map_or(Ok(()), Written::put_in_place)
+    }
 }
 
 /// A file that is whole and on the disk, and not yet in its place.

@@ -5,6 +5,8 @@
 //! write it; in the format that it came from nothing is lost but what was changed, in another format a
 //! [`WriteReport`] names what did not fit.
 //!
+//! [`LasReader`] and [`LasWriter`] take the points of a LAS or LAZ in portions, for scans that do not fit in memory.
+//!
 //! [`Format::table`] says what is read, written, kept and lost of each format; `docs/FORMATS.md` has it. Arrays are read from NPY and
 //! written as NPY and NPZ.
 //!
@@ -107,6 +109,7 @@ pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;
 pub use gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
 pub use gifti::write::{write_gifti_fields, write_gifti_fields_with};
+pub use las::stream::{LasLayout, LasReader, LasWriter};
 pub use limits::ReadLimits;
 pub use mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};
 pub use npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};

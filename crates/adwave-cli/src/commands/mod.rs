@@ -21,4 +21,6 @@ pub(crate) mod sample;
 pub(crate) mod shell;
 pub(crate) mod simplify;
 pub(crate) mod studio;
+pub(crate) mod terrain;
+pub(crate) mod tiles;
 pub(crate) mod transform;

@@ -1,5 +1,6 @@
 //! `adwave sample`: a built-in shape as a file.
 
+use crate::commands::terrain;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, format_of, print, table, write_shape};
@@ -17,7 +18,8 @@ Examples:
   adwave sample                                 list the shapes
   adwave sample creature -o creature.ply
   adwave sample knot --vertices 200000 --noise 0.3 --seed 7 -o noisy.obj
-  adwave sample sphere --as cloud -o points.ply")]
+  adwave sample sphere --as cloud -o points.ply
+  adwave sample terrain --points 1e8 -o scan     a folder of LAZ files")]
 pub(crate) struct SampleArgs {
     /// Which shape; without it the shapes are listed
     pub(crate) name: Option<String>,
@@ -36,6 +38,9 @@ pub(crate) struct SampleArgs {
     /// Seed of the noise
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) seed: u64,
+    /// Number of points of a terrain; `1e8` is understood
+    #[arg(long, value_name = "N", value_parser = terrain::parse_points)]
+    pub(crate) points: Option<u64>,
 }
 
 /// What a sample can be written as.
@@ -48,8 +53,23 @@ pub(crate) enum SampleKind {
 pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError> {
     let Some(name) = &args.name else { return list(global) };
     let Some(output) = &args.output else {
-        return Err(CliError::Input(format!("say where the {name} goes: -o {name}.ply")));
+        let ending = if name == terrain::NAME { "laz" } else { "ply" };
+        return Err(CliError::Input(format!("say where the {name} goes: -o {name}.{ending}")));
     };
+    if name == terrain::NAME {
+        let given = [
+            ("--vertices", args.vertices.is_some()),
+            ("--noise", args.noise.is_some()),
+            ("--as", args.kind.is_some()),
+        ];
+        if let Some((flag, _)) = given.iter().find(|(_, is_given)| *is_given) {
+            return Err(CliError::Input(format!("{flag} is for the other samples; a terrain has --points")));
+        }
+        return terrain::write(global, args.points.unwrap_or(terrain::DEFAULT_POINTS), args.seed, output);
+    }
+    if args.points.is_some() {
+        return Err(CliError::Input(format!("--points is for the terrain; a {name} has --vertices")));
+    }
     format_of(output)?;
     check_writable(output)?;
     let mut file =
@@ -77,13 +97,20 @@ fn list(global: &Global<'_>) -> Result<(), CliError> {
         ["sample", "vertices", "what it is"],
         SAMPLE_NAMES
             .iter()
-            .map(|s| [s.name.to_owned(), s.default_vertices.to_string(), s.description.to_owned()]),
+            .map(|s| [s.name.to_owned(), s.default_vertices.to_string(), s.description.to_owned()])
+            .chain([[terrain::NAME, &terrain::DEFAULT_POINTS.to_string(), terrain::DESCRIPTION]
+                .map(str::to_owned)]),
     );
     let json = SAMPLE_NAMES
         .iter()
         .map(
             |s| json!({"name": s.name, "description": s.description, "default_vertices": s.default_vertices}),
         )
+        .chain([json!({
+            "name": terrain::NAME,
+            "description": terrain::DESCRIPTION,
+            "default_points": terrain::DEFAULT_POINTS,
+        })])
         .collect();
     print(global, &text, &json)
 }

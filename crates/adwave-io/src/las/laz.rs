@@ -10,24 +10,36 @@ use crate::ReadError;
 use crate::las::read::Header;
 
 /// The size of chunks in the description where they differ.
-const VARIABLE: u64 = u32::MAX as u64;
+pub(crate) const VARIABLE: u64 = u32::MAX as u64;
 
 /// One part of a record, compressed on its own.
-struct Item {
+pub(crate) struct Item {
     kind: u16,
     size: u16,
-    version: u16,
+    pub(crate) version: u16,
 }
 
-fn u16_at(bytes: &[u8], at: usize) -> u64 {
+impl Item {
+    /// In how many layers each chunk keeps it, where it is kept in layers at all.
+    pub(crate) fn n_layers(&self) -> usize {
+        match self.kind {
+            10 => 9,
+            12 => 2,
+            14 => usize::from(self.size),
+            _ => 1,
+        }
+    }
+}
+
+pub(crate) fn u16_at(bytes: &[u8], at: usize) -> u64 {
     bytes.get(at..at + 2).map_or(0, |b| u64::from(u16::from_le_bytes([b[0], b[1]])))
 }
 
-fn u32_at(bytes: &[u8], at: usize) -> Option<u64> {
+pub(crate) fn u32_at(bytes: &[u8], at: usize) -> Option<u64> {
     bytes.get(at..at + 4).map(|b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])))
 }
 
-fn i64_at(bytes: &[u8], at: usize) -> Option<i64> {
+pub(crate) fn i64_at(bytes: &[u8], at: usize) -> Option<i64> {
     Some(i64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?))
 }
 
@@ -96,6 +108,16 @@ fn unpack_checked(
     Ok(points)
 }
 
+/// The parts of a record of that many bytes.
+pub(crate) fn items_of(description: &[u8], record_bytes: usize) -> Result<Vec<Item>, &'static str> {
+    let items = items(description)?;
+    let total: usize = items.iter().map(|i| usize::from(i.size)).sum();
+    if total != record_bytes {
+        return Err("its parts do not fill a record");
+    }
+    Ok(items)
+}
+
 fn items(description: &[u8]) -> Result<Vec<Item>, &'static str> {
     let n = u16_at(description, 32) as usize;
     if n == 0 || n > 16 || description.len() < 34 + 6 * n {
@@ -110,11 +132,7 @@ fn items(description: &[u8]) -> Result<Vec<Item>, &'static str> {
 }
 
 fn check(bytes: &[u8], header: &Header, description: &[u8]) -> Result<(), &'static str> {
-    let items = items(description)?;
-    let total: usize = items.iter().map(|i| usize::from(i.size)).sum();
-    if total != header.record_bytes {
-        return Err("its parts do not fill a record");
-    }
+    let items = items_of(description, header.record_bytes)?;
     if u16_at(description, 0) < 2 {
         return Ok(());
     }
@@ -158,13 +176,7 @@ fn check_layers(
     table: Option<usize>,
     n_chunks: u64,
 ) -> Result<(), &'static str> {
-    let layers = |item: &Item| match item.kind {
-        10 => 9,
-        12 => 2,
-        14 => usize::from(item.size),
-        _ => 1,
-    };
-    let n_layers: usize = items.iter().map(layers).sum();
+    let n_layers: usize = items.iter().map(Item::n_layers).sum();
     let mut at = header.points_start + 8;
     let (mut n_points, mut k) = (0, 0);
     loop {

@@ -196,42 +196,24 @@ impl Parts {
         report: &mut WriteReport,
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
-        const MOST: usize = u16::MAX as usize;
         let old = self.parsed.record_bytes;
-        let mut list = self.descriptions().to_vec();
-        let end = described.last().map_or(self.standard_bytes(), |last| last.at + last.n_bytes());
-        // What stands behind a description that is not understood, or behind records that are too short, is not found.
-        let is_understood = list.len() == described.len() * DESCRIPTION && end <= old;
-        if is_understood && !fields.is_empty() {
-            list.extend(undescribed(old - end));
-        }
-        let mut taken = standard_names(self.parsed.format);
-        taken.extend(described.iter().map(|extra| extra.name.clone()));
-        let mut size = old;
+        let mut list = ExtraList::of(self.descriptions(), described, self.parsed.format, old);
         let mut placed: Vec<(&Field, Vec<usize>)> = Vec::new();
         for &field in fields {
-            let (name, columns) = names(&field.name, field.n_channels, &taken);
-            let kind = field.values.value_type();
-            let n_bytes = columns.len() * kind.n_bytes();
-            if !is_understood || size + n_bytes > MOST || list.len() + columns.len() * DESCRIPTION > MOST {
+            let Some((name, places)) = list.add(&field.name, field.n_channels, field.values.value_type())
+            else {
                 report.leave_out(format!("vertex field `{}`", field.name));
                 continue;
-            }
+            };
             if name != field.name {
                 report.leave_out(format!("the name of `{}` (it is `{name}` there)", field.name));
-            }
-            let mut places = Vec::with_capacity(columns.len());
-            for column in columns {
-                list.extend(description(&column, kind));
-                places.push(size);
-                size += kind.n_bytes();
-                taken.push(column);
             }
             placed.push((field, places));
         }
         if placed.is_empty() {
             return Ok(());
         }
+        let size = list.record_bytes;
         let mut points = vec![0; self.points.len() / old * size];
         for (to, from) in points.chunks_exact_mut(size).zip(self.points.chunks_exact(old)) {
             to[..old].copy_from_slice(from);
@@ -239,12 +221,74 @@ impl Parts {
         self.points = points;
         self.parsed.record_bytes = size;
         put(&mut self.header, 105, (size as u16).to_le_bytes());
-        let record = variable_record(SPECIFICATION, EXTRA_BYTES, &list);
-        match self.records.iter_mut().find(|record| is_list(record)) {
-            Some(own) => *own = record,
-            None => self.records.push(record),
-        }
+        list.put_into(&mut self.records);
         placed.iter().try_for_each(|(field, places)| self.set_extra(field, places, progress))
+    }
+}
+
+/// The list of extra bytes of a file whose records grow.
+pub(crate) struct ExtraList {
+    descriptions: Vec<u8>,
+    /// Names that are given already.
+    taken: Vec<String>,
+    /// Bytes of a record with all that was added.
+    pub(crate) record_bytes: usize,
+    is_understood: bool,
+}
+
+impl ExtraList {
+    /// The list in these records, to which nothing is added yet.
+    pub(crate) fn read(records: &[Vec<u8>], format: u8, size: usize) -> Self {
+        let content = records.iter().find(|record| is_list(record)).map_or(&[][..], |r| &r[RECORD_HEAD..]);
+        Self::of(content, &ExtraBytes::parse(content, record_bytes(format).unwrap_or(size)), format, size)
+    }
+
+    fn of(content: &[u8], described: &[ExtraBytes], format: u8, size: usize) -> Self {
+        let standard = record_bytes(format).unwrap_or(size);
+        let end = described.last().map_or(standard, |last| last.at + last.n_bytes());
+        // What stands behind a description that is not understood, or behind records that are too short, is not found.
+        let is_understood = content.len() == described.len() * DESCRIPTION && end <= size;
+        let mut descriptions = content.to_vec();
+        if is_understood {
+            descriptions.extend(undescribed(size - end));
+        }
+        let mut taken = standard_names(format);
+        taken.extend(described.iter().map(|extra| extra.name.clone()));
+        Self { descriptions, taken, record_bytes: size, is_understood }
+    }
+
+    /// Adds a field; the name that it gets and where each channel is in the record, `None` where there is no room.
+    pub(crate) fn add(
+        &mut self,
+        name: &str,
+        n_channels: usize,
+        kind: ValueType,
+    ) -> Option<(String, Vec<usize>)> {
+        const MOST: usize = u16::MAX as usize;
+        let (name, columns) = names(name, n_channels, &self.taken);
+        let n_bytes = columns.len() * kind.n_bytes();
+        let has_room = self.record_bytes + n_bytes <= MOST
+            && self.descriptions.len() + columns.len() * DESCRIPTION <= MOST;
+        if !self.is_understood || !has_room {
+            return None;
+        }
+        let mut places = Vec::with_capacity(columns.len());
+        for column in columns {
+            self.descriptions.extend(description(&column, kind));
+            places.push(self.record_bytes);
+            self.record_bytes += kind.n_bytes();
+            self.taken.push(column);
+        }
+        Some((name, places))
+    }
+
+    /// The list in place of the one that was there.
+    pub(crate) fn put_into(&self, records: &mut Vec<Vec<u8>>) {
+        let record = variable_record(SPECIFICATION, EXTRA_BYTES, &self.descriptions);
+        match records.iter_mut().find(|record| is_list(record)) {
+            Some(own) => *own = record,
+            None => records.push(record),
+        }
     }
 }
 

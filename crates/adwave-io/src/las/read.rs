@@ -42,19 +42,29 @@ pub(crate) struct Record<'a> {
     pub(crate) content: &'a [u8],
 }
 
+/// The number of the record of the compression.
+pub(crate) const LASZIP: u16 = 22204;
+
+impl Record<'_> {
+    /// Whether it describes the compression of the points.
+    pub(crate) fn is_compression(&self) -> bool {
+        self.user.starts_with(b"laszip encoded") && self.id == LASZIP
+    }
+}
+
 fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
     Some(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?))
 }
 
-fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
+pub(crate) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }
 
-fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
+pub(crate) fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
     Some(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?))
 }
 
-fn f64_at(bytes: &[u8], at: usize) -> Option<f64> {
+pub(crate) fn f64_at(bytes: &[u8], at: usize) -> Option<f64> {
     u64_at(bytes, at).map(f64::from_bits)
 }
 
@@ -71,7 +81,7 @@ pub(crate) fn read_las(
         element: "header".into(),
         row: 0,
     })?;
-    check_header(bytes, &header)?;
+    check_header(bytes.len() as u64, &header)?;
     limits.check_points(header.n_points)?;
     if header.is_compressed {
         limits.check_bytes(header.n_points.saturating_mul(header.record_bytes as u64))?;
@@ -115,14 +125,15 @@ pub(crate) fn unpacked<'a>(
     if !header.is_compressed {
         return Ok(Cow::Borrowed(&bytes[header.points_start..]));
     }
-    let records = records(bytes, header);
-    let own = |r: &&Record<'_>| r.user.starts_with(b"laszip encoded") && r.id == 22204;
-    let Some(record) = records.iter().find(own) else {
-        return Err(ReadError::Whole(
-            "the LAZ has no record of its compression; get an unbroken file".into(),
-        ));
-    };
-    crate::las::laz::unpack(bytes, header, record.content, progress).map(Cow::Owned)
+    let description = compression(&records(bytes, header))?;
+    crate::las::laz::unpack(bytes, header, description, progress).map(Cow::Owned)
+}
+
+/// What the file says about its compression.
+pub(crate) fn compression<'a>(records: &[Record<'a>]) -> Result<&'a [u8], ReadError> {
+    let missing =
+        || ReadError::Whole("the LAZ has no record of its compression; get an unbroken file".into());
+    records.iter().find(|r| r.is_compression()).map(|r| r.content).ok_or_else(missing)
 }
 
 pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
@@ -145,7 +156,8 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
     })
 }
 
-fn check_header(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
+/// What of the header can be wrong in a file of that many bytes.
+pub(crate) fn check_header(n_bytes: u64, header: &Header) -> Result<(), ReadError> {
     let Some(least) = record_bytes(header.format) else {
         let message =
             format!("point format {} is none of LAS's 0 to 10; get an unbroken file", header.format);
@@ -167,11 +179,11 @@ fn check_header(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
         );
         return Err(ReadError::at_byte(96, message));
     }
-    let remaining = bytes.len().saturating_sub(header.points_start) as u64;
+    let remaining = n_bytes.saturating_sub(header.points_start as u64);
     let needed = header.n_points.saturating_mul(header.record_bytes as u64);
-    if header.points_start > bytes.len() || (!header.is_compressed && remaining < needed) {
+    if header.points_start as u64 > n_bytes || (!header.is_compressed && remaining < needed) {
         return Err(ReadError::Truncated {
-            end: bytes.len() as u64,
+            end: n_bytes,
             needed: (header.points_start as u64).saturating_add(needed),
             element: "point".into(),
             row: remaining / header.record_bytes as u64,

@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use adwave::Progress;
 
+use crate::las::counts::Counts;
 use crate::las::fields::record_bytes;
 use crate::las::places::{Place, fits};
-use crate::las::read::{Header, LEAST_HEADER, RECORD_HEAD, Record, parse_header, records, unpacked};
+use crate::las::read::{Header, LASZIP, LEAST_HEADER, RECORD_HEAD, Record, parse_header, records, unpacked};
 use crate::original::Original;
 use crate::progress::at_row;
 use crate::provenance::{NAME, Provenance};
@@ -21,14 +22,14 @@ pub(crate) struct LasOriginal {
     pub(crate) kept: Option<Vec<u32>>,
 }
 
+/// Points that are compressed together.
+pub(crate) const CHUNK: u32 = 50_000;
 /// Largest coordinate in steps of the scale that a new file gets.
 const MOST_STEPS: f64 = 1e9;
 /// The bit of the point format that says that points are compressed.
-const COMPRESSED: u8 = 0x80;
-/// The number of the record of the compression.
-const LASZIP: u16 = 22204;
+pub(crate) const COMPRESSED: u8 = 0x80;
 /// Bytes of the header of version 1.4.
-const LONG_HEADER: usize = 375;
+pub(crate) const LONG_HEADER: usize = 375;
 
 /// A file in parts, uncompressed.
 pub(crate) struct Parts {
@@ -77,10 +78,7 @@ pub(crate) fn write_las(
     let is_same = original.is_some() && !shape.moved && shape.edited.is_empty();
     if !is_same {
         parts.records.retain(|record| !is_provenance(record));
-        let json = shape.valid_provenance().map(Provenance::to_json);
-        if let Some(json) = json.filter(|json| u16::try_from(json.len()).is_ok()) {
-            parts.records.push(variable_record(NAME.as_bytes(), PROVENANCE, json.as_bytes()));
-        }
+        parts.records.extend(shape.valid_provenance().and_then(provenance_record));
     }
     if original.is_none() && !parts.is_exact(shape) {
         report.leave_out("digits of coordinates beyond a thousand-millionth of the extent");
@@ -124,8 +122,7 @@ impl Parts {
         let mut records_end = this.header.len();
         for record in records(bytes, &this.parsed) {
             records_end = record.start + RECORD_HEAD + record.content.len();
-            let is_compression = record.user.starts_with(b"laszip encoded") && record.id == LASZIP;
-            if !is_compression {
+            if !record.is_compression() {
                 this.records
                     .push(bytes[record.start..record.start + RECORD_HEAD + record.content.len()].to_vec());
             }
@@ -178,30 +175,17 @@ impl Parts {
         let is_old = shape.vertex_fields.iter().all(|field| Place::of(old, field).is_some());
         let id = if is_old { old } else { 6 + u8::from(has_color) };
         let size = record_bytes(id).unwrap_or(20);
-        let n_bytes = if is_old { LEAST_HEADER } else { LONG_HEADER };
-        let mut header = vec![0; n_bytes];
-        header[..4].copy_from_slice(b"LASF");
-        header[24..26].copy_from_slice(if is_old { &[1, 2] } else { &[1, 4] });
-        if !is_old {
-            // Coordinate systems of these formats are texts.
-            header[6] = 16;
-        }
-        header[26..31].copy_from_slice(b"OTHER");
-        let program = concat!("adwave ", env!("CARGO_PKG_VERSION")).as_bytes();
-        header[58..58 + program.len()].copy_from_slice(program);
-        put(&mut header, 94, (n_bytes as u16).to_le_bytes());
-        header[104] = id;
-        put(&mut header, 105, (size as u16).to_le_bytes());
-        if is_old {
-            put(&mut header, 107, 1_u32.to_le_bytes());
-        }
+        let (mut scales, mut lows) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
             let all = || shape.points.iter().map(|p| p[axis]);
             let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
             let extent = (high - low).max(f64::EPSILON * high.abs().max(low.abs())).max(f64::MIN_POSITIVE);
-            let scale = 10_f64.powf((extent / MOST_STEPS).log10().ceil());
-            put(&mut header, 131 + 8 * axis, scale.to_le_bytes());
-            put(&mut header, 155 + 8 * axis, low.to_le_bytes());
+            scales[axis] = 10_f64.powf((extent / MOST_STEPS).log10().ceil());
+            lows[axis] = low;
+        }
+        let mut header = new_header(if is_old { 2 } else { 4 }, id, size as u16, scales, lows);
+        if is_old {
+            put(&mut header, 107, 1_u32.to_le_bytes());
         }
         // Return 1 of 1.
         let mut record = vec![0; size];
@@ -267,27 +251,11 @@ impl Parts {
 
     /// Counts the points, of each return too, into the header.
     fn count(&mut self) {
-        let (size, format) = (self.parsed.record_bytes, self.parsed.format);
-        let mask = if format < 6 { 7 } else { 15 };
-        let mut by_return = [0_u64; 16];
-        for row in self.points.chunks_exact(size) {
-            by_return[usize::from(row[14] & mask)] += 1;
+        let mut counts = Counts::default();
+        for row in self.points.chunks_exact(self.parsed.record_bytes) {
+            counts.add(row, self.parsed.format);
         }
-        let n = (self.points.len() / size) as u64;
-        let legacy =
-            u32::from_le_bytes([self.header[107], self.header[108], self.header[109], self.header[110]]);
-        if legacy > 0 {
-            put(&mut self.header, 107, (n as u32).to_le_bytes());
-            for k in 0..5 {
-                put(&mut self.header, 111 + 4 * k, (by_return[k + 1] as u32).to_le_bytes());
-            }
-        }
-        if self.header[25] >= 4 && self.header.len() >= 375 {
-            put(&mut self.header, 247, n.to_le_bytes());
-            for k in 0..15 {
-                put(&mut self.header, 255 + 8 * k, by_return[k + 1].to_le_bytes());
-            }
-        }
+        counts.put_into(&mut self.header);
     }
 
     /// The whole file.
@@ -297,8 +265,14 @@ impl Parts {
         format: Format,
         progress: Progress<'_>,
     ) -> Result<Vec<u8>, WriteError> {
-        let compression =
-            if compressed { Some(self.compression().map_err(|what| cannot(format, what))?) } else { None };
+        let compression = if compressed {
+            Some(
+                compression(self.parsed.format, self.parsed.record_bytes, CHUNK)
+                    .map_err(|what| cannot(format, what))?,
+            )
+        } else {
+            None
+        };
         if let Some(description) = &compression {
             self.records.push(compression_record(description));
         }
@@ -334,19 +308,43 @@ impl Parts {
         bytes.append(&mut self.tail);
         Ok(bytes)
     }
+}
 
-    fn compression(&self) -> Result<laz::LazVlr, String> {
-        let extra =
-            self.parsed.record_bytes - record_bytes(self.parsed.format).unwrap_or(self.parsed.record_bytes);
-        let builder = laz::LazVlrBuilder::default().with_point_format(self.parsed.format, extra as u16);
-        Ok(builder
-            .map_err(|e| format!("point format {}: {}", self.parsed.format, crate::text::one_line(&e)))?
-            .build())
+/// The header of a new file without points, of version 1.2 or 1.4 (`minor`).
+pub(crate) fn new_header(minor: u8, format: u8, size: u16, scale: [f64; 3], offset: [f64; 3]) -> Vec<u8> {
+    let n_bytes = if minor >= 4 { LONG_HEADER } else { LEAST_HEADER };
+    let mut header = vec![0; n_bytes];
+    header[..4].copy_from_slice(b"LASF");
+    header[24..26].copy_from_slice(&[1, minor]);
+    if format >= 6 {
+        // Coordinate systems of these formats are texts.
+        header[6] = 16;
     }
+    header[26..31].copy_from_slice(b"OTHER");
+    let program = concat!("adwave ", env!("CARGO_PKG_VERSION")).as_bytes();
+    header[58..58 + program.len()].copy_from_slice(program);
+    put(&mut header, 94, (n_bytes as u16).to_le_bytes());
+    header[104] = format;
+    put(&mut header, 105, size.to_le_bytes());
+    for axis in 0..3 {
+        put(&mut header, 131 + 8 * axis, scale[axis].to_le_bytes());
+        put(&mut header, 155 + 8 * axis, offset[axis].to_le_bytes());
+    }
+    header
+}
+
+/// How points of this format and size are compressed; else why they are not.
+pub(crate) fn compression(format: u8, size: usize, chunk: u32) -> Result<laz::LazVlr, String> {
+    let extra = size.saturating_sub(record_bytes(format).unwrap_or(size));
+    let builder = laz::LazVlrBuilder::default().with_point_format(format, extra as u16);
+    Ok(builder
+        .map_err(|e| format!("point format {format}: {}", crate::text::one_line(&e)))?
+        .with_fixed_chunk_size(chunk)
+        .build())
 }
 
 /// The variable-length record of the compression.
-fn compression_record(description: &laz::LazVlr) -> Vec<u8> {
+pub(crate) fn compression_record(description: &laz::LazVlr) -> Vec<u8> {
     let mut content = Vec::new();
     // A vector takes whatever is written.
     let _ = description.write_to(&mut content);
@@ -356,7 +354,15 @@ fn compression_record(description: &laz::LazVlr) -> Vec<u8> {
 /// The number of the record that says where the points came from.
 const PROVENANCE: u16 = 1;
 
-fn is_provenance(record: &[u8]) -> bool {
+/// The record that says where the points came from, where it fits in one.
+pub(crate) fn provenance_record(provenance: &Provenance) -> Option<Vec<u8>> {
+    let json = provenance.to_json();
+    u16::try_from(json.len()).ok()?;
+    Some(variable_record(NAME.as_bytes(), PROVENANCE, json.as_bytes()))
+}
+
+/// Whether a whole record says where the points came from.
+pub(crate) fn is_provenance(record: &[u8]) -> bool {
     record[2..].starts_with(NAME.as_bytes())
         && record[2 + NAME.len()] == 0
         && record[18..20] == PROVENANCE.to_le_bytes()

@@ -1,0 +1,232 @@
+//! `adwave tiles` and `adwave tile`: clouds that are larger than memory.
+
+use crate::args::size;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::{available_memory, check_writable, note, print};
+use crate::progress::with_progress;
+use adwave_tiles::{Forecast, Job, Params, Summary, Work, forecast, join, run_job};
+use clap::Args;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+The points of all files are sorted along one curve and cut into tiles that fit into memory. Around each tile lie as many rings of
+neighbours as its bands see, so that all ways to cut give the same bytes; results come in the order of the curve, with all that the
+points had. A run that was ended goes on where it was when the same command is given again. See docs/SCALE.md.
+
+Examples:
+  adwave tiles flight-*.laz -o smooth.laz --gains 0,0,0.5,1,1,1,1,1
+  adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --memory 4G
+  adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --forecast
+  adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --plan-only, then on any machine that sees the folder:
+  adwave tile tiles/ sort; adwave tile tiles/ neighbours 0; adwave tile tiles/ bands 0")]
+pub(crate) struct TilesArgs {
+    /// LAS or LAZ files, of one point format and scale
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+    /// A folder for the tiles, or a .las or .laz for all of them in one
+    #[arg(long, short, value_name = "OUT")]
+    output: PathBuf,
+    /// Number of dyadic levels [default: as many as there are gains, else 8]
+    #[arg(long, value_name = "J", help_heading = "Bands")]
+    levels: Option<usize>,
+    /// A gain for each band, from fine to coarse: 0 drops it, 1 keeps it, 2 doubles it
+    #[arg(
+        long,
+        value_name = "G,G,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        help_heading = "Bands"
+    )]
+    gains: Vec<f64>,
+    /// Bands, from 1, whose length |W_j| each point gets as a field wavelet_j, in model units
+    #[arg(long, value_name = "J,J,…", value_delimiter = ',', help_heading = "Bands")]
+    magnitudes: Vec<usize>,
+    /// How many nearest neighbours a step of the walk takes in
+    #[arg(long, value_name = "K", default_value_t = Params::default().neighbours, help_heading = "Bands")]
+    neighbours: usize,
+    /// Relative error of the bands
+    #[arg(long, value_name = "E", default_value_t = Params::default().accuracy, help_heading = "Bands")]
+    accuracy: f64,
+    /// Memory that may be used [default: half of what is free]
+    #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Work")]
+    memory: Option<u64>,
+    /// Number of tiles [default: as few as the memory allows]
+    #[arg(long, value_name = "N", help_heading = "Work")]
+    tiles: Option<usize>,
+    /// Tiles that are worked on at a time, each with its part of the memory
+    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Work")]
+    workers: usize,
+    /// Folder for temporary files [default: the folder of the tiles, or OUT.work beside a file]
+    #[arg(long, value_name = "FOLDER", help_heading = "Work")]
+    work: Option<PathBuf>,
+    /// Say what it will take, and do nothing
+    #[arg(long, help_heading = "Work")]
+    forecast: bool,
+    /// Write the plan, for 'adwave tile'
+    #[arg(long, conflicts_with = "forecast", help_heading = "Work")]
+    plan_only: bool,
+    /// Keep the temporary files
+    #[arg(long, help_heading = "Work")]
+    keep_work: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Jobs of one kind may run in any order, at the same time and on several machines; all neighbours come after the sort, all bands after all
+neighbours. A job that is done twice gives the same file again. 'adwave tiles' with the same arguments does what is left and joins.
+
+Examples:
+  adwave tile tiles/ sort
+  adwave tile tiles/ neighbours 3
+  adwave tile tiles/ bands 3")]
+pub(crate) struct TileArgs {
+    /// The folder of 'adwave tiles --plan-only'
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+    /// What to do
+    #[arg(value_name = "JOB", value_enum)]
+    job: JobKind,
+    /// Which tile, from 0
+    #[arg(value_name = "INDEX", default_value = "0")]
+    index: usize,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum JobKind {
+    /// All points in the order of the curve, once
+    Sort,
+    /// The nearest neighbours of the points of a tile
+    Neighbours,
+    /// The bands of a tile, and its points as they come out
+    Bands,
+}
+
+fn failed(error: &adwave_tiles::TilesError) -> CliError {
+    CliError::of(error)
+}
+
+fn is_file(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("las") || e.eq_ignore_ascii_case("laz"))
+}
+
+pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
+    let params = params(args);
+    if args.forecast {
+        let forecast = forecast(&args.files, &params).map_err(|e| failed(&e))?;
+        return print(global, &format!("{}\n", told(&forecast)), &json!(forecast));
+    }
+    if params.gains.iter().all(|&gain| gain == 1.0) && params.magnitudes.is_empty() {
+        return Err(CliError::Input("say what is wanted: --gains, --magnitudes or both".into()));
+    }
+    let joined = is_file(&args.output);
+    if joined {
+        check_writable(&args.output)?;
+    } else if args.output.extension().is_some() && !args.output.is_dir() {
+        return Err(CliError::Input(format!(
+            "{}: give a .las or .laz, or a folder",
+            args.output.display()
+        )));
+    }
+    let folder = match &args.work {
+        Some(folder) => folder.clone(),
+        None if joined => {
+            let mut name = args.output.clone().into_os_string();
+            name.push(".work");
+            name.into()
+        }
+        None => args.output.clone(),
+    };
+    if !joined && folder != args.output {
+        return Err(CliError::Input("--work is for results in one file; tiles stay in their folder".into()));
+    }
+    let (work, forecast) = Work::begin(&folder, &args.files, &params).map_err(|e| failed(&e))?;
+    note(global, &told(&forecast));
+    if args.plan_only {
+        return print(
+            global,
+            &format!("{}\n", folder.join("plan.json").display()),
+            &json!({ "folder": folder, "forecast": forecast }),
+        );
+    }
+    let summary = with_progress(global, "tiles", |progress| adwave_tiles::run(&work, progress))
+        .map_err(|e| failed(&e))?;
+    if joined {
+        with_progress(global, "joining", |progress| join(&work, &args.output, progress))
+            .map_err(|e| failed(&e))?;
+    }
+    if !args.keep_work {
+        work.clean().map_err(|e| failed(&e))?;
+        if joined {
+            let tiles = (0..summary.n_tiles).map(|tile| work.tile(tile));
+            tiles.for_each(|tile| drop(std::fs::remove_file(tile)));
+            // Whatever else is there stays.
+            let _ = std::fs::remove_dir(&folder);
+        }
+    }
+    said(global, args, &params, &summary)
+}
+
+fn params(args: &TilesArgs) -> Params {
+    /// Where the system does not say what is free.
+    const UNKNOWN: u64 = 8 << 30;
+    let levels = match args.gains.len() {
+        0 => Params::default().levels,
+        n => n,
+    };
+    let mut params = Params::default();
+    params.levels = args.levels.unwrap_or(levels);
+    params.gains.clone_from(&args.gains);
+    params.magnitudes.clone_from(&args.magnitudes);
+    params.neighbours = args.neighbours;
+    params.accuracy = args.accuracy;
+    params.n_tiles = args.tiles;
+    params.memory = args.memory.unwrap_or_else(|| available_memory().unwrap_or(UNKNOWN) / 2);
+    params.n_workers = args.workers;
+    params
+}
+
+/// A forecast in words.
+fn told(forecast: &Forecast) -> String {
+    let Forecast { n_points, n_tiles, points_per_tile, rings, share, memory, disk, .. } = forecast;
+    let tiles = if *n_tiles == 1 {
+        "one tile".to_owned()
+    } else {
+        format!("{n_tiles} tiles of {points_per_tile} points, {rings} rings around each ({share:.2} times its points)")
+    };
+    format!(
+        "{n_points} points in {tiles}; about {:.1} GB of memory, up to {:.1} GB of temporary files",
+        *memory as f64 / 1e9,
+        *disk as f64 / 1e9
+    )
+}
+
+fn said(global: &Global<'_>, args: &TilesArgs, params: &Params, summary: &Summary) -> Result<(), CliError> {
+    let mut text = format!(
+        "{} points at {} positions, {} tiles; mean distance to a neighbour {:.4}\n",
+        summary.n_points, summary.n_vertices, summary.n_tiles, summary.mean_length
+    );
+    let [rms, most] = summary.moved;
+    if most > 0.0 {
+        text += &format!("moved by {rms:.4} (rms), at most {most:.4}\n");
+    }
+    for (band, [rms, most]) in params.magnitudes.iter().zip(&summary.magnitudes) {
+        text += &format!("|W_{band}| {rms:.4} (rms), at most {most:.4}\n");
+    }
+    text += &format!("{}\n", args.output.display());
+    print(global, &text, &json!({ "summary": summary, "output": args.output }))
+}
+
+pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliError> {
+    let work = Work::open(&args.folder).map_err(|e| failed(&e))?;
+    let job = match args.job {
+        JobKind::Sort => Job::Sort,
+        JobKind::Neighbours => Job::Neighbours(args.index),
+        JobKind::Bands => Job::Bands(args.index),
+    };
+    with_progress(global, "working", |progress| run_job(&work, job, progress)).map_err(|e| failed(&e))?;
+    let n_tiles = work.n_tiles().map_err(|e| failed(&e))?;
+    print(global, &format!("done; {n_tiles} tiles\n"), &json!({ "job": job, "n_tiles": n_tiles }))
+}

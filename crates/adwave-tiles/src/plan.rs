@@ -1,0 +1,217 @@
+//! What a work is: its inputs, what is asked for, how it is cut.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use adwave::bands::{FixedSeries, Schedule};
+use serde::{Deserialize, Serialize};
+
+use crate::layout::Layout;
+use crate::{TilesError, VERTICES_IN_A_BLOCK};
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Params {
+    /// J, the number of dyadic levels.
+    pub levels: usize,
+    /// The gain of each band from fine to coarse, as many as levels; 1 keeps a band. All 1 where there are none.
+    pub gains: Vec<f64>,
+    /// The bands, from 1, whose length ‖W_j‖ becomes a field `wavelet_j` of the points, in model units.
+    pub magnitudes: Vec<usize>,
+    /// How many nearest neighbours a step of the walk may take in.
+    pub neighbours: usize,
+    /// Relative error of the bands (see [`FixedSeries`]).
+    pub accuracy: f64,
+    /// How many tiles; as few as memory allows where there is no number.
+    pub n_tiles: Option<usize>,
+    /// Bytes of memory that may be used.
+    pub memory: u64,
+    /// Tiles that are worked on at a time, each with its part of the memory.
+    pub n_workers: usize,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self {
+            levels: 8,
+            gains: Vec::new(),
+            magnitudes: Vec::new(),
+            neighbours: 10,
+            accuracy: 1e-6,
+            n_tiles: None,
+            memory: 4 << 30,
+            n_workers: 1,
+        }
+    }
+}
+
+/// More neighbours than this make rows that no tile holds.
+const MOST_NEIGHBOURS: usize = 200;
+
+impl Params {
+    pub(crate) fn check(&self) -> Result<(), TilesError> {
+        let input = |message: String| Err(TilesError::Input(message));
+        if !self.gains.is_empty() && self.gains.len() != self.levels {
+            return input(format!(
+                "{} gains for {} levels; give one for each band, from fine to coarse",
+                self.gains.len(),
+                self.levels
+            ));
+        }
+        if let Some(gain) = self.gains.iter().find(|gain| !gain.is_finite()) {
+            return input(format!("the gain {gain} is not finite; give a number"));
+        }
+        if let Some(band) = self.magnitudes.iter().find(|band| !(1..=self.levels).contains(*band)) {
+            return input(format!("there is no band {band}; bands are 1 to {}", self.levels));
+        }
+        if !(1..=MOST_NEIGHBOURS).contains(&self.neighbours) {
+            return input(format!("{} neighbours; give 1 to {MOST_NEIGHBOURS}", self.neighbours));
+        }
+        if self.n_workers == 0 || self.n_tiles == Some(0) {
+            return input("0 workers or tiles do nothing; give at least 1".into());
+        }
+        Ok(())
+    }
+
+    /// The polynomials of the outputs: the change of the coordinates, where any gain is not 1, and the bands.
+    pub(crate) fn series(&self) -> Result<Vec<FixedSeries>, TilesError> {
+        let bands = FixedSeries::bands(&Schedule::dyadic(self.levels)?, self.accuracy)?;
+        let mut series = Vec::new();
+        if self.moves() {
+            let factors: Vec<f64> = self.gains.iter().map(|gain| gain - 1.0).collect();
+            series.push(FixedSeries::weighted(&bands, &factors));
+        }
+        series.extend(self.magnitudes.iter().map(|band| bands[band - 1].clone()));
+        Ok(series)
+    }
+
+    /// Whether any coordinate changes.
+    pub(crate) fn moves(&self) -> bool {
+        self.gains.iter().any(|&gain| gain != 1.0)
+    }
+
+    /// The names of the fields that the points get.
+    pub(crate) fn fields(&self) -> Vec<String> {
+        self.magnitudes.iter().map(|band| format!("wavelet_{band}")).collect()
+    }
+
+    /// How many rings around a tile decide its result.
+    pub(crate) fn reach(&self) -> Result<usize, TilesError> {
+        Ok(self.series()?.iter().map(FixedSeries::reach).max().unwrap_or(0))
+    }
+
+    /// What has no bearing on the result is left out: two runs that agree in the rest can share a folder.
+    pub(crate) fn decides(&self) -> Self {
+        Self { memory: 0, n_workers: 0, n_tiles: None, ..self.clone() }
+    }
+}
+
+/// An input file, as it was when the work began.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Input {
+    pub(crate) path: PathBuf,
+    pub(crate) bytes: u64,
+    pub(crate) n_points: u64,
+    /// What is added to its whole coordinates, so that all inputs have one offset.
+    pub(crate) shift: [i64; 3],
+}
+
+/// A work: what goes into it, what is asked for and how it is cut.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    pub(crate) inputs: Vec<Input>,
+    pub(crate) layout: Layout,
+    /// The box of all headers, in steps of the scale; it orders the points and decides nothing else.
+    pub(crate) cells: ([i32; 3], [i32; 3]),
+    pub(crate) params: Params,
+    pub(crate) blocks_per_tile: usize,
+    pub(crate) n_points: u64,
+}
+
+/// Bytes of memory for each vertex of a tile and its rings, measured, and for each output of these.
+const VERTEX_BYTES: u64 = 620;
+const OUTPUT_BYTES: u64 = 24;
+
+/// Rings of a tile's sides as vertices: neighbours reach further than the mean distance between vertices.
+const VERTICES_PER_RING: f64 = 1.8;
+
+/// What a work will take.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Forecast {
+    /// Points of all inputs.
+    pub n_points: u64,
+    /// Tiles that these are cut into.
+    pub n_tiles: usize,
+    /// Points of a tile.
+    pub points_per_tile: u64,
+    /// Rings of neighbours around a tile that its result depends on.
+    pub rings: usize,
+    /// A tile with its rings, as a multiple of the tile: on a surface, about.
+    pub share: f64,
+    /// Bytes of memory that a tile takes at most, about.
+    pub memory: u64,
+    /// Bytes of temporary files at the most.
+    pub disk: u64,
+}
+
+impl Plan {
+    /// How a work of `n_points` points is cut, and what it takes.
+    pub(crate) fn cut(
+        params: &Params,
+        n_points: u64,
+        record_bytes: usize,
+    ) -> Result<(usize, Forecast), TilesError> {
+        let rings = params.reach()?;
+        let n_outputs = params.magnitudes.len() as u64 + 1;
+        let per_vertex = VERTEX_BYTES + OUTPUT_BYTES * n_outputs + 2 * record_bytes as u64;
+        let share = |m: f64| (1.0 + 2.0 * rings as f64 * VERTICES_PER_RING / m.sqrt()).powi(2);
+        let taken = |m: f64| (m * share(m) * per_vertex as f64) as u64;
+        // Boxes and their tree, each run's buffer, the program itself.
+        let n_blocks = n_points.div_ceil(VERTICES_IN_A_BLOCK as u64);
+        let fixed = 200 * n_blocks + (64 << 20);
+        let each = params.memory.saturating_sub(fixed) / params.n_workers as u64;
+        let mut blocks = match params.n_tiles {
+            Some(n_tiles) => n_blocks.div_ceil(n_tiles as u64).max(1),
+            None => n_blocks.max(1),
+        };
+        let size = |blocks: u64| (blocks * VERTICES_IN_A_BLOCK as u64).min(n_points) as f64;
+        if params.n_tiles.is_none() && taken(n_points as f64) > each && n_blocks > 1 {
+            let (mut fits, mut too_many) = (1, n_blocks);
+            while too_many - fits > 1 {
+                let middle = fits.midpoint(too_many);
+                if taken(size(middle)) <= each { fits = middle } else { too_many = middle }
+            }
+            // Equal tiles, so that none is left over.
+            blocks = n_blocks.div_ceil(n_blocks.div_ceil(fits));
+        }
+        let whole = (n_points as f64 * per_vertex as f64) as u64;
+        let memory = taken(size(blocks)).min(whole) * params.n_workers as u64 + fixed;
+        if memory > params.memory {
+            return Err(TilesError::Memory(format!(
+                "tiles of {} points with {rings} rings around them take about {} MB and {} may be used; allow more memory{}",
+                size(blocks),
+                memory >> 20,
+                params.memory >> 20,
+                if params.n_tiles.is_some() { ", ask for more tiles or none" } else { " or ask for fewer levels" }
+            )));
+        }
+        let n_tiles = n_blocks.div_ceil(blocks).max(1) as usize;
+        let points_per_tile = size(blocks) as u64;
+        let share = if n_tiles > 1 { share(points_per_tile as f64) } else { 1.0 };
+        // The sorted records, once more while runs are merged; or distances and neighbours.
+        let disk = n_points * (record_bytes as u64 + (record_bytes as u64).max(8 + 2 * params.neighbours as u64));
+        let forecast = Forecast { n_points, n_tiles, points_per_tile, rings, share, memory, disk };
+        Ok((blocks as usize, forecast))
+    }
+
+    /// The blocks of a tile.
+    pub(crate) fn tile(&self, tile: usize, n_blocks: usize) -> Range<usize> {
+        let first = tile * self.blocks_per_tile;
+        first.min(n_blocks)..(first + self.blocks_per_tile).min(n_blocks)
+    }
+
+    pub(crate) fn n_tiles(&self, n_blocks: usize) -> usize {
+        n_blocks.div_ceil(self.blocks_per_tile)
+    }
+}

@@ -1,0 +1,456 @@
+//! A work from its inputs to its results, stage by stage, each where it was left.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+
+use adwave::Progress;
+use adwave_io::{LasReader, LasWriter};
+use serde::{Deserialize, Serialize};
+
+use crate::bands::{BlockOutcome, bands_of_tile};
+use crate::blocks::Blocks;
+use crate::box_tree::BoxTree;
+use crate::files::write_whole;
+use crate::layout::{COORDINATES, Layout};
+use crate::near_file::NearFile;
+use crate::neighbours::neighbours_of_tile;
+use crate::part::Neighbourhoods;
+use crate::plan::{Forecast, Input, Params, Plan};
+use crate::sort::sort;
+use crate::{TilesError, VERTICES_IN_A_BLOCK};
+
+/// One tile of one stage: what a process does on its own, in any order within the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Job {
+    /// All points in the order of the curve; there is one of these.
+    Sort,
+    /// The neighbourhoods of a tile, after the sort.
+    Neighbours(usize),
+    /// The bands of a tile, after all neighbourhoods.
+    Bands(usize),
+}
+
+/// A folder with a plan and what has been done of it.
+#[derive(Debug)]
+pub struct Work {
+    folder: PathBuf,
+    plan: Plan,
+}
+
+/// What came out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Points of all inputs.
+    pub n_points: u64,
+    /// Different positions among them.
+    pub n_vertices: u64,
+    /// Tiles.
+    pub n_tiles: usize,
+    /// E, the mean distance to a neighbour, in model units.
+    pub mean_length: f64,
+    /// Root mean square of the distances moved, and the largest one, in model units.
+    pub moved: [f64; 2],
+    /// The same for each band that was asked for.
+    pub magnitudes: Vec<[f64; 2]>,
+}
+
+/// The most vertices that numbers of 32 bits name.
+const MOST_POINTS: u64 = u32::MAX as u64 - 1;
+
+/// What the work of some inputs will take.
+///
+/// # Errors
+/// [`TilesError`] when an input cannot be read, the inputs do not fit together, or the memory does not suffice.
+pub fn forecast(inputs: &[PathBuf], params: &Params) -> Result<Forecast, TilesError> {
+    Ok(planned(inputs, params)?.1)
+}
+
+fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), TilesError> {
+    params.check()?;
+    let mut plan: Option<Plan> = None;
+    for path in inputs {
+        let reader = LasReader::open(path)?;
+        let bytes = std::fs::metadata(path).map_err(TilesError::io(path))?.len();
+        let las = reader.layout();
+        let layout = Layout {
+            format: las.format,
+            record_bytes: las.record_bytes,
+            scale: las.scale,
+            offset: las.offset,
+        };
+        let path = std::path::absolute(path).map_err(TilesError::io(path))?;
+        let named = |what: &str| TilesError::Input(format!("{}: {what}", path.display()));
+        if !layout.scale.iter().all(|s| s.is_normal() && s.abs() < 1e50)
+            || !layout.offset.iter().all(|o| o.abs() < 1e90)
+        {
+            return Err(named("its scale or offset is no number to measure by; get an unbroken file"));
+        }
+        let first = plan.get_or_insert_with(|| Plan {
+            inputs: Vec::new(),
+            layout,
+            cells: ([i32::MAX; 3], [i32::MIN; 3]),
+            params: params.clone(),
+            blocks_per_tile: 0,
+            n_points: 0,
+        });
+        if (layout.format, layout.record_bytes, layout.scale)
+            != (first.layout.format, first.layout.record_bytes, first.layout.scale)
+        {
+            return Err(named(
+                "its point format, record length or scale is not that of the first file; convert one of them, or work on them apart",
+            ));
+        }
+        let mut shift = [0; 3];
+        for c in 0..3 {
+            let steps = (layout.offset[c] - first.layout.offset[c]) / layout.scale[c];
+            // Whole steps, or the points would be rounded.
+            if (steps - steps.round()).abs() > 1e-4 || steps.abs() > 4.5e9 {
+                return Err(named(
+                    "its offset is no whole number of steps from that of the first file; give all files one offset",
+                ));
+            }
+            shift[c] = steps.round() as i64;
+        }
+        let clamped = |v: f64| v.clamp(f64::from(i32::MIN), f64::from(i32::MAX)) as i32;
+        let steps = |c: usize, v: f64| clamped(((v - first.layout.offset[c]) / layout.scale[c]).round());
+        let (lo, hi) = las.bounds.map_or(([i32::MIN; 3], [i32::MAX; 3]), |(lo, hi)| {
+            (std::array::from_fn(|c| steps(c, lo[c])), std::array::from_fn(|c| steps(c, hi[c])))
+        });
+        if las.n_points > 0 {
+            for c in 0..3 {
+                first.cells.0[c] = first.cells.0[c].min(lo[c].min(hi[c]));
+                first.cells.1[c] = first.cells.1[c].max(lo[c].max(hi[c]));
+            }
+        }
+        first.n_points = first.n_points.saturating_add(las.n_points);
+        first.inputs.push(Input { path, bytes, n_points: las.n_points, shift });
+    }
+    let Some(mut plan) = plan else {
+        return Err(TilesError::Input("no input; give one or several LAS or LAZ files".into()));
+    };
+    if plan.n_points == 0 {
+        return Err(TilesError::Input("the inputs have no points; give others".into()));
+    }
+    if plan.n_points > MOST_POINTS {
+        return Err(TilesError::Input(format!(
+            "{} points, and places along the curve are numbers of 32 bits: at most {MOST_POINTS}; split the work",
+            plan.n_points
+        )));
+    }
+    debug_assert!(plan.layout.record_bytes >= COORDINATES);
+    let (blocks_per_tile, forecast) = Plan::cut(params, plan.n_points, plan.layout.record_bytes)?;
+    plan.blocks_per_tile = blocks_per_tile;
+    Ok((plan, forecast))
+}
+
+impl Work {
+    /// Begins a work in `folder`, or goes on with the one that is there, if it is the same.
+    ///
+    /// # Errors
+    /// As [`forecast`], and when the folder holds another work or cannot be written.
+    pub fn begin(folder: &Path, inputs: &[PathBuf], params: &Params) -> Result<(Self, Forecast), TilesError> {
+        let (mut plan, forecast) = planned(inputs, params)?;
+        std::fs::create_dir_all(folder).map_err(TilesError::io(folder))?;
+        let path = folder.join(PLAN);
+        if path.exists() {
+            let there = Self::open(folder)?.plan;
+            let same = |plan: &Plan| (plan.inputs.clone(), plan.params.decides());
+            if same(&there) != same(&plan) {
+                return Err(TilesError::Input(format!(
+                    "{} holds another work (other files or parameters); delete it or name another folder",
+                    folder.display()
+                )));
+            }
+            if params.n_tiles.is_none() || params.n_tiles == there.params.n_tiles {
+                plan.blocks_per_tile = there.blocks_per_tile;
+            } else if plan.blocks_per_tile != there.blocks_per_tile {
+                return Err(TilesError::Input(format!(
+                    "{} holds this work in tiles of another size; leave --tiles out, or delete the folder",
+                    folder.display()
+                )));
+            }
+            return Ok((Self { folder: folder.to_owned(), plan }, forecast));
+        }
+        let json = serde_json::to_vec_pretty(&plan).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
+        write_whole(&path, |out| std::io::Write::write_all(out, &json).map_err(TilesError::io(&path)))?;
+        Ok((Self { folder: folder.to_owned(), plan }, forecast))
+    }
+
+    /// The work of a folder.
+    ///
+    /// # Errors
+    /// When there is no plan, or none that can be read.
+    pub fn open(folder: &Path) -> Result<Self, TilesError> {
+        let path = folder.join(PLAN);
+        let json = std::fs::read(&path).map_err(TilesError::io(&path))?;
+        let plan: Plan = serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))?;
+        plan.params.check()?;
+        let is_whole = plan.blocks_per_tile > 0
+            && plan.layout.record_bytes >= COORDINATES
+            && plan.n_points <= MOST_POINTS
+            && !plan.inputs.is_empty();
+        if !is_whole {
+            return Err(TilesError::broken(&path, "its numbers make no sense"));
+        }
+        Ok(Self { folder: folder.to_owned(), plan })
+    }
+
+    fn records(&self) -> PathBuf {
+        self.folder.join("records.bin")
+    }
+
+    fn table(&self) -> PathBuf {
+        self.folder.join("blocks.bin")
+    }
+
+    fn near(&self, tile: usize) -> PathBuf {
+        self.folder.join(format!("near-{tile:05}.bin"))
+    }
+
+    /// The points of a tile, as they come out.
+    pub fn tile(&self, tile: usize) -> PathBuf {
+        self.folder.join(format!("tile-{tile:05}.laz"))
+    }
+
+    fn outcome(&self, tile: usize) -> PathBuf {
+        self.folder.join(format!("tile-{tile:05}.json"))
+    }
+
+    /// Whether all points are sorted; tiles can be counted then.
+    pub fn is_sorted(&self) -> bool {
+        self.table().exists()
+    }
+
+    fn blocks(&self) -> Result<Blocks, TilesError> {
+        Blocks::open(&self.table(), &self.records(), self.plan.layout)
+    }
+
+    /// How many tiles there are, once all points are sorted.
+    ///
+    /// # Errors
+    /// When the sorted points are not there.
+    pub fn n_tiles(&self) -> Result<usize, TilesError> {
+        Ok(self.plan.n_tiles(self.blocks()?.len()))
+    }
+
+    fn neighbourhoods(&self, blocks: &Blocks) -> Result<Neighbourhoods, TilesError> {
+        let n_tiles = self.plan.n_tiles(blocks.len());
+        let files = (0..n_tiles).map(|tile| NearFile::open(&self.near(tile))).collect::<Result<Vec<_>, _>>()?;
+        let n: usize = files.iter().map(|file| file.summaries.len()).sum();
+        if n != blocks.len() {
+            return Err(TilesError::broken(&self.near(0), "its blocks are not those of the sorted points"));
+        }
+        Ok(Neighbourhoods::new(files, blocks, self.plan.blocks_per_tile))
+    }
+
+    /// Whether a job is done: its file is there.
+    pub fn is_done(&self, job: Job) -> bool {
+        match job {
+            Job::Sort => self.is_sorted(),
+            Job::Neighbours(tile) => self.near(tile).exists(),
+            Job::Bands(tile) => self.outcome(tile).exists(),
+        }
+    }
+
+    fn sort(&self, progress: Progress<'_>) -> Result<(), TilesError> {
+        // What an earlier run left half done.
+        for run in 0.. {
+            let path = self.folder.join(format!("run-{run:04}.bin"));
+            if std::fs::remove_file(path).is_err() {
+                break;
+            }
+        }
+        sort(&self.plan, &self.folder, (&self.records(), &self.table()), progress)
+    }
+
+    fn bands(
+        &self,
+        blocks: &Blocks,
+        neighbourhoods: &Neighbourhoods,
+        tile: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        let like = LasReader::open(&self.plan.inputs[0].path)?;
+        let mut writer = LasWriter::create(&self.tile(tile), &like, &self.plan.params.fields(), None)?;
+        let range = self.plan.tile(tile, blocks.len());
+        let outcomes = bands_of_tile(&self.plan, blocks, neighbourhoods, range, progress, |records| {
+            Ok(writer.write(records)?)
+        })?;
+        writer.finish()?;
+        let path = self.outcome(tile);
+        let json = serde_json::to_vec(&outcomes).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
+        write_whole(&path, |out| std::io::Write::write_all(out, &json).map_err(TilesError::io(&path)))
+    }
+
+    fn summary(&self, blocks: &Blocks, neighbourhoods: &Neighbourhoods) -> Result<Summary, TilesError> {
+        let n_tiles = self.plan.n_tiles(blocks.len());
+        let n_bands = self.plan.params.magnitudes.len();
+        let mut sums = vec![(0.0, 0.0); n_bands + 1];
+        for tile in 0..n_tiles {
+            let path = self.outcome(tile);
+            let json = std::fs::read(&path).map_err(TilesError::io(&path))?;
+            let outcomes: Vec<BlockOutcome> =
+                serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))?;
+            for outcome in outcomes {
+                let all = std::iter::once(&outcome.moved).chain(&outcome.bands);
+                for (sum, (squares, most)) in sums.iter_mut().zip(all) {
+                    *sum = (sum.0 + squares, f64::max(sum.1, *most));
+                }
+            }
+        }
+        let rms = |(squares, most): &(f64, f64)| [(squares / blocks.n_vertices.max(1) as f64).sqrt(), *most];
+        Ok(Summary {
+            n_points: self.plan.n_points,
+            n_vertices: blocks.n_vertices,
+            n_tiles,
+            mean_length: neighbourhoods.mean_length,
+            moved: rms(&sums[0]),
+            magnitudes: sums[1..].iter().map(rms).collect(),
+        })
+    }
+
+    /// Deletes what only the work itself needed; the tiles stay.
+    ///
+    /// # Errors
+    /// When a file cannot be deleted.
+    pub fn clean(&self) -> Result<(), TilesError> {
+        let n_tiles = self.n_tiles()?;
+        let near = (0..n_tiles).map(|tile| self.near(tile));
+        let outcomes = (0..n_tiles).map(|tile| self.outcome(tile));
+        let all = near.chain(outcomes).chain([self.records(), self.table(), self.folder.join(PLAN)]);
+        for path in all {
+            std::fs::remove_file(&path).map_err(TilesError::io(&path))?;
+        }
+        Ok(())
+    }
+}
+
+/// The name of the plan in its folder.
+const PLAN: &str = "plan.json";
+
+/// Does one job of a work, whatever else has been done, and whether or not it has been done before. A process of its own may do it: it
+/// reads the folder and writes one file there.
+///
+/// # Errors
+/// [`TilesError`], also when what the job needs has not been done yet.
+pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), TilesError> {
+    if job == Job::Sort {
+        return work.sort(progress);
+    }
+    let blocks = work.blocks()?;
+    let n_tiles = work.plan.n_tiles(blocks.len());
+    let (Job::Neighbours(tile) | Job::Bands(tile)) = job else { return Ok(()) };
+    if tile >= n_tiles {
+        return Err(TilesError::Input(format!("there is no tile {tile}; tiles are 0 to {}", n_tiles - 1)));
+    }
+    match job {
+        Job::Bands(_) => work.bands(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
+        _ => {
+            let tree = BoxTree::new(blocks.boxes.clone());
+            let range = work.plan.tile(tile, blocks.len());
+            let k = work.plan.params.neighbours;
+            neighbours_of_tile(&blocks, &tree, range, k, &work.near(tile), progress)
+        }
+    }
+}
+
+/// Does all that is not done yet. Reports vertices, of three times as many as there are.
+///
+/// # Errors
+/// [`TilesError`]; what was done stays, and the next call goes on there.
+pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
+    let n = work.plan.n_points;
+    let sorting = |done: u64, total: u64| {
+        // Who is asked to stop is asked by the call itself.
+        let _ = progress.step(done * n / total.max(1), 3 * n);
+    };
+    if !work.is_sorted() {
+        work.sort(progress.quiet().with_report(&sorting))?;
+    }
+    let blocks = work.blocks()?;
+    let n_tiles = work.plan.n_tiles(blocks.len());
+    let done = AtomicU64::new(n);
+    let finished = |tile: usize| {
+        let range = work.plan.tile(tile, blocks.len());
+        let more = (range.len() * VERTICES_IN_A_BLOCK) as u64;
+        progress.step((done.fetch_add(more, Ordering::Relaxed) + more).min(3 * n), 3 * n)
+    };
+    let tree = BoxTree::new(blocks.boxes.clone());
+    let k = work.plan.params.neighbours;
+    each(work, n_tiles, |tile| {
+        if !work.is_done(Job::Neighbours(tile)) {
+            let range = work.plan.tile(tile, blocks.len());
+            neighbours_of_tile(&blocks, &tree, range, k, &work.near(tile), progress.quiet())?;
+        }
+        Ok(finished(tile)?)
+    })?;
+    drop(tree);
+    let neighbourhoods = work.neighbourhoods(&blocks)?;
+    each(work, n_tiles, |tile| {
+        if !work.is_done(Job::Bands(tile)) {
+            work.bands(&blocks, &neighbourhoods, tile, progress.quiet())?;
+        }
+        Ok(finished(tile)?)
+    })?;
+    work.summary(&blocks, &neighbourhoods)
+}
+
+/// `job(tile)` for all tiles, by as many workers as were asked for; the first error ends the others after their tile.
+fn each(
+    work: &Work,
+    n_tiles: usize,
+    job: impl Fn(usize) -> Result<(), TilesError> + Sync,
+) -> Result<(), TilesError> {
+    let (next, failed) = (AtomicUsize::new(0), Mutex::new(None));
+    let worker = || loop {
+        let tile = next.fetch_add(1, Ordering::Relaxed);
+        if tile >= n_tiles {
+            return;
+        }
+        if let Err(error) = job(tile) {
+            next.store(n_tiles, Ordering::Relaxed);
+            failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
+            return;
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..work.plan.params.n_workers.min(n_tiles) {
+            scope.spawn(worker);
+        }
+        worker();
+    });
+    failed.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).map_or(Ok(()), Err)
+}
+
+/// Records that are joined at a time.
+const JOINED_AT_A_TIME: usize = 1 << 19;
+
+/// All tiles as one file, in the order of the curve.
+///
+/// # Errors
+/// [`TilesError`] when a tile is not there, or the file cannot be written.
+pub fn join(work: &Work, path: &Path, progress: Progress<'_>) -> Result<(), TilesError> {
+    let like = LasReader::open(&work.plan.inputs[0].path)?;
+    let mut writer = LasWriter::create(path, &like, &work.plan.params.fields(), None)?;
+    let mut records = Vec::new();
+    let mut n = 0;
+    for tile in 0..work.n_tiles()? {
+        let mut reader = LasReader::open(&work.tile(tile))?;
+        loop {
+            progress.step(n, work.plan.n_points)?;
+            records.clear();
+            let read = reader.read(JOINED_AT_A_TIME, &mut records)?;
+            if read == 0 {
+                break;
+            }
+            n += read as u64;
+            writer.write(&records)?;
+        }
+    }
+    if n != work.plan.n_points {
+        return Err(TilesError::broken(&work.folder, format!("its tiles have {n} points of {}", work.plan.n_points)));
+    }
+    Ok(writer.finish()?)
+}

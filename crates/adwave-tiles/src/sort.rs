@@ -1,0 +1,218 @@
+//! All points along one Hilbert curve: runs that fit into memory, merged.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::fs::File;
+use std::io::{BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+
+use adwave::Progress;
+use adwave::shape::{HILBERT_BITS, hilbert};
+use adwave_io::LasReader;
+use rayon::prelude::*;
+
+use crate::TilesError;
+use crate::blocks::TableBuilder;
+use crate::files::write_whole;
+use crate::layout::{set_whole, whole};
+use crate::plan::{Input, Plan};
+
+/// Place along the curve, then position, so that equal positions are neighbours and nothing else is a tie.
+type Key = (u64, [i32; 3]);
+
+/// The curve through the cells of a box.
+#[derive(Clone, Copy)]
+struct Curve {
+    lo: [i32; 3],
+    scale: f64,
+}
+
+impl Curve {
+    fn of((lo, hi): ([i32; 3], [i32; 3])) -> Self {
+        let extent = (0..3).map(|c| f64::from(hi[c]) - f64::from(lo[c])).fold(0.0, f64::max);
+        let cells = f64::from((1_u32 << HILBERT_BITS) - 1);
+        Self { lo, scale: if extent > 0.0 { cells / extent } else { 0.0 } }
+    }
+
+    fn key(&self, whole: [i32; 3]) -> Key {
+        let most = f64::from((1_u32 << HILBERT_BITS) - 1);
+        // Beside the box that a header gives everything is on its side: casts saturate at 0.
+        let cell = |c: usize| {
+            ((f64::from(whole[c]) - f64::from(self.lo[c])) * self.scale).min(most) as u32
+        };
+        (hilbert([cell(0), cell(1), cell(2)]), whole)
+    }
+}
+
+/// Records that are read from an input at a time.
+const AT_A_TIME: usize = 1 << 19;
+
+/// Sorts the points of all inputs into `records`, with the table of their blocks, written last.
+pub(crate) fn sort(
+    plan: &Plan,
+    folder: &Path,
+    (records, table): (&Path, &Path),
+    progress: Progress<'_>,
+) -> Result<(), TilesError> {
+    let curve = Curve::of(plan.cells);
+    let bytes = plan.layout.record_bytes;
+    // A record, its key twice (sorting in parts) and its copy in order.
+    let per_record = 2 * bytes + 2 * size_of::<(Key, u32)>();
+    let most = (plan.params.memory as usize / 2 / per_record).clamp(AT_A_TIME, u32::MAX as usize / 2);
+    let mut runs = Vec::new();
+    let mut held: Vec<u8> = Vec::new();
+    let mut n_read = 0;
+    for input in &plan.inputs {
+        let mut reader = open(input)?;
+        loop {
+            progress.step(n_read, 2 * plan.n_points)?;
+            let start = held.len();
+            let n = reader.read(AT_A_TIME.min(most - start / bytes), &mut held)?;
+            if n == 0 {
+                break;
+            }
+            n_read += n as u64;
+            shift(&mut held[start..], bytes, input)?;
+            if held.len() / bytes >= most {
+                runs.push(write_run(&held, curve, bytes, folder, runs.len(), progress)?);
+                held.clear();
+            }
+        }
+    }
+    if n_read != plan.n_points {
+        return Err(TilesError::Input(format!(
+            "the inputs have {n_read} points and their headers promise {}; get unbroken files",
+            plan.n_points
+        )));
+    }
+    if !held.is_empty() {
+        runs.push(write_run(&held, curve, bytes, folder, runs.len(), progress)?);
+    }
+    drop(held);
+    let mut builder = TableBuilder::new(plan.layout);
+    write_whole(records, |out| {
+        merge(&runs, curve, bytes, |key, record, n| {
+            if n % (1 << 20) == 0 {
+                progress.step(plan.n_points + n, 2 * plan.n_points)?;
+            }
+            builder.add(key.1);
+            out.write_all(record).map_err(TilesError::io(records))
+        })
+    })?;
+    for run in runs {
+        std::fs::remove_file(&run).map_err(TilesError::io(&run))?;
+    }
+    builder.write(table)
+}
+
+/// Opens an input and asks whether it is still the same.
+fn open(input: &Input) -> Result<LasReader, TilesError> {
+    let reader = LasReader::open(&input.path)?;
+    let bytes = std::fs::metadata(&input.path).map_err(TilesError::io(&input.path))?.len();
+    if bytes != input.bytes || reader.layout().n_points != input.n_points {
+        return Err(TilesError::Input(format!(
+            "{} has changed since the work began; delete the folder and begin anew",
+            input.path.display()
+        )));
+    }
+    Ok(reader)
+}
+
+/// Coordinates as steps from the offset that all inputs share.
+fn shift(records: &mut [u8], bytes: usize, input: &Input) -> Result<(), TilesError> {
+    if input.shift == [0; 3] {
+        return Ok(());
+    }
+    let shifted = |record: &mut [u8]| {
+        let own = whole(record);
+        let mut moved = [0; 3];
+        for c in 0..3 {
+            moved[c] = i32::try_from(i64::from(own[c]) + input.shift[c]).ok()?;
+        }
+        set_whole(record, moved);
+        Some(())
+    };
+    if records.par_chunks_exact_mut(bytes).any(|record| shifted(record).is_none()) {
+        return Err(TilesError::Input(format!(
+            "{}: its points are too far from those of the first file for coordinates of 32 bits; split the work",
+            input.path.display()
+        )));
+    }
+    Ok(())
+}
+
+fn write_run(
+    held: &[u8],
+    curve: Curve,
+    bytes: usize,
+    folder: &Path,
+    run: usize,
+    progress: Progress<'_>,
+) -> Result<PathBuf, TilesError> {
+    let key = |(i, record): (usize, &[u8])| (curve.key(whole(record)), i as u32);
+    let mut order: Vec<(Key, u32)> = held.par_chunks_exact(bytes).enumerate().map(key).collect();
+    progress.check()?;
+    // Numbers are all different: nothing is a tie, and points at one position keep the order of the inputs.
+    order.par_sort_unstable();
+    progress.check()?;
+    let path = folder.join(format!("run-{run:04}.bin"));
+    write_whole(&path, |out| {
+        for &(_, i) in &order {
+            out.write_all(&held[i as usize * bytes..][..bytes]).map_err(TilesError::io(&path))?;
+        }
+        Ok(())
+    })?;
+    Ok(path)
+}
+
+/// A sorted run, and its records that are in memory.
+struct Run<'a> {
+    file: BufReader<File>,
+    path: &'a Path,
+    record: Vec<u8>,
+}
+
+impl Run<'_> {
+    /// Whether there was another record.
+    fn advance(&mut self) -> Result<bool, TilesError> {
+        match self.file.read_exact(&mut self.record) {
+            Ok(()) => Ok(true),
+            Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(false),
+            Err(e) => Err(TilesError::io(self.path)(e)),
+        }
+    }
+}
+
+/// Bytes of each run that are read at a time.
+const READ_AT_A_TIME: usize = 1 << 20;
+
+/// All records of the runs in their order; of equal positions those of earlier runs first.
+fn merge(
+    paths: &[PathBuf],
+    curve: Curve,
+    bytes: usize,
+    mut each: impl FnMut(Key, &[u8], u64) -> Result<(), TilesError>,
+) -> Result<(), TilesError> {
+    let mut runs = Vec::with_capacity(paths.len());
+    let mut heads = BinaryHeap::with_capacity(paths.len());
+    for (i, path) in paths.iter().enumerate() {
+        let file = BufReader::with_capacity(READ_AT_A_TIME, File::open(path).map_err(TilesError::io(path))?);
+        let mut run = Run { file, path, record: vec![0; bytes] };
+        if run.advance()? {
+            heads.push(Reverse((curve.key(whole(&run.record)), i)));
+        }
+        runs.push(run);
+    }
+    let mut n = 0;
+    while let Some(mut head) = heads.peek_mut() {
+        let Reverse((key, i)) = *head;
+        each(key, &runs[i].record, n)?;
+        n += 1;
+        if runs[i].advance()? {
+            *head = Reverse((curve.key(whole(&runs[i].record)), i));
+        } else {
+            std::collections::binary_heap::PeekMut::pop(head);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,188 @@
+//! Tiles against one tile, against the bands of a cloud in memory, and against ends at any moment.
+
+use std::path::{Path, PathBuf};
+
+use adwave::{Decomposer, Progress};
+use adwave::bands::Schedule;
+use adwave::shape::{PointCloud, Shape};
+use adwave_io::{LasLayout, LasReader, LasWriter};
+
+use crate::layout::{set_whole, whole};
+use crate::{Job, Params, TilesError, Work, join, run, run_job};
+
+/// Bytes of a record of point format 0.
+const RECORD: usize = 20;
+
+fn random(i: u32, salt: u32) -> f64 {
+    let mixed = (i ^ salt.wrapping_mul(0x9e37_79b9)).wrapping_mul(2_654_435_761).rotate_left(13);
+    f64::from(mixed.wrapping_mul(2_246_822_519)) / 4_294_967_296.0
+}
+
+/// A hilly sheet, denser on one side, with points above it, some far away, and some twice.
+fn cloud(n: u32) -> Vec<[i32; 3]> {
+    (0..n)
+        .map(|i| {
+            let i = if i % 97 == 5 { i - 1 } else { i };
+            let (x, y) = (100.0 * random(i, 1) * random(i, 2), 80.0 * random(i, 3));
+            let z = 4.0 * (x / 9.0).sin() + 3.0 * (y / 7.0).cos() + 0.05 * random(i, 4);
+            let far = if i % 5000 == 17 { 4000.0 * random(i, 5) } else { 0.0 };
+            [x, y, z + far].map(|c| (c * 1000.0) as i32)
+        })
+        .collect()
+}
+
+fn write(path: &Path, points: &[[i32; 3]], offset: f64) {
+    let layout = LasLayout {
+        format: 0,
+        record_bytes: RECORD,
+        scale: [0.001; 3],
+        offset: [offset; 3],
+        n_points: points.len() as u64,
+        bounds: None,
+    };
+    let mut writer = LasWriter::new(path, &layout, &[], None).unwrap();
+    let mut records = vec![0; RECORD * points.len()];
+    for (i, (record, point)) in records.chunks_exact_mut(RECORD).zip(points).enumerate() {
+        set_whole(record, point.map(|c| c - (offset * 1000.0) as i32));
+        record[12..14].copy_from_slice(&(i as u16).to_le_bytes()); // intensity: which point it is
+    }
+    writer.write(&records).unwrap();
+    writer.finish().unwrap();
+}
+
+fn params() -> Params {
+    Params { levels: 5, gains: vec![0.0, 0.2, 1.0, 1.5, 1.0], magnitudes: vec![2, 5], ..Params::default() }
+}
+
+/// The bytes of all tiles joined.
+fn joined(folder: &Path, inputs: &[PathBuf], params: &Params) -> Vec<u8> {
+    let work = Work::begin(folder, inputs, params).unwrap().0;
+    let summary = run(&work, Progress::none()).unwrap();
+    assert!(params.n_tiles.is_none_or(|n| summary.n_tiles <= n));
+    let path = folder.join("joined.las");
+    join(&work, &path, Progress::none()).unwrap();
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn tiles_of_any_size_and_any_memory_give_the_bytes_of_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let points = cloud(60_000);
+    let (a, b) = (folder.path().join("a.las"), folder.path().join("b.laz"));
+    write(&a, &points[..25_000], 0.0);
+    write(&b, &points[25_000..], 64.0);
+    let inputs = [a, b];
+    let whole = joined(&folder.path().join("one"), &inputs, &params());
+    for n_tiles in [2, 5, 15] {
+        let params = Params { n_tiles: Some(n_tiles), n_workers: 2, ..params() };
+        let work = folder.path().join(n_tiles.to_string());
+        assert!(joined(&work, &inputs, &params) == whole, "{n_tiles} tiles differ");
+    }
+}
+
+#[test]
+fn the_bands_are_those_of_the_cloud_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let points = cloud(30_000);
+    let input = folder.path().join("a.las");
+    write(&input, &points, 0.0);
+    let params = Params { n_tiles: Some(4), accuracy: 1e-9, ..params() };
+    let bytes = joined(&folder.path().join("work"), &[input], &params);
+    std::fs::write(folder.path().join("out.las"), bytes).unwrap();
+    let positions: Vec<[f64; 3]> = points.iter().map(|p| p.map(|c| f64::from(c) * 0.001)).collect();
+    let shape = Shape::Cloud(PointCloud::new(positions.clone()).unwrap());
+    let schedule = Schedule::dyadic(5).unwrap();
+    let bands = Decomposer::new(&shape).decompose(positions.as_flattened(), 3, &schedule).unwrap();
+    let mut reader = LasReader::open(&folder.path().join("out.las")).unwrap();
+    let mut records = Vec::new();
+    while reader.read(usize::MAX, &mut records).unwrap() > 0 {}
+    let size = RECORD + 8;
+    assert_eq!(records.len(), size * points.len());
+    let mut seen = 0;
+    for record in records.chunks_exact(size) {
+        // The intensity is the number of the point but for multiples of 65 536.
+        let i = usize::from(u16::from_le_bytes([record[12], record[13]]));
+        let band = |j: usize| -> [f64; 3] { std::array::from_fn(|c| bands.wavelet(j)[3 * i + c]) };
+        let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        for (j, at) in [(2, RECORD), (5, RECORD + 4)] {
+            let found = f32::from_le_bytes(record[at..at + 4].try_into().unwrap());
+            let exact = length(band(j));
+            assert!((f64::from(found) - exact).abs() <= 1e-6 * exact + 1e-9, "{i}: {found} for {exact}");
+        }
+        let exact: [f64; 3] = std::array::from_fn(|c| {
+            positions[i][c] - band(1)[c] - 0.8 * band(2)[c] + 0.5 * band(4)[c]
+        });
+        for (found, exact) in whole(record).into_iter().zip(exact) {
+            assert!((f64::from(found) * 0.001 - exact).abs() <= 0.000_501, "{i}: {found} for {exact}");
+        }
+        seen += 1;
+    }
+    assert_eq!(seen, points.len());
+}
+
+#[test]
+fn a_work_goes_on_after_any_job_and_jobs_may_be_done_twice_or_by_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("a.las");
+    write(&input, &cloud(20_000), 0.0);
+    let inputs = [input];
+    let params = Params { n_tiles: Some(3), ..params() };
+    let whole = joined(&folder.path().join("whole"), &inputs, &params);
+    let path = folder.path().join("parts");
+    let work = Work::begin(&path, &inputs, &params).unwrap().0;
+    assert!(run_job(&work, Job::Neighbours(0), Progress::none()).is_err());
+    std::fs::write(path.join("run-0000.bin"), b"half a run").unwrap();
+    run_job(&work, Job::Sort, Progress::none()).unwrap();
+    for job in [Job::Neighbours(2), Job::Neighbours(0), Job::Neighbours(0)] {
+        run_job(&work, job, Progress::none()).unwrap();
+    }
+    let early = run_job(&work, Job::Bands(1), Progress::none());
+    assert!(matches!(early, Err(TilesError::Io { .. })), "{early:?}");
+    let work = Work::open(&path).unwrap();
+    run_job(&work, Job::Neighbours(1), Progress::none()).unwrap();
+    run_job(&work, Job::Bands(1), Progress::none()).unwrap();
+    assert!(run_job(&work, Job::Bands(3), Progress::none()).is_err());
+    assert!(joined(&path, &inputs, &params) == whole);
+    // Another work does not mix with it.
+    let other = Params { levels: 6, gains: vec![1.0; 6], ..params.clone() };
+    assert!(matches!(Work::begin(&path, &inputs, &other), Err(TilesError::Input(_))));
+    work.clean().unwrap();
+    assert_eq!(std::fs::read_dir(&path).unwrap().count(), 4); // three tiles and what was joined
+}
+
+#[test]
+fn few_points_points_in_one_spot_and_no_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("a.las");
+    for (i, points) in [vec![[5, 6, 7]], vec![[5, 6, 7]; 9000], vec![[1, 0, 0], [2, 0, 0], [9, 0, 0]]].iter().enumerate() {
+        write(&input, points, 0.0);
+        let out = joined(&folder.path().join(i.to_string()), &[input.clone()], &params());
+        assert!(!out.is_empty());
+    }
+    write(&input, &[], 0.0);
+    let none = Work::begin(&folder.path().join("none"), &[input], &params()).map(|_| ());
+    assert!(matches!(none, Err(TilesError::Input(_))), "{none:?}");
+}
+
+#[test]
+fn broken_files_of_the_folder_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("a.las");
+    write(&input, &cloud(9000), 0.0);
+    let params = Params { n_tiles: Some(3), ..params() };
+    for name in ["records.bin", "blocks.bin", "near-00001.bin", "plan.json"] {
+        let path = folder.path().join("work");
+        let work = Work::begin(&path, &[input.clone()], &params).unwrap().0;
+        run_job(&work, Job::Sort, Progress::none()).unwrap();
+        for tile in 0..work.n_tiles().unwrap() {
+            run_job(&work, Job::Neighbours(tile), Progress::none()).unwrap();
+        }
+        let bytes = std::fs::read(path.join(name)).unwrap();
+        for cut in [0, 7, bytes.len() / 2, bytes.len() - 1] {
+            std::fs::write(path.join(name), &bytes[..cut]).unwrap();
+            let result = Work::open(&path).and_then(|work| run(&work, Progress::none()));
+            assert!(result.as_ref().is_err_and(|e| e.to_string().contains(name)), "{name} cut at {cut}: {result:?}");
+        }
+        std::fs::remove_dir_all(&path).unwrap();
+    }
+}
