@@ -6,6 +6,7 @@ use std::sync::Arc;
 use adwave::Progress;
 use adwave::bands::{BandsParams, Transform};
 use adwave::operator::{Diffusion, local_operator_of_neighbours};
+use adwave::pages::{release_freed, zeros};
 use rayon::prelude::*;
 
 use crate::TilesError;
@@ -24,6 +25,9 @@ pub(crate) struct BlockOutcome {
     pub(crate) bands: Vec<(f64, f64)>,
 }
 
+/// Blocks whose records are in memory together.
+const AT_A_TIME: usize = 64;
+
 /// The bands and coordinates of a tile, and gives the records of its blocks to `out`, in their order.
 pub(crate) fn bands_of_tile(
     plan: &Plan,
@@ -38,6 +42,8 @@ pub(crate) fn bands_of_tile(
     let k = plan.params.neighbours.min((blocks.n_vertices as usize).saturating_sub(1));
     let part = part(blocks, neighbourhoods, tile.clone(), rings, k, progress)?;
     let own = part.own.clone();
+    // The blocks that it was made of.
+    release_freed();
     let operator = local_operator_of_neighbours(
         &part.points,
         part.neighbours,
@@ -48,18 +54,15 @@ pub(crate) fn bands_of_tile(
     let diffusion = Arc::new(Diffusion::new(operator, progress)?);
     let transform = Transform::new(diffusion, &BandsParams::default())?;
     let points = part.points;
-    let mut outs: Vec<Vec<f64>> = series.iter().map(|_| vec![0.0; 3 * points.len()]).collect();
+    let mut outs: Vec<Vec<f64>> = series.iter().map(|_| zeros(3 * points.len())).collect();
     if !series.is_empty() {
         let mut slices: Vec<&mut [f64]> = outs.iter_mut().map(|out| &mut out[..]).collect();
         transform.fixed_into(points.as_flattened(), 3, &series, &mut slices, progress)?;
     }
     drop(transform);
-    let own_rows = |out: &Vec<f64>| out.as_chunks::<3>().0[own.clone()].to_vec();
-    let outs: Vec<Vec<[f64; 3]>> = outs.iter().map(own_rows).collect();
-    let points = points[own].to_vec();
+    let outs: Vec<&[[f64; 3]]> = outs.iter().map(|out| &out.as_chunks::<3>().0[own.clone()]).collect();
+    let points = &points[own];
     let mut outcomes = Vec::with_capacity(tile.len());
-    /// Blocks whose records are in memory together.
-    const AT_A_TIME: usize = 64;
     let first = blocks.vertices(tile.start).start;
     let all: Vec<usize> = tile.collect();
     for group in all.chunks(AT_A_TIME) {

@@ -91,7 +91,8 @@ impl Blocks {
                 boxes.push(bounds);
             }
             firsts.push(n_records);
-            (n_vertices.div_ceil(VERTICES_IN_A_BLOCK as u64) == n_blocks).then_some((firsts, boxes, n_vertices))
+            (n_vertices.div_ceil(VERTICES_IN_A_BLOCK as u64) == n_blocks)
+                .then_some((firsts, boxes, n_vertices))
         };
         Ok(parsed().map(|(firsts, boxes, n_vertices)| Self { records, layout, firsts, boxes, n_vertices }))
     }

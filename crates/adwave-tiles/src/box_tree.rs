@@ -29,10 +29,7 @@ impl Bounds {
     /// The box with everything within `radius`, and a little more.
     pub(crate) fn widened(&self, radius: f64) -> Self {
         let more = |c: f64| radius + ROUNDING * (radius + c.abs());
-        Self {
-            lo: self.lo.map(|c| c - more(c)),
-            hi: self.hi.map(|c| c + more(c)),
-        }
+        Self { lo: self.lo.map(|c| c - more(c)), hi: self.hi.map(|c| c + more(c)) }
     }
 
     pub(crate) fn touches(&self, other: &Self) -> bool {

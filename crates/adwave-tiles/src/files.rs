@@ -57,6 +57,9 @@ impl At {
 /// Bytes that a writer gathers before it asks the system.
 const GATHERED: usize = 1 << 20;
 
+/// How names of files that are being written begin and end.
+pub(crate) const TEMPORARY: (&str, &str) = (".adwave-", ".tmp");
+
 /// Writes a file under another name, flushes it to the disk and renames it: it is whole where it is.
 pub(crate) fn write_whole<T>(
     path: &Path,
@@ -64,8 +67,8 @@ pub(crate) fn write_whole<T>(
 ) -> Result<T, TilesError> {
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
     let mut temporary = tempfile::Builder::new()
-        .prefix(".adwave-")
-        .suffix(".tmp")
+        .prefix(TEMPORARY.0)
+        .suffix(TEMPORARY.1)
         .tempfile_in(folder)
         .map_err(TilesError::io(path))?;
     let mut writer = BufWriter::with_capacity(GATHERED, temporary.as_file_mut());
@@ -73,7 +76,9 @@ pub(crate) fn write_whole<T>(
     writer.flush().map_err(TilesError::io(path))?;
     drop(writer);
     temporary.as_file().sync_all().map_err(TilesError::io(path))?;
-    temporary.persist(path).map_err(|e| TilesError::Io { path: path.display().to_string(), source: e.error })?;
+    temporary
+        .persist(path)
+        .map_err(|e| TilesError::Io { path: path.display().to_string(), source: e.error })?;
     Ok(result)
 }
 

@@ -44,7 +44,7 @@ impl Near {
         let mut cursor = Cursor { bytes };
         let mut near = Self::default();
         for _ in 0..n {
-            near.radius.push(cursor.f64().filter(|r| *r >= 0.0)?);
+            near.radius.push(cursor.f64().filter(|r| (0.0..f64::INFINITY).contains(r))?);
         }
         near.offsets.push(0);
         for i in 0..n {
@@ -53,7 +53,8 @@ impl Near {
             for k in 0..count {
                 let step = cursor.varint()?;
                 let step = if k == 0 {
-                    ((first + i) as i64).checked_add((step >> 1).cast_signed() ^ -((step & 1).cast_signed()))?
+                    ((first + i) as i64)
+                        .checked_add((step >> 1).cast_signed() ^ -((step & 1).cast_signed()))?
                 } else {
                     i64::try_from(step).ok()?
                 };
@@ -122,21 +123,28 @@ pub(crate) struct NearFile {
 }
 
 impl NearFile {
-    pub(crate) fn open(path: &Path) -> Result<Self, TilesError> {
+    /// That of the blocks `range`.
+    pub(crate) fn open(path: &Path, range: &std::ops::Range<usize>) -> Result<Self, TilesError> {
         let file = At::open(path)?;
         let head = file.read(0, HEAD)?;
         let broken = |what: &str| TilesError::broken(path, what);
-        let mut cursor = Cursor { bytes: head.strip_prefix(MARK).ok_or_else(|| broken("it is another file"))? };
+        let mut cursor =
+            Cursor { bytes: head.strip_prefix(MARK).ok_or_else(|| broken("it is another file"))? };
         let (Some(first_block), Some(n_blocks)) = (cursor.u64(), cursor.u64()) else {
             return Err(broken("it ends early"));
         };
-        let table = usize::try_from(n_blocks).ok().and_then(|n| n.checked_mul(ROW));
-        let table = file.read(HEAD as u64, table.ok_or_else(|| broken("it promises too much"))?)?;
+        if (first_block, n_blocks) != (range.start as u64, range.len() as u64) {
+            return Err(broken("it is of other blocks"));
+        }
+        let table = file.read(HEAD as u64, ROW * range.len())?;
         let mut cursor = Cursor { bytes: &table };
         let (mut offsets, mut summaries) = (vec![HEAD as u64 + table.len() as u64], Vec::new());
         let mut row = || {
             let end = cursor.u64()?;
-            Some((end, BlockSummary { sum: cursor.f64()?, n_neighbours: cursor.u64()?, radius: cursor.f64()? }))
+            Some((
+                end,
+                BlockSummary { sum: cursor.f64()?, n_neighbours: cursor.u64()?, radius: cursor.f64()? },
+            ))
         };
         for _ in 0..n_blocks {
             let (end, summary) = row().ok_or_else(|| broken("it ends early"))?;
@@ -146,7 +154,7 @@ impl NearFile {
         if !offsets.is_sorted() {
             return Err(broken("its table is not sorted"));
         }
-        Ok(Self { file, first_block: first_block as usize, offsets, summaries })
+        Ok(Self { file, first_block: range.start, offsets, summaries })
     }
 
     /// The neighbourhoods of a block, whose vertices are `vertices`, of `n_vertices` in all.

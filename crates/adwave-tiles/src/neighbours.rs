@@ -6,7 +6,8 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use adwave::Progress;
-use adwave::shape::nearest_neighbours;
+use adwave::pages::{release_freed, zeros};
+use adwave::shape::{nearest_neighbours, nearest_of_one};
 use rayon::prelude::*;
 
 use crate::TilesError;
@@ -26,12 +27,14 @@ pub(crate) fn neighbours_of_tile(
     path: &Path,
     progress: Progress<'_>,
 ) -> Result<(), TilesError> {
-    let loaded: Vec<Vec<[f64; 3]>> =
-        tile.clone().into_par_iter().map(|block| blocks.positions(block)).collect::<Result<_, _>>()?;
-    let points = loaded.concat();
-    drop(loaded);
-    progress.check()?;
+    release_freed();
     let first = tile.start * VERTICES_IN_A_BLOCK;
+    let mut points: Vec<[f64; 3]> = zeros(blocks.vertices(tile.end - 1).end - first);
+    points.par_chunks_mut(VERTICES_IN_A_BLOCK).zip(tile.clone()).try_for_each(|(points, block)| {
+        points.copy_from_slice(&blocks.positions(block)?);
+        Ok::<(), TilesError>(())
+    })?;
+    progress.check()?;
     let own = nearest_neighbours(&points, k);
     // Where there are not enough points in the tile, any other may be a neighbour.
     let wanted = k.min((blocks.n_vertices as usize).saturating_sub(1));
@@ -99,11 +102,15 @@ fn across(
         if box_distance(block) > reach * (1.0 + TIE) {
             break;
         }
-        let positions = cache.get(block)?;
+        let held = cache.get(block)?;
         let first = cache.blocks.vertices(block).start;
-        let limit = (reach * (1.0 + TIE)).powi(2);
-        let here = positions.iter().enumerate().filter(|(_, p)| square(p) <= limit);
-        known.extend(here.map(|(i, p)| ((first + i) as u32, *p)));
+        let (limit, ball) = ((reach * (1.0 + TIE)).powi(2), Bounds::of(position).widened(reach));
+        for (group, positions) in held.positions.chunks(GROUP).enumerate() {
+            if held.boxes[group].touches(&ball) {
+                let here = (first + group * GROUP..).zip(positions).filter(|(_, p)| square(p) <= limit);
+                known.extend(here.map(|(y, p)| (y as u32, *p)));
+            }
+        }
         if known.len() > 4 * k + 64 {
             reach = reach.min(kth_distance(known, k, square));
             let limit = (reach * (1.0 + TIE)).powi(2);
@@ -113,9 +120,10 @@ fn across(
     known.sort_unstable_by_key(|(place, _)| *place);
     let points: Vec<[f64; 3]> = known.iter().map(|(_, p)| *p).collect();
     let i = known.partition_point(|(other, _)| *other < place);
-    let near = nearest_neighbours(&points, k);
-    places.extend(near.adjacency.of(i).iter().map(|&y| known[y as usize].0));
-    Ok(near.radius[i])
+    let mut near = Vec::new();
+    let radius = nearest_of_one(&points, i, k, &mut near);
+    places.extend(near.into_iter().map(|y| known[y as usize].0));
+    Ok(radius)
 }
 
 /// The distance of the k-th of `known` from the first of them, which has a square of 0; infinite where there are fewer.
@@ -142,7 +150,9 @@ fn sum_of_distances(
         for &y in near.of(i) {
             let there = match (y as usize).checked_sub(first).and_then(|i| points.get(i)) {
                 Some(there) => *there,
-                None => cache.get(y as usize / VERTICES_IN_A_BLOCK)?[y as usize % VERTICES_IN_A_BLOCK],
+                None => {
+                    cache.get(y as usize / VERTICES_IN_A_BLOCK)?.positions[y as usize % VERTICES_IN_A_BLOCK]
+                }
             };
             of_vertex += (0..3).map(|c| (here[c] - there[c]) * (here[c] - there[c])).sum::<f64>().sqrt();
         }
@@ -151,15 +161,37 @@ fn sum_of_distances(
     Ok(total)
 }
 
-/// The positions of a block, shared by who reads them at the same time.
-type Positions = Arc<Vec<[f64; 3]>>;
+/// Vertices of a block that have a box of their own.
+const GROUP: usize = 64;
+
+/// The positions of a block.
+struct Held {
+    positions: Vec<[f64; 3]>,
+    /// Those of each group.
+    boxes: Vec<Bounds>,
+}
+
+impl Held {
+    fn new(positions: Vec<[f64; 3]>) -> Self {
+        let around = |group: &[[f64; 3]]| {
+            group.iter().fold(Bounds::NONE, |mut sum, p| {
+                sum.include(&Bounds::of(*p));
+                sum
+            })
+        };
+        let boxes = positions.chunks(GROUP).map(around).collect();
+        Self { positions, boxes }
+    }
+}
 
 /// Positions of blocks of other tiles, the last ones kept.
 struct PositionCache<'a> {
     blocks: &'a Blocks,
-    /// With the time of their last use.
-    kept: Mutex<(u64, HashMap<usize, (u64, Positions)>)>,
+    kept: Mutex<Kept>,
 }
+
+/// Blocks with the time of their last use, and the time.
+type Kept = (u64, HashMap<usize, (u64, Arc<Held>)>);
 
 /// Blocks that are kept: 50 MB.
 const MOST_KEPT: usize = 512;
@@ -169,18 +201,18 @@ impl<'a> PositionCache<'a> {
         Self { blocks, kept: Mutex::default() }
     }
 
-    fn get(&self, block: usize) -> Result<Positions, TilesError> {
+    fn get(&self, block: usize) -> Result<Arc<Held>, TilesError> {
         let lock = || self.kept.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         {
             let mut kept = lock();
             let (clock, kept) = &mut *kept;
             *clock += 1;
-            if let Some((used, positions)) = kept.get_mut(&block) {
+            if let Some((used, held)) = kept.get_mut(&block) {
                 *used = *clock;
-                return Ok(Arc::clone(positions));
+                return Ok(Arc::clone(held));
             }
         }
-        let positions = Arc::new(self.blocks.positions(block)?);
+        let held = Arc::new(Held::new(self.blocks.positions(block)?));
         let mut kept = lock();
         let (clock, kept) = &mut *kept;
         if kept.len() >= MOST_KEPT {
@@ -189,7 +221,7 @@ impl<'a> PositionCache<'a> {
             let middle = *times.select_nth_unstable(MOST_KEPT / 2).1;
             kept.retain(|_, (used, _)| *used > middle);
         }
-        kept.insert(block, (*clock, Arc::clone(&positions)));
-        Ok(positions)
+        kept.insert(block, (*clock, Arc::clone(&held)));
+        Ok(held)
     }
 }

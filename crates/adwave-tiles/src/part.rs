@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use adwave::Progress;
+use adwave::pages::zeros;
 use adwave::rows::Pattern;
 use rayon::prelude::*;
 
@@ -242,19 +243,20 @@ impl Search<'_> {
                 own.end = n as usize;
             }
         }
-        let (mut points, mut areas) = (Vec::with_capacity(n as usize), Vec::with_capacity(n as usize));
-        let mut offsets = Vec::with_capacity(n as usize + 1);
-        offsets.push(0);
+        let (mut points, mut areas): (Vec<[f64; 3]>, Vec<f64>) = (zeros(n as usize), zeros(n as usize));
+        let mut offsets: Vec<usize> = zeros(n as usize + 1);
+        let mut at = 0;
         for loaded in &self.loaded {
             for (i, &ring) in loaded.ring.iter().enumerate().filter(|(_, ring)| **ring != OUTSIDE) {
-                points.push(loaded.positions[i]);
+                points[at] = loaded.positions[i];
                 let radius = loaded.near.radius[i];
-                areas.push(PI * radius * radius / k.max(1) as f64);
+                areas[at] = PI * radius * radius / k.max(1) as f64;
                 let length = if ring < rings { loaded.union.of(i).len() } else { 0 };
-                offsets.push(offsets[offsets.len() - 1] + length);
+                offsets[at + 1] = offsets[at] + length;
+                at += 1;
             }
         }
-        let mut columns = vec![0_u32; offsets[offsets.len() - 1]];
+        let mut columns: Vec<u32> = zeros(offsets[at]);
         let mut rest = &mut columns[..];
         let mut jobs = Vec::new();
         for loaded in &self.loaded {
@@ -272,8 +274,9 @@ impl Search<'_> {
                 *column = numbers[self.slots[block] as usize][i];
             }
         });
-        let neighbours = Pattern::new(offsets, columns, points.len())
-            .map_err(|e| TilesError::Input(format!("neighbourhoods contradict each other ({e}); begin anew")))?;
+        let neighbours = Pattern::new(offsets, columns, points.len()).map_err(|e| {
+            TilesError::Input(format!("neighbourhoods contradict each other ({e}); begin anew"))
+        })?;
         Ok(Part { points, neighbours, areas, own })
     }
 }

@@ -130,7 +130,7 @@ pub struct Plan {
 }
 
 /// Bytes of memory for each vertex of a tile and its rings, measured, and for each output of these.
-const VERTEX_BYTES: u64 = 620;
+const VERTEX_BYTES: u64 = 420;
 const OUTPUT_BYTES: u64 = 24;
 
 /// Rings of a tile's sides as vertices: neighbours reach further than the mean distance between vertices.
@@ -193,14 +193,19 @@ impl Plan {
                 size(blocks),
                 memory >> 20,
                 params.memory >> 20,
-                if params.n_tiles.is_some() { ", ask for more tiles or none" } else { " or ask for fewer levels" }
+                if params.n_tiles.is_some() {
+                    ", ask for more tiles or none"
+                } else {
+                    " or ask for fewer levels"
+                }
             )));
         }
         let n_tiles = n_blocks.div_ceil(blocks).max(1) as usize;
         let points_per_tile = size(blocks) as u64;
         let share = if n_tiles > 1 { share(points_per_tile as f64) } else { 1.0 };
         // The sorted records, once more while runs are merged; or distances and neighbours.
-        let disk = n_points * (record_bytes as u64 + (record_bytes as u64).max(8 + 2 * params.neighbours as u64));
+        let disk =
+            n_points * (record_bytes as u64 + (record_bytes as u64).max(8 + 2 * params.neighbours as u64));
         let forecast = Forecast { n_points, n_tiles, points_per_tile, rings, share, memory, disk };
         Ok((blocks as usize, forecast))
     }

@@ -5,13 +5,14 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use adwave::Progress;
+use adwave::pages::release_freed;
 use adwave_io::{LasReader, LasWriter};
 use serde::{Deserialize, Serialize};
 
 use crate::bands::{BlockOutcome, bands_of_tile};
 use crate::blocks::Blocks;
 use crate::box_tree::BoxTree;
-use crate::files::write_whole;
+use crate::files::{TEMPORARY, write_whole};
 use crate::layout::{COORDINATES, Layout};
 use crate::near_file::NearFile;
 use crate::neighbours::neighbours_of_tile;
@@ -82,8 +83,8 @@ fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), Tile
         };
         let path = std::path::absolute(path).map_err(TilesError::io(path))?;
         let named = |what: &str| TilesError::Input(format!("{}: {what}", path.display()));
-        if !layout.scale.iter().all(|s| s.is_normal() && s.abs() < 1e50)
-            || !layout.offset.iter().all(|o| o.abs() < 1e90)
+        if !layout.scale.iter().all(|s| s.is_normal() && s.abs() < 1e40)
+            || !layout.offset.iter().all(|o| o.abs() < 1e50)
         {
             return Err(named("its scale or offset is no number to measure by; get an unbroken file"));
         }
@@ -103,7 +104,7 @@ fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), Tile
             ));
         }
         let mut shift = [0; 3];
-        for c in 0..3 {
+        for (c, shift) in shift.iter_mut().enumerate() {
             let steps = (layout.offset[c] - first.layout.offset[c]) / layout.scale[c];
             // Whole steps, or the points would be rounded.
             if (steps - steps.round()).abs() > 1e-4 || steps.abs() > 4.5e9 {
@@ -111,7 +112,7 @@ fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), Tile
                     "its offset is no whole number of steps from that of the first file; give all files one offset",
                 ));
             }
-            shift[c] = steps.round() as i64;
+            *shift = steps.round() as i64;
         }
         let clamped = |v: f64| v.clamp(f64::from(i32::MIN), f64::from(i32::MAX)) as i32;
         let steps = |c: usize, v: f64| clamped(((v - first.layout.offset[c]) / layout.scale[c]).round());
@@ -173,7 +174,8 @@ impl Work {
             }
             return Ok((Self { folder: folder.to_owned(), plan }, forecast));
         }
-        let json = serde_json::to_vec_pretty(&plan).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
+        let json =
+            serde_json::to_vec_pretty(&plan).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
         write_whole(&path, |out| std::io::Write::write_all(out, &json).map_err(TilesError::io(&path)))?;
         Ok((Self { folder: folder.to_owned(), plan }, forecast))
     }
@@ -185,7 +187,8 @@ impl Work {
     pub fn open(folder: &Path) -> Result<Self, TilesError> {
         let path = folder.join(PLAN);
         let json = std::fs::read(&path).map_err(TilesError::io(&path))?;
-        let plan: Plan = serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))?;
+        let plan: Plan =
+            serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))?;
         plan.params.check()?;
         let is_whole = plan.blocks_per_tile > 0
             && plan.layout.record_bytes >= COORDINATES
@@ -237,11 +240,8 @@ impl Work {
 
     fn neighbourhoods(&self, blocks: &Blocks) -> Result<Neighbourhoods, TilesError> {
         let n_tiles = self.plan.n_tiles(blocks.len());
-        let files = (0..n_tiles).map(|tile| NearFile::open(&self.near(tile))).collect::<Result<Vec<_>, _>>()?;
-        let n: usize = files.iter().map(|file| file.summaries.len()).sum();
-        if n != blocks.len() {
-            return Err(TilesError::broken(&self.near(0), "its blocks are not those of the sorted points"));
-        }
+        let open = |tile| NearFile::open(&self.near(tile), &self.plan.tile(tile, blocks.len()));
+        let files = (0..n_tiles).map(open).collect::<Result<Vec<_>, _>>()?;
         Ok(Neighbourhoods::new(files, blocks, self.plan.blocks_per_tile))
     }
 
@@ -280,7 +280,8 @@ impl Work {
         })?;
         writer.finish()?;
         let path = self.outcome(tile);
-        let json = serde_json::to_vec(&outcomes).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
+        let json =
+            serde_json::to_vec(&outcomes).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
         write_whole(&path, |out| std::io::Write::write_all(out, &json).map_err(TilesError::io(&path)))
     }
 
@@ -323,6 +324,14 @@ impl Work {
         for path in all {
             std::fs::remove_file(&path).map_err(TilesError::io(&path))?;
         }
+        // What runs that were killed left half written; nobody works here any more.
+        for entry in std::fs::read_dir(&self.folder).map_err(TilesError::io(&self.folder))?.flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1) {
+                std::fs::remove_file(entry.path()).map_err(TilesError::io(&entry.path()))?;
+            }
+        }
         Ok(())
     }
 }
@@ -343,17 +352,17 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
     let n_tiles = work.plan.n_tiles(blocks.len());
     let (Job::Neighbours(tile) | Job::Bands(tile)) = job else { return Ok(()) };
     if tile >= n_tiles {
-        return Err(TilesError::Input(format!("there is no tile {tile}; tiles are 0 to {}", n_tiles - 1)));
+        return Err(TilesError::Input(format!(
+            "there is no tile {tile}; tiles are 0 to {}",
+            n_tiles.max(1) - 1
+        )));
     }
-    match job {
-        Job::Bands(_) => work.bands(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
-        _ => {
-            let tree = BoxTree::new(blocks.boxes.clone());
-            let range = work.plan.tile(tile, blocks.len());
-            let k = work.plan.params.neighbours;
-            neighbours_of_tile(&blocks, &tree, range, k, &work.near(tile), progress)
-        }
+    if let Job::Bands(_) = job {
+        return work.bands(&blocks, &work.neighbourhoods(&blocks)?, tile, progress);
     }
+    let tree = BoxTree::new(blocks.boxes.clone());
+    let range = work.plan.tile(tile, blocks.len());
+    neighbours_of_tile(&blocks, &tree, range, work.plan.params.neighbours, &work.near(tile), progress)
 }
 
 /// Does all that is not done yet. Reports vertices, of three times as many as there are.
@@ -387,6 +396,7 @@ pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
         Ok(finished(tile)?)
     })?;
     drop(tree);
+    release_freed();
     let neighbourhoods = work.neighbourhoods(&blocks)?;
     each(work, n_tiles, |tile| {
         if !work.is_done(Job::Bands(tile)) {
@@ -450,7 +460,10 @@ pub fn join(work: &Work, path: &Path, progress: Progress<'_>) -> Result<(), Tile
         }
     }
     if n != work.plan.n_points {
-        return Err(TilesError::broken(&work.folder, format!("its tiles have {n} points of {}", work.plan.n_points)));
+        return Err(TilesError::broken(
+            &work.folder,
+            format!("its tiles have {n} points of {}", work.plan.n_points),
+        ));
     }
     Ok(writer.finish()?)
 }

@@ -37,9 +37,7 @@ impl Curve {
     fn key(&self, whole: [i32; 3]) -> Key {
         let most = f64::from((1_u32 << HILBERT_BITS) - 1);
         // Beside the box that a header gives everything is on its side: casts saturate at 0.
-        let cell = |c: usize| {
-            ((f64::from(whole[c]) - f64::from(self.lo[c])) * self.scale).min(most) as u32
-        };
+        let cell = |c: usize| ((f64::from(whole[c]) - f64::from(self.lo[c])) * self.scale).min(most) as u32;
         (hilbert([cell(0), cell(1), cell(2)]), whole)
     }
 }

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use adwave::{Decomposer, Progress};
 use adwave::bands::Schedule;
 use adwave::shape::{PointCloud, Shape};
+use adwave::{Decomposer, Progress};
 use adwave_io::{LasLayout, LasReader, LasWriter};
 
 use crate::layout::{set_whole, whole};
@@ -109,9 +109,8 @@ fn the_bands_are_those_of_the_cloud_in_memory() {
             let exact = length(band(j));
             assert!((f64::from(found) - exact).abs() <= 1e-6 * exact + 1e-9, "{i}: {found} for {exact}");
         }
-        let exact: [f64; 3] = std::array::from_fn(|c| {
-            positions[i][c] - band(1)[c] - 0.8 * band(2)[c] + 0.5 * band(4)[c]
-        });
+        let exact: [f64; 3] =
+            std::array::from_fn(|c| positions[i][c] - band(1)[c] - 0.8 * band(2)[c] + 0.5 * band(4)[c]);
         for (found, exact) in whole(record).into_iter().zip(exact) {
             assert!((f64::from(found) * 0.001 - exact).abs() <= 0.000_501, "{i}: {found} for {exact}");
         }
@@ -154,9 +153,11 @@ fn a_work_goes_on_after_any_job_and_jobs_may_be_done_twice_or_by_others() {
 fn few_points_points_in_one_spot_and_no_points() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("a.las");
-    for (i, points) in [vec![[5, 6, 7]], vec![[5, 6, 7]; 9000], vec![[1, 0, 0], [2, 0, 0], [9, 0, 0]]].iter().enumerate() {
+    for (i, points) in
+        [vec![[5, 6, 7]], vec![[5, 6, 7]; 9000], vec![[1, 0, 0], [2, 0, 0], [9, 0, 0]]].iter().enumerate()
+    {
         write(&input, points, 0.0);
-        let out = joined(&folder.path().join(i.to_string()), &[input.clone()], &params());
+        let out = joined(&folder.path().join(i.to_string()), std::slice::from_ref(&input), &params());
         assert!(!out.is_empty());
     }
     write(&input, &[], 0.0);
@@ -172,7 +173,7 @@ fn broken_files_of_the_folder_are_named() {
     let params = Params { n_tiles: Some(3), ..params() };
     for name in ["records.bin", "blocks.bin", "near-00001.bin", "plan.json"] {
         let path = folder.path().join("work");
-        let work = Work::begin(&path, &[input.clone()], &params).unwrap().0;
+        let work = Work::begin(&path, std::slice::from_ref(&input), &params).unwrap().0;
         run_job(&work, Job::Sort, Progress::none()).unwrap();
         for tile in 0..work.n_tiles().unwrap() {
             run_job(&work, Job::Neighbours(tile), Progress::none()).unwrap();
@@ -181,7 +182,10 @@ fn broken_files_of_the_folder_are_named() {
         for cut in [0, 7, bytes.len() / 2, bytes.len() - 1] {
             std::fs::write(path.join(name), &bytes[..cut]).unwrap();
             let result = Work::open(&path).and_then(|work| run(&work, Progress::none()));
-            assert!(result.as_ref().is_err_and(|e| e.to_string().contains(name)), "{name} cut at {cut}: {result:?}");
+            assert!(
+                result.as_ref().is_err_and(|e| e.to_string().contains(name)),
+                "{name} cut at {cut}: {result:?}"
+            );
         }
         std::fs::remove_dir_all(&path).unwrap();
     }

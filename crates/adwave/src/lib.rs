@@ -58,7 +58,7 @@ pub mod laplacian;
 pub mod mask;
 pub mod measure;
 pub mod operator;
-mod pages;
+pub mod pages;
 mod parallel;
 mod population;
 pub mod positions;

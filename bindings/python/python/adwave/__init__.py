@@ -114,7 +114,7 @@ __all__ = [
     "threads",
 ]
 
-_MODULES = ("baselines", "sklearn", "torch")
+_MODULES = ("baselines", "dask", "sklearn", "torch")
 
 
 def __getattr__(name: str) -> object:

@@ -92,6 +92,9 @@ pub(crate) struct TileArgs {
     /// Which tile, from 0
     #[arg(value_name = "INDEX", default_value = "0")]
     index: usize,
+    /// Do nothing where it is done already
+    #[arg(long)]
+    if_missing: bool,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -125,10 +128,7 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
     if joined {
         check_writable(&args.output)?;
     } else if args.output.extension().is_some() && !args.output.is_dir() {
-        return Err(CliError::Input(format!(
-            "{}: give a .las or .laz, or a folder",
-            args.output.display()
-        )));
+        return Err(CliError::Input(format!("{}: give a .las or .laz, or a folder", args.output.display())));
     }
     let folder = match &args.work {
         Some(folder) => folder.clone(),
@@ -194,7 +194,9 @@ fn told(forecast: &Forecast) -> String {
     let tiles = if *n_tiles == 1 {
         "one tile".to_owned()
     } else {
-        format!("{n_tiles} tiles of {points_per_tile} points, {rings} rings around each ({share:.2} times its points)")
+        format!(
+            "{n_tiles} tiles of {points_per_tile} points, {rings} rings around each ({share:.2} times its points)"
+        )
     };
     format!(
         "{n_points} points in {tiles}; about {:.1} GB of memory, up to {:.1} GB of temporary files",
@@ -226,7 +228,14 @@ pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliEr
         JobKind::Neighbours => Job::Neighbours(args.index),
         JobKind::Bands => Job::Bands(args.index),
     };
-    with_progress(global, "working", |progress| run_job(&work, job, progress)).map_err(|e| failed(&e))?;
+    if !(args.if_missing && work.is_done(job)) {
+        with_progress(global, "working", |progress| run_job(&work, job, progress)).map_err(|e| failed(&e))?;
+    }
     let n_tiles = work.n_tiles().map_err(|e| failed(&e))?;
-    print(global, &format!("done; {n_tiles} tiles\n"), &json!({ "job": job, "n_tiles": n_tiles }))
+    let path = matches!(job, Job::Bands(_)).then(|| work.tile(args.index));
+    let text = match &path {
+        Some(path) => format!("{}\n", path.display()),
+        None => format!("done; {n_tiles} tiles\n"),
+    };
+    print(global, &text, &json!({ "job": job, "n_tiles": n_tiles, "path": path }))
 }

@@ -47,7 +47,8 @@ impl FixedSeries {
     #[must_use]
     pub fn weighted(bands: &[Self], factors: &[f64]) -> Self {
         assert_eq!(bands.len(), factors.len(), "a factor for each band");
-        let n_terms = bands.iter().zip(factors).filter(|(_, f)| **f != 0.0).map(|(b, _)| b.0.coefficients.len());
+        let n_terms =
+            bands.iter().zip(factors).filter(|(_, f)| **f != 0.0).map(|(b, _)| b.0.coefficients.len());
         let mut sum = vec![0.0; n_terms.max().unwrap_or(1)];
         for (band, factor) in bands.iter().zip(factors) {
             for (sum, a) in sum.iter_mut().zip(&band.0.coefficients) {
@@ -103,7 +104,8 @@ mod tests {
     fn path(n: usize) -> Diffusion {
         let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for x in 0..n as u32 {
-            let sides: Vec<u32> = [x.wrapping_sub(1), x + 1].into_iter().filter(|y| (*y as usize) < n).collect();
+            let sides: Vec<u32> =
+                [x.wrapping_sub(1), x + 1].into_iter().filter(|y| (*y as usize) < n).collect();
             for &y in &sides {
                 rows.push(x);
                 columns.push(y);

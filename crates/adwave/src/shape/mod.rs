@@ -27,7 +27,7 @@ pub use graph::{Graph, GraphError};
 pub use health::{Health, health};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbours;
-pub use nearest::{Neighbourhoods, nearest_neighbours};
+pub use nearest::{Neighbourhoods, nearest_neighbours, nearest_of_one};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;

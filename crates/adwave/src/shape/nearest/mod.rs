@@ -47,6 +47,42 @@ pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbourhoods {
     unstopped(try_nearest_neighbours(points, k, Progress::none()))
 }
 
+/// The neighbours of `points[x]` among `points`, all different, as [`nearest_neighbours`] has them, without a search: O(n). Rising, in
+/// `neighbours`; what is returned is the distance to the k-th.
+///
+/// ```
+/// use adwave::shape::nearest_of_one;
+/// let line: Vec<_> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+/// let mut near = Vec::new();
+/// assert_eq!(nearest_of_one(&line, 2, 1, &mut near), 1.0);
+/// assert_eq!(near, [1, 3]);
+/// ```
+///
+/// # Panics
+/// Where there is no point `x`.
+pub fn nearest_of_one(points: &[[f64; 3]], x: usize, k: usize, neighbours: &mut Vec<u32>) -> f64 {
+    neighbours.clear();
+    let k = k.min(points.len().saturating_sub(1));
+    if k == 0 {
+        return 0.0;
+    }
+    let unit = unit_of(points);
+    let p = points[x].map(|c| c / unit);
+    let others = (0..).zip(points).filter(|(y, _)| *y as usize != x);
+    let mut squares: Vec<(f64, u32)> =
+        others.map(|(y, q)| (super::squared_distance(&p, &q.map(|c| c / unit)), y)).collect();
+    let farthest = squares.select_nth_unstable_by(k - 1, |a, b| a.0.total_cmp(&b.0)).1.0;
+    let limit = farthest * ((1.0 + TIE) * (1.0 + TIE));
+    squares.retain(|(square, _)| *square <= limit);
+    if squares.len() > k + MAX_TIED {
+        squares.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        squares.truncate(k + MAX_TIED);
+    }
+    neighbours.extend(squares.into_iter().map(|(_, y)| y));
+    neighbours.sort_unstable();
+    unit * farthest.sqrt()
+}
+
 /// [`nearest_neighbours`], stopped when the call is.
 pub(crate) fn try_nearest_neighbours(
     points: &[[f64; 3]],
@@ -63,7 +99,9 @@ pub(crate) fn try_nearest_neighbours(
     let mut positions = vertex_map.try_positions(points, progress)?;
     let unit = unit_of(&positions);
     if unit != 1.0 {
-        positions.iter_mut().for_each(|p| *p = p.map(|c| c / unit));
+        for p in &mut positions {
+            *p = p.map(|c| c / unit);
+        }
     }
     let members = vertex_map.members();
     let blocks = Blocks::new(&positions, progress)?;
@@ -222,6 +260,34 @@ mod tests {
             with_far < most && of_all_orders < most && overflowing < most,
             "{usual} {with_far} {of_all_orders} {overflowing}"
         );
+    }
+
+    #[test]
+    fn one_point_without_a_search_has_the_same_neighbours() {
+        let random =
+            |i: u32, salt: u32| f64::from((i ^ salt).wrapping_mul(2_654_435_761).rotate_left(11) >> 8);
+        let scattered: Vec<_> = (0..300).map(|i| [random(i, 1), random(i, 2), random(i, 3)]).collect();
+        let lattice: Vec<_> =
+            (0..343_u32).map(|i| [i % 7, i / 7 % 7, i / 49].map(|c| 0.1 * f64::from(c))).collect();
+        // More at one distance than are taken.
+        let sphere: Vec<_> = (0..200_u32)
+            .map(|i| [f64::from(i % 2), f64::from(i / 2 % 2), f64::from(i / 4)])
+            .chain((0..100).map(|i| {
+                let angle = f64::from(i);
+                [9.0 + angle.cos(), 9.0 + angle.sin(), 0.0]
+            }))
+            .chain([[9.0, 9.0, 0.0]])
+            .collect();
+        let mut found = Vec::new();
+        for points in [scattered, lattice, sphere] {
+            for k in [1, 4, 10, 26, 500] {
+                let near = nearest_neighbours(&points, k);
+                for x in 0..points.len() {
+                    assert_eq!(nearest_of_one(&points, x, k, &mut found), near.radius[x]);
+                    assert_eq!(found, near.adjacency.of(x), "{x} of {}, k = {k}", points.len());
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,0 +1,75 @@
+"""Tiles by the workers of Dask: processes of their own, one of which is killed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import adwave.dask
+import pytest
+
+distributed = pytest.importorskip("distributed")
+
+
+def adwave_command(*words: object) -> None:
+    subprocess.run([sys.executable, "-m", "adwave", *map(str, words), "-q"], check=True)
+
+
+@pytest.fixture(scope="module")
+def cloud(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("cloud") / "terrain.laz"
+    adwave_command("sample", "terrain", "--points", 60_000, "-o", path)
+    return path
+
+
+def tiles(folder: Path) -> list[bytes]:
+    return [path.read_bytes() for path in sorted(folder.glob("tile-*.laz"))]
+
+
+@pytest.mark.parametrize("n_workers", [2, 4])
+def test_worker_processes_give_the_bytes_of_one_process(cloud: Path, tmp_path: Path, n_workers: int) -> None:
+    adwave_command("tiles", cloud, "-o", tmp_path / "one", "--magnitudes", "2,4", "--gains=0,1,1,0.5", "--tiles", 8)
+    with (
+        distributed.LocalCluster(n_workers=n_workers, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        folder = adwave.dask.plan(cloud, tmp_path / "many", gains=[0, 1, 1, 0.5], magnitudes=[2, 4], tiles=8)
+        paths = adwave.dask.run(folder, client)
+        assert [Path(path).read_bytes() for path in paths] == tiles(tmp_path / "one")
+        # Done already: nothing is written again.
+        before = [os.stat(path).st_mtime_ns for path in paths]
+        assert adwave.dask.run(folder, client) == paths
+        assert [os.stat(path).st_mtime_ns for path in paths] == before
+
+
+def test_a_worker_that_is_killed_loses_nothing(cloud: Path, tmp_path: Path) -> None:
+    adwave_command("tiles", cloud, "-o", tmp_path / "one", "--magnitudes", "3", "--tiles", 8)
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        folder = adwave.dask.plan(cloud, tmp_path / "many", magnitudes=[3], tiles=8)
+        victim = next(iter(client.run(os.getpid).values()))
+
+        def kill() -> None:
+            while not any(Path(folder).glob("near-*.bin")):
+                time.sleep(0.01)
+            os.kill(victim, signal.SIGKILL)
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        paths = adwave.dask.run(folder, client)
+        killer.join()
+        assert [Path(path).read_bytes() for path in paths] == tiles(tmp_path / "one")
+
+
+def test_what_is_wrong_comes_back_as_a_sentence(cloud: Path, tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match="there is no band 9"):
+        adwave.dask.plan(cloud, tmp_path / "plan", magnitudes=[9])
+    with pytest.raises(RuntimeError, match=r"missing\.laz"):
+        adwave.dask.plan(tmp_path / "missing.laz", tmp_path / "plan", magnitudes=[1])

@@ -1,0 +1,104 @@
+//! Clouds that are larger than memory: terrain of any size, tiles, ends at any moment.
+
+mod common;
+
+use common::{adwave, json, refused, words};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+fn run(folder: &Path, line: &str) {
+    adwave(folder).args(words(line)).args(["--quiet"]).assert().success();
+}
+
+fn says(folder: &Path, line: &str, what: &str) {
+    let said = refused(folder, line);
+    assert!(said.contains(what), "{line}: {said}");
+}
+
+#[test]
+fn terrain_is_the_same_for_the_same_number_and_seed_and_says_what_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, "sample terrain --points 1e5 -o a.laz");
+    run(path, "sample terrain --points 100000 --threads 1 -o b.laz");
+    assert!(fs::read(path.join("a.laz")).unwrap() == fs::read(path.join("b.laz")).unwrap());
+    assert_eq!(json(path, "info a.laz")["n_vertices"], 100_000);
+    says(path, "sample terrain --points 0 -o c.laz", "points");
+    says(path, "sample terrain --points 1000 -o c.ply", "");
+    assert!(!path.join("c.laz").exists() && !path.join("c.ply").exists());
+}
+
+#[test]
+fn tiles_join_to_the_bytes_of_one_and_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, "sample terrain --points 5e4 -o a.laz");
+    let said = json(path, "tiles a.laz -o one.laz --gains 0,1,0.5,1 --magnitudes 2 --tiles 1");
+    assert_eq!(said["summary"]["n_points"], 50_000);
+    assert_eq!(said["summary"]["n_tiles"], 1);
+    run(path, "tiles a.laz -o many.laz --gains 0,1,0.5,1 --magnitudes 2 --tiles 6 --workers 2");
+    assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("many.laz")).unwrap());
+    let mut names: Vec<_> = fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["a.laz", "many.laz", "one.laz"]);
+    let fields = json(path, "info one.laz")["fields"].to_string();
+    assert!(fields.contains("wavelet_2") && fields.contains("gps_time"), "{fields}");
+    // By jobs, as a cluster does it.
+    run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2 --tiles 6 --plan-only");
+    run(path, "tile jobs sort");
+    let n_tiles = json(path, "tile jobs sort --if-missing")["n_tiles"].as_u64().unwrap();
+    for kind in ["neighbours", "bands"] {
+        (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs {kind} {tile}")));
+    }
+    run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2");
+    assert_eq!(fs::read_dir(path.join("jobs")).unwrap().count() as u64, n_tiles);
+}
+
+#[test]
+fn a_killed_run_goes_on_and_gives_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, "sample terrain --points 6e4 -o a.laz");
+    let line = "tiles a.laz -o out.laz --magnitudes 3 --tiles 8 --quiet";
+    run(path, "tiles a.laz -o whole.laz --magnitudes 3 --tiles 8");
+    let mut n_killed = 0;
+    for kill in 0..20_u64 {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin("adwave"));
+        let command = command.args(words(line)).current_dir(path).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(10 + 37 * kill % 400));
+        // It may have ended already: then there is nothing to go on with.
+        n_killed += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert!(n_killed > 0);
+    run(path, line);
+    assert!(fs::read(path.join("whole.laz")).unwrap() == fs::read(path.join("out.laz")).unwrap());
+}
+
+#[test]
+fn what_cannot_be_is_said_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, "sample terrain --points 3e4 -o a.laz");
+    says(path, "tiles a.laz -o b.laz", "--gains");
+    says(path, "tiles a.laz -o b.laz --magnitudes 9", "bands are 1 to 8");
+    says(path, "tiles a.laz -o b.laz --gains 0,1 --levels 3", "2 gains for 3 levels");
+    says(path, "tiles a.laz -o b.ply --magnitudes 1", ".las or .laz");
+    says(path, "tiles a.laz -o b.laz --magnitudes 1 --memory 70M", "allow more memory");
+    says(path, "tiles missing.laz -o b.laz --magnitudes 1", "missing.laz");
+    says(path, "tile . sort", "plan.json");
+    // Cut in the middle, among whole ones: the file is named and nothing of the result is there.
+    let bytes = fs::read(path.join("a.laz")).unwrap();
+    fs::write(path.join("cut.laz"), &bytes[..bytes.len() / 2]).unwrap();
+    says(path, "tiles a.laz cut.laz -o b.laz --magnitudes 1 --quiet", "cut.laz");
+    assert!(!path.join("b.laz").exists());
+    // Another work in the same folder, and other input under the same name.
+    run(path, "tiles a.laz -o w --magnitudes 1 --plan-only");
+    says(path, "tiles a.laz -o w --magnitudes 2", "another work");
+    run(path, "sample terrain --points 2e4 -o a.laz");
+    says(path, "tile w sort", "has changed");
+}
