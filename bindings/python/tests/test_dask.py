@@ -35,7 +35,9 @@ def tiles(folder: Path) -> list[bytes]:
 def test_worker_processes_give_the_bytes_of_one_process(cloud: Path, tmp_path: Path, n_workers: int) -> None:
     adwave_command("tiles", cloud, "-o", tmp_path / "one", "--magnitudes", "2,4", "--gains=0,1,1,0.5", "--tiles", 8)
     with (
-        distributed.LocalCluster(n_workers=n_workers, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.LocalCluster(
+            n_workers=n_workers, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster,
         distributed.Client(cluster) as client,
     ):
         folder = adwave.dask.plan(cloud, tmp_path / "many", gains=[0, 1, 1, 0.5], magnitudes=[2, 4], tiles=8)

@@ -186,6 +186,12 @@ impl Work {
     /// When there is no plan, or none that can be read.
     pub fn open(folder: &Path) -> Result<Self, TilesError> {
         let path = folder.join(PLAN);
+        if !path.exists() {
+            return Err(TilesError::Input(format!(
+                "{} is not there; make a plan first (adwave tiles … --plan-only)",
+                path.display()
+            )));
+        }
         let json = std::fs::read(&path).map_err(TilesError::io(&path))?;
         let plan: Plan =
             serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))?;

@@ -73,7 +73,7 @@ def plan(
     """
     names = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     found: list[str] = []
-    for name in map(os.fspath, names):
+    for name in [os.fspath(name) for name in names]:
         found += sorted(glob.glob(name)) if glob.has_magic(name) else [name]
     words = ["tiles", *found, "-o", os.fspath(folder), "--plan-only"]
     words += ["--neighbours", str(neighbours), "--accuracy", str(accuracy)]
@@ -117,7 +117,16 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     def done(kind: str, tiles: range) -> list[dict[str, Any]]:
         # Not pure: a task is done for the file that it leaves.
         futures = [
-            client.submit(_job, place, kind, tile, threads, retries=retries, pure=False, key=f"{kind}-{tile}-{os.urandom(8).hex()}")
+            client.submit(
+                _job,
+                place,
+                kind,
+                tile,
+                threads,
+                retries=retries,
+                pure=False,
+                key=f"{kind}-{tile}-{os.urandom(8).hex()}",
+            )
             for tile in tiles
         ]
         return client.gather(futures)

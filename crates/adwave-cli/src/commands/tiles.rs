@@ -5,7 +5,8 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{available_memory, check_writable, note, print};
 use crate::progress::with_progress;
-use adwave_tiles::{Forecast, Job, Params, Summary, Work, forecast, join, run_job};
+use adwave::{ClassifiedError, ErrorKind};
+use adwave_tiles::{Forecast, Job, Params, Summary, TilesError, Work, forecast, join, run_job};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -107,8 +108,12 @@ enum JobKind {
     Bands,
 }
 
-fn failed(error: &adwave_tiles::TilesError) -> CliError {
-    CliError::of(error)
+fn failed(error: &TilesError) -> CliError {
+    match error {
+        // As all commands have it: a file that is not there is a wrong argument.
+        TilesError::Read(_) if error.kind() == ErrorKind::Machine => CliError::Input(error.to_string()),
+        _ => CliError::of(error),
+    }
 }
 
 fn is_file(path: &Path) -> bool {
