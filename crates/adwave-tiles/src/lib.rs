@@ -1,11 +1,11 @@
 //! Bands of point clouds that are larger than memory, tile by tile, with the bits of the whole.
 //!
-//! 1. **Sort** ([`sort`]): all points along a Hilbert curve, in runs that fit into memory and are merged. Points at one position are
+//! 1. **Sort** (`sort`): all points along a Hilbert curve, in runs that fit into memory and are merged. Points at one position are
 //!    one vertex; every [`VERTICES_IN_A_BLOCK`] vertices are a block with a bounding box. A tile is a range of blocks.
-//! 2. **Neighbours** ([`neighbours`]): the nearest neighbours of each tile's vertices, exact across its border: a vertex whose k-th
+//! 2. **Neighbours** (`neighbours`): the nearest neighbours of each tile's vertices, exact across its border: a vertex whose k-th
 //!    neighbour is as far as another tile's box is compared with that tile's points too. E, the mean distance to a neighbour, is summed
 //!    block by block, in an order that no tile decides.
-//! 3. **Bands** ([`bands`]): a polynomial of degree d of Φ₁ sees d rings of neighbours. From a tile a breadth-first search over the
+//! 3. **Bands** (`bands`): a polynomial of degree d of Φ₁ sees d rings of neighbours. From a tile a breadth-first search over the
 //!    stored neighbourhoods goes as many rings as the polynomial sees, over as many blocks as these need; nothing is guessed in metres.
 //!
 //! A row of T (eq. 1) is made of a vertex, its neighbours in the order of the curve, their areas and E; a step of the recurrence of
