@@ -17,7 +17,7 @@ use crate::Progress;
 /// ```
 /// use adwave::bands::{FixedSeries, Schedule};
 /// let bands = FixedSeries::bands(&Schedule::dyadic(8)?, 1e-6)?;
-/// assert_eq!(bands.iter().map(FixedSeries::reach).collect::<Vec<_>>(), [1, 2, 4, 8, 16, 27, 37, 53]);
+/// assert_eq!(bands.iter().map(FixedSeries::reach).collect::<Vec<_>>(), [1, 2, 4, 8, 14, 22, 32, 47]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -301,7 +301,9 @@ pub const HILBERT_BITS: u32 = 21;
 ///
 /// ```
 /// use adwave::shape::hilbert;
-/// assert_eq!((hilbert([0, 0, 0]), hilbert([0, 0, 1])), (0, 1));
+/// let mut first: Vec<u64> = (0..8).map(|i| hilbert([i & 1, i >> 1 & 1, i >> 2])).collect();
+/// first.sort();
+/// assert_eq!(first, [0, 1, 2, 3, 4, 5, 6, 7]);
 /// ```
 pub fn hilbert(mut axes: [u32; 3]) -> u64 {
     let mut q = 1_u32 << (HILBERT_BITS - 1);
