@@ -145,6 +145,36 @@ fn ply_strips_become_triangles() {
 }
 
 #[test]
+fn ply_strips_stand_beside_faces_and_a_number_is_no_list_of_corners() {
+    let points =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+    let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    let face = "element face 1\nproperty list uchar int vertex_indices\nproperty int part\n";
+    let rows = "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
+    for (header, body) in [
+        (format!("{points}{strips}{face}"), "3 0 1 2\n3 1 3 2 7\n"),
+        (format!("{points}{face}{strips}"), "3 1 3 2 7\n3 0 1 2\n"),
+    ] {
+        let shape = read(format!("{header}{rows}{body}"), "a.ply");
+        assert_eq!(shape.faces().len(), 2);
+        assert!(shape.face_fields().is_empty(), "one value for two faces");
+        assert!(shape.extras().iter().any(|e| e.contains("`part`")), "{:?}", shape.extras());
+    }
+    let text = format!("{points}element face 1\nproperty uchar vertex_indices\n{rows}3\n");
+    assert!(error(&text, "a.ply").contains("no list `vertex_indices`"));
+
+    // Faces of one length are read by another way; the strips before them stay too.
+    let text = format!("{points}{strips}{face}end_header\n").replace("ascii", "binary_little_endian");
+    let mut binary = text.into_bytes();
+    binary.extend([0_f32, 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.].iter().flat_map(|x| x.to_le_bytes()));
+    binary.extend([3, 0, 1, 2].iter().flat_map(|x: &i32| x.to_le_bytes()));
+    binary.push(3);
+    binary.extend([1, 3, 2, 7].iter().flat_map(|x: &i32| x.to_le_bytes()));
+    let faces: Vec<Vec<u32>> = read(&binary, "a.ply").faces().iter().map(<[u32]>::to_vec).collect();
+    assert_eq!(faces, [[0, 1, 2], [1, 3, 2]]);
+}
+
+#[test]
 fn off_letters_say_what_follows_the_coordinates() {
     let shape = read("STCNOFF\n1 0 0\n1 2 3  0 0 1  255 0 9 255  0.5 0.25\n", "a.off");
     assert_eq!(shape.field_names(), ["normal", "color", "texcoord"]);

@@ -58,6 +58,7 @@ pub(crate) fn read_ply(
             }
         }
     }
+    keep_fields_of_all_faces(&mut shape);
     name_comments(&bytes, &header, &mut shape);
     if let Some(vertex) = vertex {
         let original = PlyOriginal { bytes, header, vertex, rows, field_properties };
@@ -156,15 +157,31 @@ fn is_corner_list(name: &str) -> bool {
     matches!(name, "vertex_indices" | "vertex_index")
 }
 
+/// The list of corners; a number of that name is none.
+fn corner_list(element: &Element) -> Option<usize> {
+    let is_list = |kind| matches!(kind, Kind::List { .. });
+    element.properties.iter().position(|p| is_corner_list(&p.name) && is_list(p.kind))
+}
+
+/// Values of one element's faces are no fields of a shape that has strips or a second list of faces besides.
+fn keep_fields_of_all_faces(shape: &mut ShapeFile) {
+    let n = shape.faces.len();
+    let (kept, others): (Vec<_>, Vec<_>) =
+        std::mem::take(&mut shape.face_fields).into_iter().partition(|field| field.len() == n);
+    shape.face_fields = kept;
+    shape.extras.extend(others.iter().map(|field| format!("field `{}` of some faces only", field.name)));
+}
+
 fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
     let mut columns = empty_columns(element);
-    let corners = element.properties.iter().position(|p| is_corner_list(&p.name));
+    let corners = corner_list(element);
     if corners.is_none() && element.n_rows > 0 {
         let message = "element `face` has no list `vertex_indices`; its faces cannot be read".to_string();
         return Err(ReadError::Line { line: element.line as u64 + 1, message });
     }
     let mut first = 0;
     if let Some(corners) = corners
+        && shape.faces.is_empty()
         && let Some(read) = fixed::read_faces(body, element, corners, shape.n_vertices)?
     {
         (shape.faces, columns, first) = (read.polygons.into(), read.columns, read.n_rows);
@@ -182,7 +199,9 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
         }
         push_face(body, shape, &face, row, start)?;
     }
-    attach_columns(element, columns, (&mut shape.face_fields, &mut shape.extras), body.progress)?;
+    let mut fields = Vec::new();
+    attach_columns(element, columns, (&mut fields, &mut shape.extras), body.progress)?;
+    shape.face_fields.append(&mut fields);
     Ok(())
 }
 
@@ -223,13 +242,13 @@ fn place(body: &Body<'_>, start: usize) -> String {
 /// Triangle strips: each vertex after the second makes a triangle with the two before it, turned the other way
 /// round every second time; −1 begins a new strip.
 fn read_strips(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
-    let list = element.properties.iter().position(|p| is_corner_list(&p.name));
+    let list = corner_list(element);
     let mut strip = Vec::new();
     for row in 0..element.n_rows {
         at_row(body.progress, row, element.n_rows)?;
         let start = body.position;
         for (p, property) in element.properties.iter().enumerate() {
-            if Some(p) != list || !matches!(property.kind, Kind::List { .. }) {
+            if Some(p) != list {
                 body.skip(property.kind, element, row)?;
                 continue;
             }
