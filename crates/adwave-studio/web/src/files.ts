@@ -132,7 +132,7 @@ export class Files {
       { 'aria-label': text.format },
       ...shape.formats.map((f) => h('option', { value: f }, f)),
     );
-    const own = shape.formats.find((f) => f.toLowerCase() === shape.format.toLowerCase());
+    const own = shape.formats.find((f) => f.toLowerCase() === shape.format?.toLowerCase());
     if (own) format.value = own;
     const button = (label: string, act: () => void, kind = '') =>
       h('button', { type: 'button', class: kind, onclick: act }, label);

@@ -63,7 +63,8 @@ export interface FieldName {
 export interface Shape {
   id: number;
   name: string;
-  format: string;
+  /** Of the file; none for a built-in shape. */
+  format: string | null;
   formats: string[];
   kind: string;
   n_vertices: number;

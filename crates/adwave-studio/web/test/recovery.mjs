@@ -95,6 +95,12 @@ try {
   check('the file brings the rest', await untilStrokes(again, 4), await strokes(again));
   await again.evaluate(() => window.studio.kept());
   check('all of it', (await again.evaluate(() => JSON.stringify(window.studio.state().layers))) === before);
+  // A built-in shape has no format of its own; it can be saved all the same.
+  server.kill('SIGKILL');
+  ({ server, url } = await serve(adwave, 'sample:sphere', folder));
+  const sample = await opened(browser, url, failures);
+  await sample.getByRole('button', { name: 'File', exact: true }).click();
+  check('a built-in shape has a menu of files', await sample.locator('dialog[open] select').first().isVisible());
 } catch (error) {
   failures.push(`the test ended: ${error.message}`);
 } finally {
