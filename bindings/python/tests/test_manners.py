@@ -56,6 +56,8 @@ def test_threads_are_as_before_after_a_block() -> None:
 @pytest.mark.skipif(os.name == "nt", reason="no signals of this kind")
 @pytest.mark.parametrize("call", ["decompose", "denoise", "features"])
 def test_ctrl_c_ends_a_call_and_leaves_the_state_intact(call: str) -> None:
+    # Whoever starts the tests in the background may have told them to ignore it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     shape = aw.sample("torus", vertices=400_000)
     was = np.array(shape.points)
 
