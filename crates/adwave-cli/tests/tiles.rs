@@ -25,7 +25,7 @@ fn terrain_is_the_same_for_the_same_number_and_seed_and_says_what_is_wrong() {
     run(path, "sample terrain --points 100000 --threads 1 -o b.laz");
     assert!(fs::read(path.join("a.laz")).unwrap() == fs::read(path.join("b.laz")).unwrap());
     assert_eq!(json(path, "info a.laz")["health"]["vertices"], 100_000);
-    says(path, "sample terrain --points 1000 -o c.ply", "");
+    says(path, "sample terrain --points 1000 -o c.ply", ".las or .laz");
     assert!(!path.join("c.ply").exists());
 }
 
@@ -90,6 +90,7 @@ fn what_cannot_be_is_said_in_one_line() {
     run(path, "sample terrain --points 3e4 -o a.laz");
     says(path, "tiles a.laz -o b.laz", "--gains");
     says(path, "tiles a.laz -o b.laz --magnitudes 9", "bands are 1 to 8");
+    says(path, "tiles a.laz -o b.laz --magnitudes 30 --levels 30", "rings");
     says(path, "tiles a.laz -o b.laz --gains 0,1 --levels 3", "2 gains for 3 levels");
     says(path, "tiles a.laz -o b.ply --magnitudes 1", ".las or .laz");
     says(path, "tiles a.laz -o b.laz --magnitudes 1 --memory 60M", "allow more memory");
@@ -100,6 +101,11 @@ fn what_cannot_be_is_said_in_one_line() {
     fs::write(path.join("cut.laz"), &bytes[..bytes.len() / 2]).unwrap();
     says(path, "tiles a.laz cut.laz -o b.laz --magnitudes 1 --quiet", "cut.laz");
     assert!(!path.join("b.laz").exists());
+    // Tiles of an earlier work are not replaced, not even where they are the input.
+    run(path, "tiles a.laz -o done --magnitudes 1");
+    let before = fs::read(path.join("done/tile-00000.laz")).unwrap();
+    says(path, "tiles done/tile-00000.laz -o done --magnitudes 2", "earlier work");
+    assert!(fs::read(path.join("done/tile-00000.laz")).unwrap() == before);
     // Another work in the same folder, and other input under the same name.
     run(path, "tiles a.laz -o w --magnitudes 1 --plan-only");
     says(path, "tiles a.laz -o w --magnitudes 2", "another work");

@@ -26,10 +26,12 @@ mod part;
 mod plan;
 mod run;
 mod sort;
+mod terrain;
 #[cfg(test)]
 mod tests;
 
 pub use blocks::VERTICES_IN_A_BLOCK;
 pub use error::TilesError;
-pub use plan::{Forecast, Params, Plan};
+pub use plan::{Forecast, Params};
 pub use run::{Job, Summary, Work, forecast, join, run, run_job};
+pub use terrain::Terrain;

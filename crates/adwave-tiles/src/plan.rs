@@ -49,6 +49,9 @@ impl Default for Params {
 /// More neighbours than this make rows that no tile holds.
 const MOST_NEIGHBOURS: usize = 200;
 
+/// Rings are numbers of 16 bits; a tile with so many has hardly anything of its own.
+const MOST_RINGS: usize = 60_000;
+
 impl Params {
     pub(crate) fn check(&self) -> Result<(), TilesError> {
         let input = |message: String| Err(TilesError::Input(message));
@@ -98,7 +101,14 @@ impl Params {
 
     /// How many rings around a tile decide its result.
     pub(crate) fn reach(&self) -> Result<usize, TilesError> {
-        Ok(self.series()?.iter().map(FixedSeries::reach).max().unwrap_or(0))
+        let reach = self.series()?.iter().map(FixedSeries::reach).max().unwrap_or(0);
+        if reach > MOST_RINGS {
+            return Err(TilesError::Input(format!(
+                "{} levels see {reach} rings, more than {MOST_RINGS}; ask for fewer",
+                self.levels
+            )));
+        }
+        Ok(reach)
     }
 
     /// What has no bearing on the result is left out: two runs that agree in the rest can share a folder.
@@ -119,7 +129,7 @@ pub(crate) struct Input {
 
 /// A work: what goes into it, what is asked for and how it is cut.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Plan {
+pub(crate) struct Plan {
     pub(crate) inputs: Vec<Input>,
     pub(crate) layout: Layout,
     /// The box of all headers, in steps of the scale; it orders the points and decides nothing else.
@@ -175,8 +185,9 @@ impl Plan {
             Some(n_tiles) => n_blocks.div_ceil(n_tiles as u64).max(1),
             None => n_blocks.max(1),
         };
+        let whole = (n_points as f64 * per_vertex as f64) as u64;
         let size = |blocks: u64| (blocks * VERTICES_IN_A_BLOCK as u64).min(n_points) as f64;
-        if params.n_tiles.is_none() && taken(n_points as f64) > each && n_blocks > 1 {
+        if params.n_tiles.is_none() && whole > each && n_blocks > 1 {
             let (mut fits, mut too_many) = (1, n_blocks);
             while too_many - fits > 1 {
                 let middle = fits.midpoint(too_many);
@@ -185,11 +196,10 @@ impl Plan {
             // Equal tiles, so that none is left over.
             blocks = n_blocks.div_ceil(n_blocks.div_ceil(fits));
         }
-        let whole = (n_points as f64 * per_vertex as f64) as u64;
         let memory = taken(size(blocks)).min(whole) * params.n_workers as u64 + fixed;
         if memory > params.memory {
             return Err(TilesError::Memory(format!(
-                "tiles of {} points with {rings} rings around them take about {} MB and {} may be used; allow more memory{}",
+                "tiles of {} points with {rings} rings around them take about {} MB and {} MB may be used; allow more memory{}",
                 size(blocks),
                 memory >> 20,
                 params.memory >> 20,

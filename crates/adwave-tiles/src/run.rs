@@ -1,8 +1,10 @@
 //! A work from its inputs to its results, stage by stage, each where it was left.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::time::Duration;
 
 use adwave::Progress;
 use adwave::pages::release_freed;
@@ -18,7 +20,7 @@ use crate::near_file::NearFile;
 use crate::neighbours::neighbours_of_tile;
 use crate::part::Neighbourhoods;
 use crate::plan::{Forecast, Input, Params, Plan};
-use crate::sort::sort;
+use crate::sort::{records_of_a_run, sort};
 use crate::{TilesError, VERTICES_IN_A_BLOCK};
 
 /// One tile of one stage: what a process does on its own, in any order within the stage.
@@ -174,6 +176,13 @@ impl Work {
             }
             return Ok((Self { folder: folder.to_owned(), plan }, forecast));
         }
+        // Neighbourhoods of other points would pass for those of these, and tiles, which may be inputs, would be replaced.
+        if let Some(name) = names(folder)?.iter().find(|name| is_own(name)) {
+            return Err(TilesError::Input(format!(
+                "{} is of an earlier work; move or delete such files, or name another folder",
+                folder.join(name).display()
+            )));
+        }
         let json =
             serde_json::to_vec_pretty(&plan).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
         write_whole(&path, |out| std::io::Write::write_all(out, &json).map_err(TilesError::io(&path)))?;
@@ -207,11 +216,11 @@ impl Work {
     }
 
     fn records(&self) -> PathBuf {
-        self.folder.join("records.bin")
+        self.folder.join(RECORDS)
     }
 
     fn table(&self) -> PathBuf {
-        self.folder.join("blocks.bin")
+        self.folder.join(TABLE)
     }
 
     fn near(&self, tile: usize) -> PathBuf {
@@ -229,7 +238,7 @@ impl Work {
 
     /// Whether all points are sorted; tiles can be counted then.
     pub fn is_sorted(&self) -> bool {
-        self.table().exists()
+        self.table().exists() && self.records().exists()
     }
 
     fn blocks(&self) -> Result<Blocks, TilesError> {
@@ -256,19 +265,41 @@ impl Work {
         match job {
             Job::Sort => self.is_sorted(),
             Job::Neighbours(tile) => self.near(tile).exists(),
-            Job::Bands(tile) => self.outcome(tile).exists(),
+            Job::Bands(tile) => self.outcome(tile).exists() && self.tile(tile).exists(),
         }
     }
 
     fn sort(&self, progress: Progress<'_>) -> Result<(), TilesError> {
-        // What an earlier run left half done.
-        for run in 0.. {
-            let path = self.folder.join(format!("run-{run:04}.bin"));
-            if std::fs::remove_file(path).is_err() {
-                break;
+        self.sort_in_runs(records_of_a_run(&self.plan), progress)
+    }
+
+    /// Once: of two processes the later one waits, and finds it done.
+    pub(crate) fn sort_in_runs(&self, most: usize, progress: Progress<'_>) -> Result<(), TilesError> {
+        let path = self.folder.join(LOCK);
+        let lock = File::create(&path).map_err(TilesError::io(&path))?;
+        // Where the file system knows no locks nobody waits: runs that another process deletes are then an error, and no result.
+        while matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
+            progress.check()?;
+            std::thread::sleep(PATIENCE);
+        }
+        if self.is_sorted() {
+            return Ok(());
+        }
+        // What a run that was killed left: nothing else is done in this folder before the sort.
+        self.remove(|name| is_run(name) || is_temporary(name))?;
+        sort(&self.plan, &self.folder, most, (&self.records(), &self.table()), progress)
+    }
+
+    /// Removes files of the folder.
+    fn remove(&self, is_meant: impl Fn(&str) -> bool) -> Result<(), TilesError> {
+        for name in names(&self.folder)?.iter().filter(|name| is_meant(name)) {
+            let path = self.folder.join(name);
+            match std::fs::remove_file(&path) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(TilesError::io(&path)(e)),
+                _ => {}
             }
         }
-        sort(&self.plan, &self.folder, (&self.records(), &self.table()), progress)
+        Ok(())
     }
 
     fn bands(
@@ -318,32 +349,68 @@ impl Work {
         })
     }
 
-    /// Deletes what only the work itself needed; the tiles stay.
+    /// Deletes what only the work itself needed, and what jobs that were killed left half written; the tiles stay.
     ///
     /// # Errors
     /// When a file cannot be deleted.
     pub fn clean(&self) -> Result<(), TilesError> {
-        let n_tiles = self.n_tiles()?;
-        let near = (0..n_tiles).map(|tile| self.near(tile));
-        let outcomes = (0..n_tiles).map(|tile| self.outcome(tile));
-        let all = near.chain(outcomes).chain([self.records(), self.table(), self.folder.join(PLAN)]);
-        for path in all {
-            std::fs::remove_file(&path).map_err(TilesError::io(&path))?;
-        }
-        // What runs that were killed left half written; nobody works here any more.
-        for entry in std::fs::read_dir(&self.folder).map_err(TilesError::io(&self.folder))?.flatten() {
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            if name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1) {
-                std::fs::remove_file(entry.path()).map_err(TilesError::io(&entry.path()))?;
-            }
-        }
-        Ok(())
+        // First what says that the rest can be relied on, last what says that there is a work.
+        self.remove(|name| name == TABLE)?;
+        self.remove(|name| is_own(name) && name != PLAN && !is_tile(name) || is_temporary(name))?;
+        self.remove(|name| name == PLAN)
     }
+
+    /// Deletes the tiles, after they were joined.
+    ///
+    /// # Errors
+    /// When a file cannot be deleted.
+    pub fn remove_tiles(&self) -> Result<(), TilesError> {
+        self.remove(is_tile)
+    }
+}
+
+/// The names of the files of a folder.
+fn names(folder: &Path) -> Result<Vec<String>, TilesError> {
+    let entries = std::fs::read_dir(folder).map_err(TilesError::io(folder))?;
+    Ok(entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect())
+}
+
+fn is_temporary(name: &str) -> bool {
+    name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1)
+}
+
+/// `before-00012.after`, with any number.
+fn is_numbered(name: &str, before: &str, after: &str) -> bool {
+    let number = name.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+    number.is_some_and(|n| !n.is_empty() && n.bytes().all(|c| c.is_ascii_digit()))
+}
+
+fn is_run(name: &str) -> bool {
+    is_numbered(name, "run-", ".bin")
+}
+
+fn is_tile(name: &str) -> bool {
+    is_numbered(name, "tile-", ".laz")
+}
+
+/// Whether a work has a file of that name.
+fn is_own(name: &str) -> bool {
+    [PLAN, LOCK, TABLE, RECORDS].contains(&name)
+        || is_run(name)
+        || is_tile(name)
+        || is_numbered(name, "near-", ".bin")
+        || is_numbered(name, "tile-", ".json")
 }
 
 /// The name of the plan in its folder.
 const PLAN: &str = "plan.json";
+/// Held by who sorts.
+const LOCK: &str = "sort.lock";
+/// The table of blocks, whose presence says that the sort is done, and the sorted records.
+const TABLE: &str = "blocks.bin";
+const RECORDS: &str = "records.bin";
+/// Time between two tries to have the lock.
+const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Does one job of a work, whatever else has been done, and whether or not it has been done before. A process of its own may do it: it
 /// reads the folder and writes one file there.

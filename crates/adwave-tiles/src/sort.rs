@@ -45,18 +45,24 @@ impl Curve {
 /// Records that are read from an input at a time.
 const AT_A_TIME: usize = 1 << 19;
 
-/// Sorts the points of all inputs into `records`, with the table of their blocks, written last.
+/// Records of a run, so that sorting them takes half of the memory.
+pub(crate) fn records_of_a_run(plan: &Plan) -> usize {
+    // A record, its key twice (sorting in parts) and its copy in order.
+    let per_record = 2 * plan.layout.record_bytes + 2 * size_of::<(Key, u32)>();
+    (plan.params.memory as usize / 2 / per_record).clamp(AT_A_TIME, u32::MAX as usize / 2)
+}
+
+/// Sorts the points of all inputs into `records`, with the table of their blocks, written last; by runs of at most `most` records,
+/// which has no bearing on the result.
 pub(crate) fn sort(
     plan: &Plan,
     folder: &Path,
+    most: usize,
     (records, table): (&Path, &Path),
     progress: Progress<'_>,
 ) -> Result<(), TilesError> {
     let curve = Curve::of(plan.cells);
     let bytes = plan.layout.record_bytes;
-    // A record, its key twice (sorting in parts) and its copy in order.
-    let per_record = 2 * bytes + 2 * size_of::<(Key, u32)>();
-    let most = (plan.params.memory as usize / 2 / per_record).clamp(AT_A_TIME, u32::MAX as usize / 2);
     let mut runs = Vec::new();
     let mut held: Vec<u8> = Vec::new();
     let mut n_read = 0;

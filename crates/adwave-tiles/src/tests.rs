@@ -65,7 +65,7 @@ fn joined(folder: &Path, inputs: &[PathBuf], params: &Params) -> Vec<u8> {
 }
 
 #[test]
-fn tiles_of_any_size_and_any_memory_give_the_bytes_of_one() {
+fn tiles_of_any_size_give_the_bytes_of_one() {
     let folder = tempfile::tempdir().unwrap();
     let points = cloud(60_000);
     let (a, b) = (folder.path().join("a.las"), folder.path().join("b.laz"));
@@ -147,6 +147,57 @@ fn a_work_goes_on_after_any_job_and_jobs_may_be_done_twice_or_by_others() {
     assert!(matches!(Work::begin(&path, &inputs, &other), Err(TilesError::Input(_))));
     work.clean().unwrap();
     assert_eq!(std::fs::read_dir(&path).unwrap().count(), 4); // three tiles and what was joined
+}
+
+#[test]
+fn runs_of_any_length_are_merged_to_the_same_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let points = cloud(30_000);
+    let (a, b) = (folder.path().join("a.las"), folder.path().join("b.laz"));
+    write(&a, &points[..17_000], 0.0);
+    write(&b, &points[17_000..], 64.0);
+    let inputs = [a, b];
+    let sorted = |most: usize| {
+        let path = folder.path().join(format!("runs-{most}"));
+        let work = Work::begin(&path, &inputs, &params()).unwrap().0;
+        // What a run that was killed left is no part of it.
+        std::fs::write(path.join("run-0000.bin"), b"half a run").unwrap();
+        std::fs::write(path.join(".adwave-half.tmp"), b"half a file").unwrap();
+        work.sort_in_runs(most, Progress::none()).unwrap();
+        assert!(!path.join(".adwave-half.tmp").exists() && !path.join("run-0000.bin").exists());
+        ["records.bin", "blocks.bin"].map(|name| std::fs::read(path.join(name)).unwrap())
+    };
+    let one_run = sorted(1_000_000);
+    let numbers: Vec<u16> =
+        one_run[0].chunks_exact(RECORD).map(|r| u16::from_le_bytes([r[12], r[13]])).collect();
+    // Of points at one position those come first that did in the inputs.
+    let same = |k: &usize| one_run[0][k * RECORD..][..12] == one_run[0][(k + 1) * RECORD..][..12];
+    let doubled: Vec<usize> = (0..points.len() - 1).filter(same).collect();
+    assert!(doubled.len() > 200 && doubled.iter().all(|&k| numbers[k] < numbers[k + 1]));
+    for most in [999, 17_000, 29_999] {
+        assert!(sorted(most) == one_run, "runs of {most}");
+    }
+}
+
+#[test]
+fn two_who_sort_at_once_sort_once_and_files_of_another_work_are_not_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("a.las");
+    write(&input, &cloud(20_000), 0.0);
+    let inputs = [input];
+    let path = folder.path().join("work");
+    let work = Work::begin(&path, &inputs, &params()).unwrap().0;
+    std::thread::scope(|scope| {
+        let both = [0, 1].map(|_| scope.spawn(|| run_job(&work, Job::Sort, Progress::none())));
+        assert!(both.into_iter().all(|sort| sort.join().unwrap().is_ok()));
+    });
+    for tile in 0..work.n_tiles().unwrap() {
+        run_job(&work, Job::Neighbours(tile), Progress::none()).unwrap();
+    }
+    std::fs::remove_file(path.join("plan.json")).unwrap();
+    let other = Params { neighbours: 4, ..params() };
+    let begun = Work::begin(&path, &inputs, &other).map(|_| ());
+    assert!(matches!(&begun, Err(TilesError::Input(what)) if what.contains("earlier work")), "{begun:?}");
 }
 
 #[test]

@@ -163,10 +163,11 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
             .map_err(|e| failed(&e))?;
     }
     if !args.keep_work {
+        if joined {
+            work.remove_tiles().map_err(|e| failed(&e))?;
+        }
         work.clean().map_err(|e| failed(&e))?;
         if joined {
-            let tiles = (0..summary.n_tiles).map(|tile| work.tile(tile));
-            tiles.for_each(|tile| drop(std::fs::remove_file(tile)));
             // Whatever else is there stays.
             let _ = std::fs::remove_dir(&folder);
         }

@@ -47,15 +47,9 @@ impl FixedSeries {
     #[must_use]
     pub fn weighted(bands: &[Self], factors: &[f64]) -> Self {
         assert_eq!(bands.len(), factors.len(), "a factor for each band");
-        let n_terms =
-            bands.iter().zip(factors).filter(|(_, f)| **f != 0.0).map(|(b, _)| b.0.coefficients.len());
-        let mut sum = vec![0.0; n_terms.max().unwrap_or(1)];
-        for (band, factor) in bands.iter().zip(factors) {
-            for (sum, a) in sum.iter_mut().zip(&band.0.coefficients) {
-                *sum += factor * a;
-            }
-        }
-        Self::of(sum)
+        let wanted = bands.iter().zip(factors).filter(|(_, factor)| **factor != 0.0);
+        let (bands, factors): (Vec<Series>, Vec<f64>) = wanted.map(|(band, f)| (band.0.clone(), *f)).unzip();
+        Self::of(Series::combination(&bands, &factors, Growth::Bounded).coefficients)
     }
 
     /// How many rings around a vertex its value depends on.

@@ -1,15 +1,11 @@
 //! `adwave sample terrain`: a made landscape as LAS or LAZ, of any number of points, written as it is made.
 
-mod scene;
-
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{check_writable, print, write_error};
+use crate::output::{check_writable, print};
 use crate::progress::with_progress;
-use adwave::Progress;
-use adwave_io::{Format, LasLayout, LasWriter};
-use rayon::prelude::*;
-use scene::{FORMAT, OFFSET, RECORD, SCALE, Scene};
+use adwave_io::Format;
+use adwave_tiles::Terrain;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -22,9 +18,6 @@ pub(crate) const DEFAULT_POINTS: u64 = 1_000_000;
 const MOST_POINTS: f64 = 1e13;
 /// Most points of each file in a folder.
 const PER_FILE: u64 = 20_000_000;
-/// Points that are made in one go, and by one thread.
-const BLOCK: usize = 1 << 17;
-const PART: usize = 1 << 13;
 
 /// A number of points, which may be written as `1e8`.
 pub(crate) fn parse_points(text: &str) -> Result<u64, String> {
@@ -60,10 +53,11 @@ pub(crate) fn write(global: &Global<'_>, n: u64, seed: u64, output: &Path) -> Re
         };
         (0..n.div_ceil(PER_FILE)).map(file).collect()
     };
-    let scene = Scene::new(n, seed);
+    let terrain = Terrain::new(n, seed);
     with_progress(global, "scanning", |progress| {
-        files.iter().try_for_each(|(path, points)| write_file(&scene, path, points.clone(), n, progress))
-    })?;
+        files.iter().try_for_each(|(path, points)| terrain.write(path, points.clone(), progress))
+    })
+    .map_err(|e| CliError::of(&e))?;
     let count = if is_file { String::new() } else { format!(" in {} files", files.len()) };
     print(
         global,
@@ -75,37 +69,6 @@ pub(crate) fn write(global: &Global<'_>, n: u64, seed: u64, output: &Path) -> Re
             "files": files.iter().map(|(path, _)| path.display().to_string()).collect::<Vec<_>>(),
         }),
     )
-}
-
-/// Writes these of the `n` points.
-fn write_file(
-    scene: &Scene,
-    path: &Path,
-    points: std::ops::Range<u64>,
-    n: u64,
-    progress: Progress<'_>,
-) -> Result<(), CliError> {
-    let layout = LasLayout {
-        format: FORMAT,
-        record_bytes: RECORD,
-        scale: SCALE,
-        offset: OFFSET,
-        n_points: points.end - points.start,
-        bounds: None,
-    };
-    // The same points are the same bytes: nothing says by which words they were asked for.
-    let mut writer = LasWriter::new(path, &layout, &[], None).map_err(write_error)?;
-    let mut records = Vec::new();
-    for first in points.clone().step_by(BLOCK) {
-        progress.step(first, n).map_err(|_| CliError::Cancelled)?;
-        records.resize((points.end - first).min(BLOCK as u64) as usize * RECORD, 0);
-        records
-            .par_chunks_mut(PART * RECORD)
-            .enumerate()
-            .for_each(|(k, part)| scene.fill(first + (k * PART) as u64, part));
-        writer.write(&records).map_err(write_error)?;
-    }
-    writer.finish().map_err(write_error)
 }
 
 #[cfg(test)]

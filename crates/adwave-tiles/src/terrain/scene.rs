@@ -4,12 +4,12 @@
 //! every machine: so any part can be made at any time, and by any number of threads.
 
 /// Bytes of a record of point format 6.
-pub(crate) const RECORD: usize = 30;
+pub(super) const RECORD: usize = 30;
 /// The point data record format.
-pub(crate) const FORMAT: u8 = 6;
+pub(super) const FORMAT: u8 = 6;
 /// Metres of a step, and what step 0 stands for.
-pub(crate) const SCALE: [f64; 3] = [0.001; 3];
-pub(crate) const OFFSET: [f64; 3] = [500_000.0, 4_500_000.0, 200.0];
+pub(super) const SCALE: [f64; 3] = [0.001; 3];
+pub(super) const OFFSET: [f64; 3] = [500_000.0, 4_500_000.0, 200.0];
 
 /// Points of a square metre, on average.
 const DENSITY: f64 = 10.0;
@@ -144,7 +144,7 @@ struct Around {
 }
 
 /// A square of land that strips are flown over, `n` points in all.
-pub(crate) struct Scene {
+pub(super) struct Scene {
     seed: u64,
     /// Metres of a side, and of the width of a strip.
     extent: f64,
@@ -153,7 +153,7 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    pub(crate) fn new(n: u64, seed: u64) -> Self {
+    pub(super) fn new(n: u64, seed: u64) -> Self {
         let seed = mix(seed);
         let extent = (n as f64 / DENSITY).sqrt();
         let n_strips = (extent / SPACING).round().max(2.0) as u64;
@@ -177,7 +177,7 @@ impl Scene {
     }
 
     /// Fills the records of the points from number `first` on.
-    pub(crate) fn fill(&self, first: u64, records: &mut [u8]) {
+    pub(super) fn fill(&self, first: u64, records: &mut [u8]) {
         let mut around = Around { houses: Seen::new(), trees: Seen::new() };
         let mut k = self.strips.partition_point(|strip| strip.first + strip.n <= first);
         for (number, record) in (first..).zip(records.chunks_exact_mut(RECORD)) {
