@@ -57,7 +57,7 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
     let inputs = Inputs::new(cli.global.provenance);
     let global = Global::new(&cli.global, &arguments, &inputs, cancel);
     let outcome = match cli.global.threads {
-        None => all_or_none(&cli.command, &global),
+        None => start_threads().and_then(|()| all_or_none(&cli.command, &global)),
         Some(asked) => {
             let threads = started(asked.get(), &global);
             rayon::ThreadPoolBuilder::new()
@@ -79,6 +79,20 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
             eprintln!("adwave: {error}");
             error.exit_code()
         }
+    }
+}
+
+/// Starts the threads that all work shares, unless this runs in threads of somebody else or they have been started. What
+/// first needed them would panic where the system refuses them.
+fn start_threads() -> Result<(), CliError> {
+    if rayon::current_thread_index().is_some() {
+        return Ok(());
+    }
+    match rayon::ThreadPoolBuilder::new().build_global() {
+        Err(error) if std::error::Error::source(&error).is_some() => {
+            Err(CliError::Environment(format!("cannot start threads: {error}; try --threads 1")))
+        }
+        _ => Ok(()),
     }
 }
 

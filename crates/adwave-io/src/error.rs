@@ -145,7 +145,7 @@ pub enum WriteError {
         source: Box<WriteError>,
     },
     /// Writing failed; an older file of that name is as it was.
-    #[error("cannot be written ({0}); an older file of that name is unchanged")]
+    #[error("cannot be written ({0}); a file that was there before is unchanged")]
     Io(#[source] io::Error),
     /// Writing was told to stop; an older file of that name is as it was.
     #[error(transparent)]

@@ -126,6 +126,7 @@ fn describe(text: &mut String, info: &DenoiseInfo, is_mesh: bool) {
         }
     }
     if info.n_far > 0 {
-        let _ = writeln!(text, "{} vertices moved farther than 3 times the noise", info.n_far);
+        let vertices = if info.n_far == 1 { "vertex" } else { "vertices" };
+        let _ = writeln!(text, "{} {vertices} moved farther than 3 times the noise", info.n_far);
     }
 }

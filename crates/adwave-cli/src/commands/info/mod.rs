@@ -201,18 +201,30 @@ fn health_lines(text: &mut String, shape: &Shape, health: &Health) {
 
 /// Counts that are 0 when all is well, where they are not.
 fn health_notes(text: &mut String, health: &Health) {
-    for (count, what) in [
-        (health.n_boundary_edges, "boundary edges"),
-        (health.n_non_manifold_edges, "edges of three faces or more"),
-        (health.n_misoriented_edges, "edges whose two faces disagree on the orientation"),
-        (health.n_zero_area_faces, "faces without area"),
-        (health.n_repeated_faces, "repeated faces"),
-        (health.n_welded, "vertices at the position of another, welded"),
-        (health.n_isolated, "vertices without neighbours, unchanged in every band"),
-        (health.n_unreferenced, "vertices of no face"),
+    for (count, one, many) in [
+        (health.n_boundary_edges, "boundary edge", "boundary edges"),
+        (health.n_non_manifold_edges, "edge of three faces or more", "edges of three faces or more"),
+        (
+            health.n_misoriented_edges,
+            "edge whose two faces disagree on the orientation",
+            "edges whose two faces disagree on the orientation",
+        ),
+        (health.n_zero_area_faces, "face without area", "faces without area"),
+        (health.n_repeated_faces, "repeated face", "repeated faces"),
+        (
+            health.n_welded,
+            "vertex at the position of another, welded",
+            "vertices at the position of another, welded",
+        ),
+        (
+            health.n_isolated,
+            "vertex without neighbours, unchanged in every band",
+            "vertices without neighbours, unchanged in every band",
+        ),
+        (health.n_unreferenced, "vertex of no face", "vertices of no face"),
     ] {
         if count > 0 {
-            let _ = writeln!(text, "  note          {count} {what}");
+            let _ = writeln!(text, "  note          {count} {}", if count == 1 { one } else { many });
         }
     }
 }
