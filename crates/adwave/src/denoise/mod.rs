@@ -141,15 +141,22 @@ fn best_normals(
     let wanted = Wanted::from(params.creases);
     let sample = surface.sample(points, progress)?;
     let (part, part_points) = sample.as_ref().map_or((surface, points), |(part, points)| (part, points));
-    let walks = Walks::new(part, part_points, wanted, progress)?;
-    let candidates = walks.candidates(progress)?;
-    progress.step(2, STAGES)?;
     let n_times = if part.n_sites() <= FEW_SITES { 2 } else { 1 };
-    let shaken = (0..n_times).map(|k| {
+    let shaken = |k: u64| {
         let points = shaken(part_points, SHAKE * noise, SEED + k);
         Walks::new(part, &points, wanted, progress)?.candidates(progress)
-    });
-    let shaken = shaken.collect::<Result<Vec<_>, DenoiseError>>()?;
+    };
+    // Side by side: the parts of each that a single thread works on are many, and short.
+    let (as_they_are, shaken) = rayon::join(
+        || {
+            let walks = Walks::new(part, part_points, wanted, progress)?;
+            let candidates = walks.candidates(progress)?;
+            Ok::<_, DenoiseError>((walks, candidates))
+        },
+        || (0..n_times).map(shaken).collect::<Result<Vec<_>, DenoiseError>>(),
+    );
+    let ((walks, candidates), shaken) = (as_they_are?, shaken?);
+    progress.step(2, STAGES)?;
     let risk = Risk::new(&candidates, &shaken, &walks.areas, SHAKE, params.strength, progress)?;
     progress.step(3, STAGES)?;
     let weights = shares(risk.best_weights());

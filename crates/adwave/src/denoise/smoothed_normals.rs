@@ -81,9 +81,11 @@ impl Walks {
             transform(led, ACCURACY)
         };
         let first = surface.normals(&surface.smoothed(points, GUIDE_STEPS, progress)?, progress)?;
-        let smooth = wanted.smooth.map(|reach| guided(&first, reach)).transpose()?;
-        let mut creases = None;
-        if wanted.creases {
+        let smooth = || wanted.smooth.map(|reach| guided(&first, reach)).transpose();
+        let creases = || {
+            if !wanted.creases {
+                return Ok(None);
+            }
             let mut weights = [0.0; GUIDE_LEVELS];
             weights[GUIDE_LEVELS - 1] = 1.0;
             let mut guide = vec![[0.0; 3]; normals.len()];
@@ -91,8 +93,10 @@ impl Walks {
             normalise(&mut guide);
             let mut moved = points.to_vec();
             surface.move_to(&mut moved, &guide, GUIDE_MOVES, progress)?;
-            creases = Some(guided(&surface.normals(&moved, progress)?, CREASE_REACH)?);
-        }
+            guided(&surface.normals(&moved, progress)?, CREASE_REACH).map(Some)
+        };
+        let (smooth, creases) = rayon::join(smooth, creases);
+        let (smooth, creases) = (smooth?, creases?);
         Ok(Self { normals, areas, creases, smooth })
     }
 
