@@ -9,6 +9,7 @@ mod area;
 mod cloud;
 mod graph;
 mod health;
+mod hilbert;
 mod mesh;
 mod nearest;
 mod order;
@@ -25,6 +26,7 @@ pub(crate) use area::{mean_edge_length, tangent_plane, try_cloud_areas, try_mesh
 pub use cloud::PointCloud;
 pub use graph::{Graph, GraphError};
 pub use health::{Health, health};
+pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbours;
 pub use nearest::{Neighbourhoods, nearest_neighbours, nearest_of_one};
@@ -33,7 +35,7 @@ pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;
 pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
 pub use triangulate::{triangulate, triangulate_with_faces};
-pub use vertex_map::{HILBERT_BITS, VertexMap, WeldMode, hilbert};
+pub use vertex_map::{VertexMap, WeldMode};
 
 use crate::vector::{norm, subtract};
 use crate::{ClassifiedError, ErrorKind, parallel};

@@ -5,6 +5,7 @@
 //! space are near in memory whatever the order of the file, and so that the file's order does not change a single bit
 //! of the result.
 
+use super::hilbert::{HILBERT_BITS, hilbert};
 use crate::parallel::{self, unstopped};
 use crate::rows::{Pattern, incidence};
 use crate::{Cancelled, Progress};
@@ -293,75 +294,9 @@ fn sort_along_curve(
 /// So many vertices of one key stay in the order of their positions.
 const MOST_IN_A_CELL: usize = 32;
 
-/// Bits per axis of a [`hilbert`] key: three axes fill 63 of 64 bits.
-pub const HILBERT_BITS: u32 = 21;
-
-/// Position along the Hilbert curve through the cube of 2²¹ cells a side (`skilling2004`): cells that follow each other share a side. Axes
-/// count cells, and are below 2²¹.
-///
-/// ```
-/// use adwave::shape::hilbert;
-/// let mut first: Vec<u64> = (0..8).map(|i| hilbert([i & 1, i >> 1 & 1, i >> 2])).collect();
-/// first.sort();
-/// assert_eq!(first, [0, 1, 2, 3, 4, 5, 6, 7]);
-/// ```
-pub fn hilbert(mut axes: [u32; 3]) -> u64 {
-    let mut q = 1_u32 << (HILBERT_BITS - 1);
-    while q > 1 {
-        let p = q - 1;
-        for i in 0..3 {
-            if axes[i] & q == 0 {
-                let t = (axes[0] ^ axes[i]) & p;
-                axes[0] ^= t;
-                axes[i] ^= t;
-            } else {
-                axes[0] ^= p;
-            }
-        }
-        q >>= 1;
-    }
-    axes[1] ^= axes[0];
-    axes[2] ^= axes[1];
-    let mut t = 0;
-    let mut q = 1_u32 << (HILBERT_BITS - 1);
-    while q > 1 {
-        if axes[2] & q != 0 {
-            t ^= q - 1;
-        }
-        q >>= 1;
-    }
-    let mut key = 0_u64;
-    for bit in (0..HILBERT_BITS).rev() {
-        for axis in axes {
-            key = key << 1 | u64::from((axis ^ t) >> bit & 1);
-        }
-    }
-    key
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn hilbert_neighbours_in_order_are_neighbours_in_space() {
-        // On the coarsest 8³ cells the curve visits every cell once and moves by one cell at a time.
-        let shift = HILBERT_BITS - 3;
-        let mut cells: Vec<(u64, [u32; 3])> = Vec::new();
-        for x in 0..8 {
-            for y in 0..8 {
-                for z in 0..8 {
-                    cells.push((hilbert([x << shift, y << shift, z << shift]) >> (3 * shift), [x, y, z]));
-                }
-            }
-        }
-        cells.sort_unstable();
-        for (k, pair) in cells.windows(2).enumerate() {
-            assert_eq!(pair[0].0, k as u64);
-            let moved: u32 = (0..3).map(|c| pair[0].1[c].abs_diff(pair[1].1[c])).sum();
-            assert_eq!(moved, 1, "{:?} to {:?}", pair[0].1, pair[1].1);
-        }
-    }
 
     #[test]
     fn one_point_far_away_does_not_disturb_the_order_of_the_others() {
