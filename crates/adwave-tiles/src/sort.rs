@@ -2,8 +2,9 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::collections::binary_heap::PeekMut;
 use std::fs::File;
-use std::io::{BufReader, Read, Write};
+use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use adwave::Progress;
@@ -160,35 +161,49 @@ fn write_run(
     order.par_sort_unstable();
     progress.check()?;
     let path = folder.join(format!("run-{run:04}.bin"));
-    write_whole(&path, |out| {
-        for &(_, i) in &order {
-            out.write_all(&held[i as usize * bytes..][..bytes]).map_err(TilesError::io(&path))?;
-        }
-        Ok(())
-    })?;
+    // Not flushed to the disk: nobody goes on from a run.
+    let write = || {
+        let mut out = BufWriter::with_capacity(READ_AT_A_TIME, File::create(&path)?);
+        order.iter().try_for_each(|&(_, i)| out.write_all(&held[i as usize * bytes..][..bytes]))?;
+        out.flush()
+    };
+    write().map_err(TilesError::io(&path))?;
     Ok(path)
 }
 
 /// A sorted run, and its records that are in memory.
 struct Run<'a> {
-    file: BufReader<File>,
+    file: File,
     path: &'a Path,
-    record: Vec<u8>,
+    records: Vec<u8>,
+    keys: Vec<Key>,
+    /// The record that is next.
+    next: usize,
 }
 
-impl Run<'_> {
-    /// Whether there was another record.
-    fn advance(&mut self) -> Result<bool, TilesError> {
-        match self.file.read_exact(&mut self.record) {
-            Ok(()) => Ok(true),
-            Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => Ok(false),
-            Err(e) => Err(TilesError::io(self.path)(e)),
+impl<'a> Run<'a> {
+    fn open(path: &'a Path) -> Result<Self, TilesError> {
+        let file = File::open(path).map_err(TilesError::io(path))?;
+        Ok(Self { file, path, records: Vec::new(), keys: Vec::new(), next: 0 })
+    }
+
+    /// The key of the next record; `None` at the end.
+    fn key(&mut self, curve: Curve, bytes: usize) -> Result<Option<Key>, TilesError> {
+        if self.next == self.keys.len() {
+            self.records.clear();
+            let most = (READ_AT_A_TIME / bytes).max(1) * bytes;
+            let mut portion = (&self.file).take(most as u64);
+            portion.read_to_end(&mut self.records).map_err(TilesError::io(self.path))?;
+            let records = self.records.par_chunks_exact(bytes);
+            records.map(|record| curve.key(whole(record))).collect_into_vec(&mut self.keys);
+            self.next = 0;
         }
+        Ok(self.keys.get(self.next).copied())
     }
 }
 
 /// Bytes of each run that are read at a time.
-const READ_AT_A_TIME: usize = 1 << 20;
+const READ_AT_A_TIME: usize = 1 << 22;
 
 /// All records of the runs in their order; of equal positions those of earlier runs first.
 fn merge(
@@ -197,25 +212,22 @@ fn merge(
     bytes: usize,
     mut each: impl FnMut(Key, &[u8], u64) -> Result<(), TilesError>,
 ) -> Result<(), TilesError> {
-    let mut runs = Vec::with_capacity(paths.len());
+    let mut runs = paths.iter().map(|path| Run::open(path)).collect::<Result<Vec<_>, _>>()?;
     let mut heads = BinaryHeap::with_capacity(paths.len());
-    for (i, path) in paths.iter().enumerate() {
-        let file = BufReader::with_capacity(READ_AT_A_TIME, File::open(path).map_err(TilesError::io(path))?);
-        let mut run = Run { file, path, record: vec![0; bytes] };
-        if run.advance()? {
-            heads.push(Reverse((curve.key(whole(&run.record)), i)));
-        }
-        runs.push(run);
+    for (i, run) in runs.iter_mut().enumerate() {
+        heads.extend(run.key(curve, bytes)?.map(|key| Reverse((key, i))));
     }
     let mut n = 0;
     while let Some(mut head) = heads.peek_mut() {
         let Reverse((key, i)) = *head;
-        each(key, &runs[i].record, n)?;
+        let run = &mut runs[i];
+        each(key, &run.records[run.next * bytes..][..bytes], n)?;
         n += 1;
-        if runs[i].advance()? {
-            *head = Reverse((curve.key(whole(&runs[i].record)), i));
+        run.next += 1;
+        if let Some(key) = run.key(curve, bytes)? {
+            *head = Reverse((key, i));
         } else {
-            std::collections::binary_heap::PeekMut::pop(head);
+            PeekMut::pop(head);
         }
     }
     Ok(())
