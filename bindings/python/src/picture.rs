@@ -100,7 +100,7 @@ fn render_picture<'py>(
         Some(up) => up.parse::<Up>().map_err(|e| value(e.to_string()))?,
         None if matches!(
             content.file.format(),
-            Some(Format::Las | Format::Laz | Format::Gifti | Format::FreeSurfer)
+            Some(Format::Las | Format::Laz | Format::Ept | Format::Gifti | Format::FreeSurfer)
         ) =>
         {
             Up::Z

@@ -6,6 +6,7 @@
 //! [`WriteReport`] names what did not fit.
 //!
 //! [`LasReader`] and [`LasWriter`] take the points of a LAS or LAZ in portions, for scans that do not fit in memory.
+//! [`read_cloud_part`] reads what lies in a box of a COPC, EPT, LAS or LAZ, and of the first two no more levels than a resolution needs.
 //!
 //! [`Format::table`] says what is read, written, kept and lost of each format; `docs/FORMATS.md` has it. Arrays are read from NPY and
 //! written as NPY and NPZ.
@@ -109,6 +110,7 @@ pub use field::{Field, FieldValues, ValueType};
 pub use format::Format;
 pub use gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
 pub use gifti::write::{write_gifti_fields, write_gifti_fields_with};
+pub use las::part::{CloudLevels, CloudPart, cloud_levels, read_cloud_part, read_cloud_part_with};
 pub use las::stream::{LasLayout, LasReader, LasWriter};
 pub use limits::ReadLimits;
 pub use mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};

@@ -7,13 +7,15 @@ use std::path::Path;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
+use crate::las::part::{Selection, folder_of_tiles, read_tiles};
 use crate::limits::decompress;
 use crate::progress::BYTES_PER_STEP;
 use crate::sniff::sniff;
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
 /// Reads the shape in a file, compressed by gzip or not. The content decides the format, the name only where the
-/// content leaves it open.
+/// content leaves it open. A folder with an `ept.json`, or that file, is read as an EPT; for a part of one see
+/// [`read_cloud_part`](crate::read_cloud_part).
 ///
 /// # Errors
 /// One line that begins with the file's name: the file cannot be read, its format is unknown, it is malformed (with
@@ -31,6 +33,11 @@ pub fn read_path_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
+    if let Some(folder) = folder_of_tiles(path) {
+        let mut shape = read_tiles(&folder, &Selection::whole(), limits, progress)?;
+        shape.n_original_fields = shape.vertex_fields.len();
+        return Ok(shape);
+    }
     read_file(path, limits, progress)
         .and_then(|bytes| read_named(bytes, Some(&path.to_string_lossy()), path.parent(), limits, progress))
         .map_err(|e| e.in_file(path))

@@ -198,7 +198,7 @@ fn write_shape(
         Format::Las | Format::Laz => {
             crate::las::write::write_las(shape, format, &mut report, out, progress)?;
         }
-        Format::E57 | Format::Geomview | Format::Vti | Format::Vtr | Format::Vts => {
+        Format::E57 | Format::Ept | Format::Geomview | Format::Vti | Format::Vtr | Format::Vts => {
             return Err(WriteError::ReadOnly { format });
         }
     }

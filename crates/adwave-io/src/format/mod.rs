@@ -41,6 +41,8 @@ pub enum Format {
     Las,
     /// LAS, compressed.
     Laz,
+    /// Entwine point tiles: a folder, read only.
+    Ept,
     /// MatrixMarket coordinate matrix, read as a weighted graph.
     Mtx,
     /// GIFTI surface.
@@ -184,7 +186,15 @@ impl Format {
     pub fn holds_faces(self) -> bool {
         let is_cloud = matches!(
             self.family(),
-            Self::Xyz | Self::Pts | Self::Csv | Self::Pcd | Self::Las | Self::Laz | Self::E57 | Self::Dmat
+            Self::Xyz
+                | Self::Pts
+                | Self::Csv
+                | Self::Pcd
+                | Self::Las
+                | Self::Laz
+                | Self::Ept
+                | Self::E57
+                | Self::Dmat
         );
         !is_cloud && !self.holds_graphs()
     }
@@ -234,6 +244,7 @@ impl Format {
         for row in TABLE {
             let own = row.format.endings().iter();
             let endings = own.map(|e| format!("`.{e}`")).collect::<Vec<_>>().join(" ");
+            let endings = if endings.is_empty() { "–".to_owned() } else { endings };
             let cell = |text: &'static str| if text.is_empty() { "–" } else { text };
             let (reads, writes) = (cell(row.reads), cell(row.writes));
             let (keeps, loses) = (cell(row.keeps), cell(row.loses));

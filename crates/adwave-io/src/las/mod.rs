@@ -4,6 +4,7 @@ mod counts;
 pub(crate) mod extra;
 pub(crate) mod fields;
 pub(crate) mod laz;
+pub(crate) mod part;
 mod places;
 pub(crate) mod read;
 pub(crate) mod stream;

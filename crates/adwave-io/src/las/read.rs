@@ -52,6 +52,11 @@ impl Record<'_> {
     }
 }
 
+/// Whether that user of a record is COPC, whose records are true of one order of the points only.
+pub(crate) fn is_copc_record(user: &[u8]) -> bool {
+    user.starts_with(b"copc\0")
+}
+
 fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
     Some(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?))
 }

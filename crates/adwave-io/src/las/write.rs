@@ -9,7 +9,9 @@ use adwave::Progress;
 use crate::las::counts::Counts;
 use crate::las::fields::record_bytes;
 use crate::las::places::{Place, fits};
-use crate::las::read::{Header, LASZIP, LEAST_HEADER, RECORD_HEAD, Record, parse_header, records, unpacked};
+use crate::las::read::{
+    Header, LASZIP, LEAST_HEADER, RECORD_HEAD, Record, is_copc_record, parse_header, records, unpacked,
+};
 use crate::original::Original;
 use crate::progress::at_row;
 use crate::provenance::{NAME, Provenance};
@@ -122,7 +124,7 @@ impl Parts {
         let mut records_end = this.header.len();
         for record in records(bytes, &this.parsed) {
             records_end = record.start + RECORD_HEAD + record.content.len();
-            if !record.is_compression() {
+            if !record.is_compression() && !is_copc_record(record.user) {
                 this.records
                     .push(bytes[record.start..record.start + RECORD_HEAD + record.content.len()].to_vec());
             }

@@ -3,30 +3,46 @@
 use std::io::{self, Cursor, Read, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use laz::LazItem;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
+use laz::{LazItem, LazVlr};
 
-use crate::las::laz::u32_at;
+use crate::las::laz::{Item, items_of, u32_at};
 
-pub(super) type Decompressor<'a, R> = Box<dyn RecordDecompressor<R> + Send + Sync + 'a>;
+pub(in crate::las) type Decompressor<'a, R> = Box<dyn RecordDecompressor<R> + Send + Sync + 'a>;
 
 /// What all chunks have in common.
-pub(super) struct Coding {
-    pub(super) items: Vec<LazItem>,
+pub(in crate::las) struct Coding {
+    pub(in crate::las) items: Vec<LazItem>,
     /// The number of layers, where chunks are in layers.
-    pub(super) n_layers: Option<usize>,
-    pub(super) record_bytes: usize,
+    pub(in crate::las) n_layers: Option<usize>,
+    pub(in crate::las) record_bytes: usize,
 }
 
 /// Why unpacking stopped, after how many points.
-pub(super) struct Failure {
-    pub(super) done: usize,
+pub(in crate::las) struct Failure {
+    pub(in crate::las) done: usize,
     /// `None` where the library panicked.
-    pub(super) error: Option<io::Error>,
+    pub(in crate::las) error: Option<io::Error>,
 }
 
 impl Coding {
-    pub(super) fn decompressor<'a, R: Read + Seek + Send + Sync + 'a>(
+    /// As the record of the compression describes it; else what is wrong with that.
+    pub(in crate::las) fn of(description: &[u8], record_bytes: usize) -> Result<Self, String> {
+        let items = items_of(description, record_bytes)?;
+        let vlr = LazVlr::from_buffer(description).map_err(|e| crate::text::one_line(&e))?;
+        let is_layered = items.first().is_some_and(|item| item.version >= 3);
+        let n_layers = is_layered.then(|| items.iter().map(Item::n_layers).sum());
+        let coding = Self { items: vlr.items().clone(), n_layers, record_bytes };
+        // Whether the library knows the parts in this version, and gives them the sizes that the file does.
+        let own_bytes = catch_unwind(|| coding.decompressor(io::empty()).map(|d| d.record_size()));
+        match own_bytes {
+            Ok(Ok(own)) if own == record_bytes => Ok(coding),
+            Ok(Err(error)) => Err(crate::text::one_line(&error)),
+            _ => Err("its parts are not of the sizes that it states".into()),
+        }
+    }
+
+    pub(in crate::las) fn decompressor<'a, R: Read + Seek + Send + Sync + 'a>(
         &self,
         input: R,
     ) -> laz::Result<Decompressor<'a, R>> {
@@ -40,7 +56,7 @@ impl Coding {
     }
 
     /// Unpacks a whole chunk.
-    pub(super) fn unpack(&self, packed: &[u8], rows: &mut [u8]) -> Result<(), Failure> {
+    pub(in crate::las) fn unpack(&self, packed: &[u8], rows: &mut [u8]) -> Result<(), Failure> {
         if let Some(n_layers) = self.n_layers
             && !rows.is_empty()
         {
@@ -59,7 +75,7 @@ impl Coding {
 }
 
 /// Fills the rows; nothing of a decompressor that failed may be used again.
-pub(super) fn unpack_rows<R>(
+pub(in crate::las) fn unpack_rows<R>(
     decompressor: &mut Decompressor<'_, R>,
     rows: &mut [u8],
     record_bytes: usize,
@@ -80,14 +96,14 @@ pub(super) fn unpack_rows<R>(
 }
 
 /// The number of points that a chunk in layers states, and the bytes of its layers; `None` where the head is cut.
-pub(super) fn layer_sizes(chunk: &[u8], record_bytes: usize, n_layers: usize) -> Option<(u64, u64)> {
+pub(in crate::las) fn layer_sizes(chunk: &[u8], record_bytes: usize, n_layers: usize) -> Option<(u64, u64)> {
     let n_points = u32_at(chunk, record_bytes)?;
     let sizes = (0..n_layers).map(|layer| u32_at(chunk, record_bytes + 4 + 4 * layer));
     Some((n_points, sizes.sum::<Option<u64>>()?))
 }
 
 impl Failure {
-    pub(super) fn what(&self) -> String {
+    pub(in crate::las) fn what(&self) -> String {
         match &self.error {
             Some(error) => crate::text::one_line(error),
             None => "its parts contradict each other".into(),

@@ -4,7 +4,7 @@
 //! does not depend on the number of points, nor on what a header says about it. A LAZ is unpacked and packed chunk by chunk, by
 //! all threads of the pool; the bytes do not depend on how many there are.
 
-mod coding;
+pub(in crate::las) mod coding;
 mod pack;
 mod read;
 #[cfg(test)]

@@ -130,11 +130,11 @@ impl LasReader {
     }
 
     /// The bytes before the points, and what was found in them.
-    pub(super) fn head(&self) -> (&[u8], &Header) {
+    pub(in crate::las) fn head(&self) -> (&[u8], &Header) {
         (&self.head, &self.header)
     }
 
-    pub(super) fn n_bytes(&self) -> u64 {
+    pub(in crate::las) fn n_bytes(&self) -> u64 {
         self.n_bytes
     }
 }

@@ -5,15 +5,14 @@
 //! checked against the length of the file before, and a panic of the library becomes an error.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use laz::LazVlr;
 use laz::laszip::ChunkTable;
 use rayon::prelude::*;
 
 use crate::ReadError;
-use crate::las::laz::{Item, VARIABLE, i64_at, items_of, u16_at, u32_at};
+use crate::las::laz::{VARIABLE, i64_at, u16_at, u32_at};
 use crate::las::read::Header;
 use crate::las::stream::coding::{Coding, Decompressor, layer_sizes, unpack_rows};
 use crate::las::stream::read::cut_or;
@@ -75,18 +74,7 @@ impl Unpacker {
     ) -> Result<Self, ReadError> {
         let start = header.points_start as u64;
         let wrong = |what: &str| broken(start, 0, what);
-        let items = items_of(description, header.record_bytes).map_err(wrong)?;
-        let vlr = LazVlr::from_buffer(description).map_err(|e| wrong(&crate::text::one_line(&e)))?;
-        let is_layered = items.first().is_some_and(|item| item.version >= 3);
-        let n_layers = is_layered.then(|| items.iter().map(Item::n_layers).sum());
-        let coding = Coding { items: vlr.items().clone(), n_layers, record_bytes: header.record_bytes };
-        // Whether the library knows the parts in this version, and gives them the sizes that the file does.
-        let own_bytes = catch_unwind(|| coding.decompressor(io::empty()).map(|d| d.record_size()));
-        match own_bytes {
-            Ok(Ok(own)) if own == header.record_bytes => {}
-            Ok(Err(error)) => return Err(wrong(&crate::text::one_line(&error))),
-            _ => return Err(wrong("its parts are not of the sizes that it states")),
-        }
+        let coding = Coding::of(description, header.record_bytes).map_err(|what| wrong(&what))?;
         let is_chunked = match u16_at(description, 0) {
             0 => return Err(wrong("its points are not compressed")),
             1 => false,
@@ -95,6 +83,7 @@ impl Unpacker {
         let fixed = |n: u64| (n > 0 && n != VARIABLE).then_some(n);
         let chunk_points =
             if is_chunked { u32_at(description, 12).and_then(fixed) } else { Some(header.n_points) };
+        let is_sequential = coding.n_layers.is_none();
         let mut this = Self {
             file,
             n_bytes,
@@ -114,7 +103,7 @@ impl Unpacker {
         if is_chunked {
             let position = this.table_position(start)?;
             this.table = position.and_then(|position| this.read_table(position));
-            if this.table.is_none() && chunk_points.is_none() && !is_layered {
+            if this.table.is_none() && chunk_points.is_none() && is_sequential {
                 return Err(wrong("the table of its chunks, which are not all of one size, is missing"));
             }
         }

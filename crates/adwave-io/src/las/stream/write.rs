@@ -10,7 +10,7 @@ use crate::atomic::Pending;
 use crate::las::counts::{Counts, has_long_counts};
 use crate::las::fields::record_bytes;
 use crate::las::places::ExtraList;
-use crate::las::read::{Header, RECORD_HEAD, Record, records, u64_at};
+use crate::las::read::{Header, RECORD_HEAD, Record, is_copc_record, records, u64_at};
 use crate::las::stream::pack::Packer;
 use crate::las::stream::{LasLayout, LasReader};
 use crate::las::write::{COMPRESSED, compression_record, is_provenance, new_header, provenance_record, put};
@@ -308,10 +308,6 @@ fn is_gzip(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"))
 }
 
-fn is_copc(user: &[u8]) -> bool {
-    user.split(|&b| b == 0).next() == Some(b"copc")
-}
-
 impl Head {
     /// The bytes before the points of a file, without what belongs to its compression or arrangement.
     fn like(bytes: &[u8], parsed: &Header) -> Self {
@@ -332,7 +328,8 @@ impl Head {
         let whole = |record: &Record<'_>| {
             bytes[record.start..record.start + RECORD_HEAD + record.content.len()].to_vec()
         };
-        let kept = all.iter().filter(|record| !record.is_compression() && !is_copc(record.user)).map(whole);
+        let kept =
+            all.iter().filter(|record| !record.is_compression() && !is_copc_record(record.user)).map(whole);
         let end = all.last().map_or(parsed.bytes, |last| last.start + RECORD_HEAD + last.content.len());
         Self {
             header,
@@ -367,7 +364,7 @@ impl Tail {
                 break;
             }
             let is_wave = head[2..].starts_with(b"LASF_Spec") && head[18..20] == WAVE_PACKETS.to_le_bytes();
-            if !is_wave && !is_copc(&head[2..18]) {
+            if !is_wave && !is_copc_record(&head[2..18]) {
                 found.push((at, n_bytes));
             }
             at = end;
