@@ -62,8 +62,8 @@ impl Inputs {
         self.add(Source::Bytes(ProvenanceInput { name: name.to_owned(), sha256 }));
     }
 
-    /// A shape that is made.
-    pub(crate) fn add_sample(&self, name: &str) {
+    /// A shape that is made, or a file that is not read whole.
+    pub(crate) fn add_unhashed(&self, name: &str) {
         self.add(Source::Bytes(ProvenanceInput { name: name.to_owned(), sha256: None }));
     }
 }

@@ -6,7 +6,8 @@ use crate::global::Global;
 use crate::output::note;
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Shape, triangulate, vertex_normals};
-use adwave_io::{ReadError, ShapeFile, ShapeKind, read_bytes, read_path};
+use adwave::{ClassifiedError, ErrorKind};
+use adwave_io::{CloudPart, ReadError, ShapeFile, ShapeKind, read_bytes, read_cloud_part_with};
 use std::io::Read;
 use std::path::Path;
 
@@ -29,27 +30,35 @@ pub(crate) struct Source<'a> {
     pub(crate) vertices: Option<usize>,
     pub(crate) noise: Option<f64>,
     pub(crate) seed: u64,
+    /// Which part of a cloud.
+    pub(crate) part: CloudPart,
 }
 
 impl<'a> Source<'a> {
     /// A shape as it is.
     pub(crate) fn new(shape: &'a str) -> Self {
-        Self { shape, kind: None, vertices: None, noise: None, seed: 1 }
+        Self { shape, kind: None, vertices: None, noise: None, seed: 1, part: CloudPart::default() }
     }
 }
 
 /// Reads or makes the shape that the arguments ask for.
 pub(crate) fn load(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
-    let ShapeArgs { shape, kind, vertices, noise, seed, .. } = args;
-    let source = Source { shape, kind: *kind, vertices: *vertices, noise: *noise, seed: *seed };
+    let ShapeArgs { shape, part, kind, vertices, noise, seed, .. } = args;
+    let part = part.part();
+    let source = Source { shape, kind: *kind, vertices: *vertices, noise: *noise, seed: *seed, part };
     load_source(&source, global)
 }
 
 /// Reads or makes a shape.
 pub(crate) fn load_source(source: &Source<'_>, global: &Global<'_>) -> Result<Input, CliError> {
     let name = source.shape.to_owned();
+    if !source.part.is_whole() && (name == "-" || name.starts_with("sample:")) {
+        return Err(CliError::Input(format!(
+            "--box and --resolution are for files (LAS, LAZ, COPC, EPT); '{name}' is none"
+        )));
+    }
     let file = if let Some(sample) = source.shape.strip_prefix("sample:") {
-        global.inputs.add_sample(source.shape);
+        global.inputs.add_unhashed(source.shape);
         make_sample(sample, source.vertices, source.noise, source.seed)?
     } else {
         for (flag, given) in [("--vertices", source.vertices.is_some()), ("--noise", source.noise.is_some())]
@@ -58,7 +67,7 @@ pub(crate) fn load_source(source: &Source<'_>, global: &Global<'_>) -> Result<In
                 return Err(CliError::Input(format!("{flag} is for samples; '{name}' is a file")));
             }
         }
-        read(source.shape, global)?
+        read(source.shape, &source.part, global)?
     };
     let kind = match source.kind {
         None => file.kind(),
@@ -84,7 +93,7 @@ pub(crate) fn make_sample(
     Ok(ShapeFile::from_mesh(sample.points, sample.faces))
 }
 
-fn read(source: &str, global: &Global<'_>) -> Result<ShapeFile, CliError> {
+fn read(source: &str, part: &CloudPart, global: &Global<'_>) -> Result<ShapeFile, CliError> {
     let limits = &global.limits;
     let read = if source == "-" {
         let mut bytes = Vec::new();
@@ -96,10 +105,18 @@ fn read(source: &str, global: &Global<'_>) -> Result<ShapeFile, CliError> {
         global.inputs.add_bytes(source, &bytes);
         read_bytes(bytes, None, limits)
     } else {
-        global.inputs.add_file(Path::new(source));
-        read_path(Path::new(source), limits)
+        if part.is_whole() {
+            global.inputs.add_file(Path::new(source));
+        } else {
+            // A hash would be of all that is not read.
+            global.inputs.add_unhashed(source);
+        }
+        read_cloud_part_with(Path::new(source), part, limits, global.progress())
     };
     read.map_err(|error| {
+        if error.kind() == ErrorKind::Cancelled {
+            return CliError::Cancelled;
+        }
         let mut text = error.to_string();
         if matches!(cause(&error), ReadError::Limit { what: "bytes", .. }) {
             text = text.replace("raise the limit", "raise the limit (--max-input 8G)");

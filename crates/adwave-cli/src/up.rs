@@ -36,7 +36,7 @@ impl Upward {
             return Self { up, why: Why::Asked };
         }
         match input.file.format() {
-            Some(Format::Las | Format::Laz) => return Self { up: Up::Z, why: Why::Las },
+            Some(Format::Las | Format::Laz | Format::Ept) => return Self { up: Up::Z, why: Why::Las },
             Some(Format::Gifti) => return Self { up: Up::Z, why: Why::Gifti },
             Some(Format::FreeSurfer) => return Self { up: Up::Z, why: Why::FreeSurfer },
             _ => {}

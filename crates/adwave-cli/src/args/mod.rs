@@ -2,10 +2,12 @@
 
 mod analysis;
 mod named;
+mod part;
 mod shape;
 
 pub(crate) use analysis::{BorderArgs, DetectArgs, FieldArgs, MapArgs, ResponseArg, signal_names};
 pub(crate) use named::named;
+pub(crate) use part::PartArgs;
 pub(crate) use shape::{Kind, LevelArgs, ShapeArgs, any_length, at_least_one};
 
 use clap::Args;

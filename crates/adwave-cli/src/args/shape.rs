@@ -1,5 +1,6 @@
 //! Which shape, how its diffusion operator is built, and which levels.
 
+use super::PartArgs;
 use super::named::named;
 use crate::error::CliError;
 use adwave::bands::{BandsParams, FWHM};
@@ -16,6 +17,8 @@ pub(crate) struct ShapeArgs {
     /// File (OBJ, PLY, STL, glTF, VTK, LAS and all else that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
     #[arg(value_name = "SHAPE")]
     pub(crate) shape: String,
+    #[command(flatten)]
+    pub(crate) part: PartArgs,
     /// Take the shape as this, whatever the file says; a mesh as a cloud is its vertices
     #[arg(long = "as", value_name = "KIND", value_enum, help_heading = "Shape")]
     pub(crate) kind: Option<Kind>,

@@ -1,5 +1,6 @@
 //! `adwave convert`: a shape in another format.
 
+use crate::args::PartArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, format_of, print, write_shape};
@@ -19,11 +20,14 @@ Examples:
   adwave convert surface.vtu -o surface.obj
   adwave convert lh.pial -o lh.surf.gii
   adwave convert scan.e57 -o scan.laz
+  adwave convert land.copc.laz -o corner.laz --box 635000,848000,636000,849000 --resolution 2
   adwave convert scan.ply -o - | other-program")]
 pub(crate) struct ConvertArgs {
     /// The shape: a file, '-' for the standard input, or sample:NAME
     #[arg(value_name = "SHAPE")]
     shape: String,
+    #[command(flatten)]
+    part: PartArgs,
     /// Where it goes; the ending names the format
     #[arg(long, short, value_name = "OUT")]
     output: PathBuf,
@@ -32,7 +36,8 @@ pub(crate) struct ConvertArgs {
 pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliError> {
     format_of(&args.output)?;
     check_writable(&args.output)?;
-    let input = with_spinner(global, "reading", || load_source(&Source::new(&args.shape), global))?;
+    let source = Source { part: args.part.part(), ..Source::new(&args.shape) };
+    let input = with_spinner(global, "reading", || load_source(&source, global))?;
     let file = &input.file;
     let report = with_spinner(global, "writing", || write_shape(global, file, &args.output))?;
     let (n_vertices, n_faces) = (file.n_vertices(), file.faces().len());

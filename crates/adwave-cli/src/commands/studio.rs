@@ -63,9 +63,8 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
         }
         note(global, "others on the network can reach the studio, and read its token on the way");
     }
-    let Source { seed, .. } = Source::new(&args.shape);
     let source =
-        Source { shape: &args.shape, kind: args.kind, vertices: args.vertices, noise: args.noise, seed };
+        Source { kind: args.kind, vertices: args.vertices, noise: args.noise, ..Source::new(&args.shape) };
     let input = with_spinner(global, "reading", || load_source(&source, global))?;
     let path = Path::new(&input.name);
     let path = path.is_file().then(|| path.to_path_buf());

@@ -11,18 +11,21 @@ use crate::output::{
 };
 use crate::progress::{prepare, with_spinner};
 use crate::provenance;
-use crate::shape_input::load;
+use crate::shape_input::{Input, load};
 use adwave::operator::SurfaceInfo;
 use adwave::region::Length;
 use adwave::shape::{Health, Shape, bounding_box};
+use adwave_io::{CloudLevels, Format, ReadError, cloud_levels};
 use clap::Args;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::path::Path;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   adwave info scan.las
+  adwave info land.copc.laz --resolution 5        a coarse look at a large cloud
   adwave info bunny.obj --json | jq .health
   adwave info sample:creature --vertices 200000
   adwave info bunny.obj --detail                 what each level loses
@@ -74,6 +77,10 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
     if diagonal > 0.0 {
         let _ = writeln!(text, "  diagonal      {}", number(diagonal));
     }
+    let octree = octree(&input, global);
+    if let Some(octree) = &octree {
+        let _ = writeln!(text, "  octree        {}", octree_text(octree));
+    }
     health_notes(&mut text, &health);
     let is_unsymmetric = kind == "graph" && input.file.is_unsymmetric();
     if is_unsymmetric {
@@ -123,6 +130,9 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "provenance": input.file.provenance().map(provenance::json),
         "bounding_box": bounds_json(bounds),
         "diagonal": diagonal,
+        "octree": octree.and_then(Result::ok).map(|levels| json!({
+            "spacing": levels.spacing, "points": levels.n_points,
+        })),
         "made_symmetric": is_unsymmetric,
         "health": health_json(&health),
         "diffusion": {
@@ -149,6 +159,24 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "detail": detail.as_ref().map(detail::Detail::json),
     });
     print(global, &text, &json)
+}
+
+/// The levels of a file that has such; what is wrong with them where it has no true ones, which the points do not need.
+fn octree(input: &Input, global: &Global<'_>) -> Option<Result<CloudLevels, ReadError>> {
+    let has_file = matches!(input.file.format(), Some(Format::Laz | Format::Ept)) && input.name != "-";
+    has_file.then(|| cloud_levels(Path::new(&input.name), &global.limits).transpose()).flatten()
+}
+
+fn octree_text(octree: &Result<CloudLevels, ReadError>) -> String {
+    match octree {
+        Ok(levels) => {
+            let n = levels.n_points.len();
+            let finest = levels.spacing * 0.5_f64.powi(n.saturating_sub(1) as i32);
+            let points = levels.n_points.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+            format!("{n} levels of {points} points; {} to {} apart", number(levels.spacing), number(finest))
+        }
+        Err(error) => format!("of no use: {error}"),
+    }
 }
 
 /// What was done to a shape on the way to heat on it.

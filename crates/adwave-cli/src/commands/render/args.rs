@@ -1,7 +1,7 @@
 //! The arguments of `adwave render`.
 
 use super::framing::FramingArgs;
-use crate::args::{Kind, signal_names};
+use crate::args::{Kind, PartArgs, signal_names};
 use crate::region::region;
 use adwave::region::Region;
 use adwave_render::{RenderParams, Up, View};
@@ -31,6 +31,8 @@ pub(crate) struct RenderArgs {
     /// Files, '-', or sample:NAME; several with --grid
     #[arg(value_name = "SHAPE", required = true)]
     pub(crate) shapes: Vec<String>,
+    #[command(flatten)]
+    pub(crate) part: PartArgs,
     /// Where the picture goes (.png)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,

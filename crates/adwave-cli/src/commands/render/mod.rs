@@ -135,8 +135,8 @@ fn load_all(args: &RenderArgs, global: &Global<'_>) -> Result<Vec<Loaded>, CliEr
 }
 
 fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<Loaded, CliError> {
-    let input =
-        load_source(&Source { kind: args.kind, vertices: args.vertices, ..Source::new(name) }, global)?;
+    let (kind, vertices, part) = (args.kind, args.vertices, args.part.part());
+    let input = load_source(&Source { kind, vertices, part, ..Source::new(name) }, global)?;
     let Some(points) = input.shape.points() else {
         return Err(CliError::Input(format!("{name}: a graph has no positions to draw")));
     };

@@ -1,6 +1,6 @@
 //! The arguments of `adwave simplify`.
 
-use crate::args::{Kind, any_length};
+use crate::args::{Kind, PartArgs, any_length};
 use adwave::region::Length;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
@@ -22,6 +22,8 @@ pub(crate) struct SimplifyArgs {
     /// File (OBJ, PLY, STL, glTF, VTK, LAS and all else that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
     #[arg(value_name = "SHAPE")]
     pub(crate) shape: String,
+    #[command(flatten)]
+    pub(crate) part: PartArgs,
     /// Take the shape as this, whatever the file says; a mesh as a cloud is its vertices
     #[arg(long = "as", value_name = "KIND", value_enum)]
     pub(crate) kind: Option<Kind>,

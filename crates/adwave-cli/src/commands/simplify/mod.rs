@@ -32,7 +32,7 @@ pub(crate) fn run(args: &SimplifyArgs, global: &Global<'_>) -> Result<(), CliErr
     check_writable(&args.output)?;
     check_target(args)?;
     let mut watch = Stopwatch::start();
-    let source = Source { kind: args.kind, ..Source::new(&args.shape) };
+    let source = Source { kind: args.kind, part: args.part.part(), ..Source::new(&args.shape) };
     let input = with_spinner(global, "reading", || load_source(&source, global))?;
     let read = watch.lap();
     let outcome = match &input.shape {
