@@ -6,6 +6,10 @@
 //! before is kept and changed further, which stands in for the coverage that libFuzzer would measure. The same seed and
 //! number of runs give the same inputs. What breaks is saved below `target/fuzz/`.
 
+#[allow(dead_code, reason = "the tests of adwave-io use all of it")]
+#[allow(clippy::unwrap_used, reason = "what is written is right")]
+#[path = "../../crates/adwave-io/tests/cloud_part/copc_file.rs"]
+mod copc_file;
 mod mutate;
 mod seeds;
 mod targets;

@@ -1,6 +1,7 @@
 //! The seeds, made here: small files of every format from our own writers, and by hand what these do not write.
 //! `cargo run -p adwave-fuzz -- --write-seeds` writes them below `fuzz/seeds/`.
 
+use crate::copc_file::copc;
 use adwave::shape::Polygons;
 use adwave_io::{
     ArrayValues, Direction, Edges, Field, FieldValues, Format, Precision, ShapeFile, write_bytes, write_npy,
@@ -229,6 +230,9 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
     for format in [0, 3, 6, 7] {
         save("las", &format!("format{format}"), &las(format, false)?)?;
         save("laz", &format!("format{format}"), &las(format, true)?)?;
+    }
+    for (name, n, has_pages) in [("flat", 40, false), ("pages", 40, true), ("root", 1, true)] {
+        save("copc", name, &copc(n, has_pages).bytes)?;
     }
     save("gifti", "text", gifti("ASCII", |numbers, _| numbers.join(" ")).as_bytes())?;
     let encode = |bytes: &[u8]| base64::engine::general_purpose::STANDARD.encode(bytes);

@@ -3,8 +3,9 @@
 use adwave::ClassifiedError;
 use adwave::region::parse_region;
 use adwave_io::{
-    Format, LasReader, ReadLimits, ShapeFile, parse_csv_fields, parse_gifti_fields, parse_recipe,
-    parse_surface_values, read_bytes, read_npy_bytes, recipe_to_text, texture_colors, write_bytes,
+    CloudPart, Format, LasReader, ReadError, ReadLimits, ShapeFile, cloud_levels, parse_csv_fields,
+    parse_gifti_fields, parse_recipe, parse_surface_values, read_bytes, read_cloud_part, read_npy_bytes,
+    recipe_to_text, texture_colors, write_bytes,
 };
 use std::error::Error;
 use std::path::Path;
@@ -265,6 +266,7 @@ pub(crate) fn all() -> Vec<Target> {
         shape("pcd", PCD, |b| shape_file(b, "a.pcd")),
         shape("las", &[], |b| las_file(b, "a.las")),
         shape("laz", &[], |b| las_file(b, "a.laz")),
+        Target { name: "copc", seeds: "copc", words: &["copc\0", "\u{ff}\u{ff}"], check: cloud_part },
         shape("mtx", &["general", "symmetric", "pattern", "real", "coordinate", "%"], |b| {
             shape_file(b, "a.mtx")
         }),
@@ -442,6 +444,47 @@ fn shape_file(bytes: &[u8], name: &str) -> Result<String, String> {
     ))
 }
 
+/// A part of a COPC, which the input's bytes choose: what was read lies in the box.
+fn cloud_part(bytes: &[u8]) -> Result<String, String> {
+    let (low, high) = ([990.0, 1990.0, -10.0], [1003.0, 2010.0, 4.0]);
+    let part = match crate::hash(bytes) % 4 {
+        0 => CloudPart::default().with_resolution(2.0),
+        1 => CloudPart::default().with_bounds(low, high).with_resolution(2.0),
+        2 => CloudPart::default().with_bounds(low, high),
+        _ => CloudPart::default().with_bounds([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]),
+    };
+    let path = std::env::temp_dir().join(format!("adwave-fuzz-{}-part", std::process::id()));
+    std::fs::write(&path, bytes).map_err(|e| e.to_string())?;
+    // The path is not the input's.
+    let own = |e: &ReadError| error(e).map(|text| text.replace(&*path.to_string_lossy(), "a"));
+    let levels = match cloud_levels(&path, &LIMITS) {
+        Ok(levels) => format!("{:?}", levels.map(|levels| levels.n_points.len())),
+        Err(e) => own(&e)?,
+    };
+    let file = match read_cloud_part(&path, &part, &LIMITS) {
+        Ok(file) => file,
+        Err(e) => return own(&e),
+    };
+    in_range(&file)?;
+    if let Some((low, high)) = part.bounds {
+        let is_inside = |p: &[f64; 3]| (0..3).all(|a| low[a] <= p[a] && p[a] <= high[a]);
+        if !file.points().iter().all(is_inside) {
+            return Err("a point outside the box".into());
+        }
+    }
+    let mut written = Vec::new();
+    match write_bytes(&file, Format::Laz, &mut written) {
+        Ok(_) => {
+            let again = read_bytes(written, Some("a.laz"), &LIMITS).map_err(|e| e.to_string())?;
+            if again.n_vertices() != file.n_vertices() {
+                return Err(format!("{} points are {} when written", file.n_vertices(), again.n_vertices()));
+            }
+        }
+        Err(e) => drop(error(&e)?),
+    }
+    Ok(format!("ok {} {levels}", file.n_vertices()))
+}
+
 /// As a whole, and one input in eight in portions too, for which it must be a file.
 fn las_file(bytes: &[u8], name: &str) -> Result<String, String> {
     /// A few bytes can stand for any number of equal points.
@@ -518,7 +561,7 @@ fn unchanged(file: &ShapeFile, written: &[u8], name: &str) -> Result<(), String>
     Ok(())
 }
 
-fn fields(read: Result<Vec<adwave_io::Field>, adwave_io::ReadError>) -> Result<String, String> {
+fn fields(read: Result<Vec<adwave_io::Field>, ReadError>) -> Result<String, String> {
     match read {
         Ok(fields)
             if fields.iter().all(|f| f.n_channels > 0 && f.to_f64().len() == f.len() * f.n_channels) =>
