@@ -169,6 +169,11 @@ fn with_hierarchy(bytes: &mut Vec<u8>, entries: BTreeMap<Key, Vec<u8>>, has_page
     let record = bytes.len();
     let first = record + 60;
     let parent = |key: &Key| if key[0] < 2 { *key } else { [1, key[1] / 2, key[2] / 2, key[3] / 2] };
+    // Nodes without points are listed where others lie below them.
+    let mut entries = entries;
+    for key in entries.keys().map(parent).collect::<Vec<_>>() {
+        entries.entry(key).or_insert_with(|| entry(key, 0, 0, 0));
+    }
     let mut pages: BTreeMap<Key, Vec<u8>> = BTreeMap::new();
     for (key, entry) in entries {
         let page = if has_pages { parent(&key) } else { [0; 4] };
