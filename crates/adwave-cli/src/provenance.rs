@@ -62,9 +62,9 @@ impl Inputs {
         self.add(Source::Bytes(ProvenanceInput { name: name.to_owned(), sha256 }));
     }
 
-    /// A shape that is made, or a file that is not read whole.
+    /// A shape that is made, or a file that is not read whole, by its name without folders.
     pub(crate) fn add_unhashed(&self, name: &str) {
-        self.add(Source::Bytes(ProvenanceInput { name: name.to_owned(), sha256: None }));
+        self.add(Source::Bytes(ProvenanceInput { name: last_part(name).to_owned(), sha256: None }));
     }
 }
 

@@ -42,14 +42,20 @@ fn parts_are_read_by_all_commands_of_one_shape() {
     assert!(in_box > 5 && in_box < 35, "{in_box}");
     assert_eq!(json(path, "info c.laz")["health"]["vertices"], in_box);
     assert!(json(path, "info c.laz")["octree"].is_null());
-    let flat = json(path, &format!("convert a.copc.laz --box 1000,1990,-1e3,1020,2010,1e3 -o d.laz"));
+    let flat = json(path, "convert a.copc.laz --box 1000,1990,-1e3,1020,2010,1e3 -o d.laz");
     assert_eq!(flat["vertices"], in_box);
     // The numbers may begin with a minus.
     assert_eq!(json(path, "convert a.copc.laz --box -1,-1,1e4,1e4 -o e.ply")["vertices"], 40);
     for line in ["simplify a.copc.laz --ratio 0.5 -o s.laz", "render a.copc.laz -o r.png"] {
         run(path, &format!("{line} {part}"));
     }
-    run(path, &format!("saliency b.laz -j 2 --box -1e9,-1e9,1e9,1e9 -o m.laz"));
+    run(path, "saliency b.laz -j 2 --box -1e9,-1e9,1e9,1e9 -o m.laz");
+    // What is written names the file without its folders.
+    let whole_name = path.join("a.copc.laz");
+    run(path, &format!("convert {} {part} -o p.laz", whole_name.display()));
+    let written = fs::read(path.join("p.laz")).unwrap();
+    let has = |text: &str| written.windows(text.len()).any(|part| part == text.as_bytes());
+    assert!(has("a.copc.laz") && !has(&path.to_string_lossy()));
 }
 
 #[test]

@@ -140,7 +140,7 @@ pub(crate) struct Plan {
 }
 
 /// Bytes of memory for each vertex of a tile and its rings, measured, and for each output of these.
-const VERTEX_BYTES: u64 = 420;
+const VERTEX_BYTES: u64 = 445;
 const OUTPUT_BYTES: u64 = 24;
 
 /// Rings of a tile's sides as vertices: neighbours reach further than the mean distance between vertices.

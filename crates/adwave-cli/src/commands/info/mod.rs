@@ -12,6 +12,7 @@ use crate::output::{
 use crate::progress::{prepare, with_spinner};
 use crate::provenance;
 use crate::shape_input::{Input, load};
+use adwave::Decomposer;
 use adwave::operator::SurfaceInfo;
 use adwave::region::Length;
 use adwave::shape::{Health, Shape, bounding_box};
@@ -135,22 +136,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         })),
         "made_symmetric": is_unsymmetric,
         "health": health_json(&health),
-        "diffusion": {
-            "operator": decomposer.operator_kind().name(),
-            "density_invariant": decomposer.operator_params().density_invariant,
-            "keeps_creases": decomposer.operator_params().keep_creases,
-            "vertices": decomposer.diffusion().n_vertices(),
-            "entries": decomposer.diffusion().nnz(),
-            "mean_length": decomposer.mean_length(),
-            "step_length": decomposer.diffusion().step_length(),
-            "reversible": decomposer.diffusion().is_reversible(),
-            "surface": decomposer.surface_info().map(|info| json!({
-                "flips": info.laplacian.n_flips,
-                "double_cover": info.laplacian.is_covered,
-                "edges_lengthened_by": info.laplacian.lengthened,
-                "mass_added": info.added_mass,
-            })),
-        },
+        "diffusion": diffusion_json(&decomposer),
         "levels": schedule.n_levels(),
         "levels_reason": why,
         "steps": steps_json(&schedule.steps_from_zero()),
@@ -159,6 +145,25 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
         "detail": detail.as_ref().map(detail::Detail::json),
     });
     print(global, &text, &json)
+}
+
+fn diffusion_json(decomposer: &Decomposer) -> Value {
+    json!({
+        "operator": decomposer.operator_kind().name(),
+        "density_invariant": decomposer.operator_params().density_invariant,
+        "keeps_creases": decomposer.operator_params().keep_creases,
+        "vertices": decomposer.diffusion().n_vertices(),
+        "entries": decomposer.diffusion().nnz(),
+        "mean_length": decomposer.mean_length(),
+        "step_length": decomposer.diffusion().step_length(),
+        "reversible": decomposer.diffusion().is_reversible(),
+        "surface": decomposer.surface_info().map(|info| json!({
+            "flips": info.laplacian.n_flips,
+            "double_cover": info.laplacian.is_covered,
+            "edges_lengthened_by": info.laplacian.lengthened,
+            "mass_added": info.added_mass,
+        })),
+    })
 }
 
 /// The levels of a file that has such; what is wrong with them where it has no true ones, which the points do not need.
