@@ -100,7 +100,10 @@ try {
   ({ server, url } = await serve(adwave, 'sample:sphere', folder));
   const sample = await opened(browser, url, failures);
   await sample.getByRole('button', { name: 'File', exact: true }).click();
-  check('a built-in shape has a menu of files', await sample.locator('dialog[open] select').first().isVisible());
+  check(
+    'a built-in shape has a menu of files',
+    await sample.locator('dialog[open] select').first().isVisible(),
+  );
 } catch (error) {
   failures.push(`the test ended: ${error.message}`);
 } finally {
