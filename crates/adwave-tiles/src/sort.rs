@@ -95,8 +95,9 @@ pub(crate) fn sort(
     }
     drop(held);
     let mut builder = TableBuilder::new(plan.layout);
-    write_whole(records, |out| {
-        merge(&runs, curve, bytes, |key, record, n| {
+    let portion = portion(plan.params.memory, runs.len());
+    let n_merged = write_whole(records, |out| {
+        merge(&runs, curve, bytes, portion, |key, record, n| {
             if n % (1 << 20) == 0 {
                 progress.step(plan.n_points + n, 2 * plan.n_points)?;
             }
@@ -104,6 +105,14 @@ pub(crate) fn sort(
             out.write_all(record).map_err(TilesError::io(records))
         })
     })?;
+    if n_merged != plan.n_points {
+        return Err(TilesError::Input(format!(
+            "{} of {} points came back from the sorted runs in {}; check the disk and begin anew",
+            n_merged,
+            plan.n_points,
+            folder.display()
+        )));
+    }
     for run in runs {
         std::fs::remove_file(&run).map_err(TilesError::io(&run))?;
     }
@@ -163,7 +172,7 @@ fn write_run(
     let path = folder.join(format!("run-{run:04}.bin"));
     // Not flushed to the disk: nobody goes on from a run.
     let write = || {
-        let mut out = BufWriter::with_capacity(READ_AT_A_TIME, File::create(&path)?);
+        let mut out = BufWriter::with_capacity(AT_ONCE, File::create(&path)?);
         order.iter().try_for_each(|&(_, i)| out.write_all(&held[i as usize * bytes..][..bytes]))?;
         out.flush()
     };
@@ -188,12 +197,12 @@ impl<'a> Run<'a> {
     }
 
     /// The key of the next record; `None` at the end.
-    fn key(&mut self, curve: Curve, bytes: usize) -> Result<Option<Key>, TilesError> {
+    fn key(&mut self, curve: Curve, bytes: usize, portion: usize) -> Result<Option<Key>, TilesError> {
         if self.next == self.keys.len() {
             self.records.clear();
-            let most = (READ_AT_A_TIME / bytes).max(1) * bytes;
-            let mut portion = (&self.file).take(most as u64);
-            portion.read_to_end(&mut self.records).map_err(TilesError::io(self.path))?;
+            let most = (portion / bytes).max(1) * bytes;
+            let mut next = (&self.file).take(most as u64);
+            next.read_to_end(&mut self.records).map_err(TilesError::io(self.path))?;
             let records = self.records.par_chunks_exact(bytes);
             records.map(|record| curve.key(whole(record))).collect_into_vec(&mut self.keys);
             self.next = 0;
@@ -202,20 +211,27 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Bytes of each run that are read at a time.
-const READ_AT_A_TIME: usize = 1 << 22;
+/// Bytes of each run that are read, or written, at a time: as many as this, and fewer where so many runs would take much memory.
+const AT_ONCE: usize = 1 << 22;
+const FEWEST_AT_ONCE: usize = 1 << 16;
 
-/// All records of the runs in their order; of equal positions those of earlier runs first.
+/// Bytes of each of some runs that are read at a time, so that with their keys they take less than half of the memory.
+fn portion(memory: u64, n_runs: usize) -> usize {
+    (memory as usize / 4 / n_runs.max(1)).clamp(FEWEST_AT_ONCE, AT_ONCE)
+}
+
+/// All records of the runs in their order; of equal positions those of earlier runs first. Gives their number.
 fn merge(
     paths: &[PathBuf],
     curve: Curve,
     bytes: usize,
+    portion: usize,
     mut each: impl FnMut(Key, &[u8], u64) -> Result<(), TilesError>,
-) -> Result<(), TilesError> {
+) -> Result<u64, TilesError> {
     let mut runs = paths.iter().map(|path| Run::open(path)).collect::<Result<Vec<_>, _>>()?;
     let mut heads = BinaryHeap::with_capacity(paths.len());
     for (i, run) in runs.iter_mut().enumerate() {
-        heads.extend(run.key(curve, bytes)?.map(|key| Reverse((key, i))));
+        heads.extend(run.key(curve, bytes, portion)?.map(|key| Reverse((key, i))));
     }
     let mut n = 0;
     while let Some(mut head) = heads.peek_mut() {
@@ -224,11 +240,51 @@ fn merge(
         each(key, &run.records[run.next * bytes..][..bytes], n)?;
         n += 1;
         run.next += 1;
-        if let Some(key) = run.key(curve, bytes)? {
+        if let Some(key) = run.key(curve, bytes, portion)? {
             *head = Reverse((key, i));
         } else {
             PeekMut::pop(head);
         }
     }
-    Ok(())
+    Ok(n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_runs_share_the_memory() {
+        assert_eq!(portion(4 << 30, 6), AT_ONCE);
+        assert_eq!(portion(1 << 30, 1000), (1 << 28) / 1000);
+        assert_eq!(portion(0, 0), FEWEST_AT_ONCE);
+    }
+
+    #[test]
+    fn runs_are_merged_by_any_portion_and_a_cut_one_is_counted() {
+        let curve = Curve { lo: [0; 3], scale: 1.0 };
+        let folder = tempfile::tempdir().unwrap();
+        let paths = [folder.path().join("a"), folder.path().join("b")];
+        let record = |x: i32| [x, 0, 0].iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>();
+        let mut order: Vec<i32> = (0..100).collect();
+        order.sort_by_key(|&x| curve.key([x, 0, 0]));
+        for (k, path) in paths.iter().enumerate() {
+            let own = order.iter().skip(k).step_by(2);
+            std::fs::write(path, own.flat_map(|&x| record(x)).collect::<Vec<u8>>()).unwrap();
+        }
+        let merged = |portion| {
+            let mut all = Vec::new();
+            let n = merge(&paths, curve, 12, portion, |key, _, _| {
+                all.push(key.1[0]);
+                Ok(())
+            });
+            assert_eq!(n.unwrap(), all.len() as u64);
+            all
+        };
+        for portion in [1, 30, 1 << 20] {
+            assert_eq!(merged(portion), order, "{portion}");
+        }
+        File::options().write(true).open(&paths[1]).unwrap().set_len(50 * 12 - 1).unwrap();
+        assert_eq!(merged(30).len(), 99);
+    }
 }
