@@ -14,6 +14,7 @@ mod mutate;
 mod seeds;
 mod targets;
 mod watch;
+mod words;
 
 use mutate::Random;
 use std::collections::HashSet;
