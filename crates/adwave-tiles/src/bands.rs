@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::TilesError;
 use crate::blocks::Blocks;
 use crate::layout::{set_whole, whole};
-use crate::part::{Neighbourhoods, part};
+use crate::part::{Neighbourhoods, Part, part};
 use crate::plan::Plan;
 
 /// What a tile gives, block by block: numbers that are the same however the cloud is cut.
@@ -29,6 +29,9 @@ pub(crate) struct BlockOutcome {
 const AT_A_TIME: usize = 64;
 
 /// The bands and coordinates of a tile, and gives the records of its blocks to `out`, in their order.
+///
+/// A stretch of the curve can be several patches, which have more around them than one: where the vertices of the tile and its rings
+/// are more than memory allows, one half comes after the other.
 pub(crate) fn bands_of_tile(
     plan: &Plan,
     blocks: &Blocks,
@@ -37,20 +40,41 @@ pub(crate) fn bands_of_tile(
     progress: Progress<'_>,
     mut out: impl FnMut(&[u8]) -> Result<(), TilesError>,
 ) -> Result<Vec<BlockOutcome>, TilesError> {
-    let series = plan.params.series()?;
-    let rings = plan.params.reach()?;
+    let reach = (plan.params.reach()?, plan.most_vertices());
     let k = plan.params.neighbours.min((blocks.n_vertices as usize).saturating_sub(1));
-    let part = part(blocks, neighbourhoods, tile.clone(), rings, k, progress)?;
+    let mut outcomes = Vec::with_capacity(tile.len());
+    let mut to_do = vec![tile];
+    while let Some(tile) = to_do.pop() {
+        release_freed();
+        match part(blocks, neighbourhoods, tile.clone(), reach, k, progress)? {
+            Some(part) => {
+                let mean_length = neighbourhoods.mean_length;
+                outcomes.extend(bands_of_part(plan, blocks, part, mean_length, tile, progress, &mut out)?);
+            }
+            None => {
+                let middle = tile.start.midpoint(tile.end);
+                to_do.extend([middle..tile.end, tile.start..middle]);
+            }
+        }
+    }
+    Ok(outcomes)
+}
+
+fn bands_of_part(
+    plan: &Plan,
+    blocks: &Blocks,
+    part: Part,
+    mean_length: f64,
+    tile: Range<usize>,
+    progress: Progress<'_>,
+    out: &mut impl FnMut(&[u8]) -> Result<(), TilesError>,
+) -> Result<Vec<BlockOutcome>, TilesError> {
+    let series = plan.params.series()?;
     let own = part.own.clone();
     // The blocks that it was made of.
     release_freed();
-    let operator = local_operator_of_neighbours(
-        &part.points,
-        part.neighbours,
-        part.areas,
-        neighbourhoods.mean_length,
-        progress,
-    )?;
+    let operator =
+        local_operator_of_neighbours(&part.points, part.neighbours, part.areas, mean_length, progress)?;
     let diffusion = Arc::new(Diffusion::new(operator, progress)?);
     let transform = Transform::new(diffusion, &BandsParams::default())?;
     let points = part.points;

@@ -84,15 +84,16 @@ fn place_of(x: u32) -> (usize, usize) {
     (x as usize / VERTICES_IN_A_BLOCK, x as usize % VERTICES_IN_A_BLOCK)
 }
 
-/// Collects the blocks `tile` and `rings` rings around them.
+/// Collects the blocks `tile` and `rings` rings around them; `None` as soon as these are more than `most` vertices, unless it is one
+/// block.
 pub(crate) fn part(
     blocks: &Blocks,
     neighbourhoods: &Neighbourhoods,
     tile: Range<usize>,
-    rings: usize,
+    (rings, most): (usize, u64),
     k: usize,
     progress: Progress<'_>,
-) -> Result<Part, TilesError> {
+) -> Result<Option<Part>, TilesError> {
     let slots = vec![NOWHERE; blocks.len()];
     let mut search = Search { blocks, neighbourhoods, loaded: Vec::new(), slots };
     search.unite(tile.clone().collect(), progress)?;
@@ -102,16 +103,21 @@ pub(crate) fn part(
         search.loaded[slot].ring.fill(0);
         frontier.extend(blocks.vertices(block).map(|place| place as u32));
     }
+    let mut n = frontier.len() as u64;
     for ring in 1..=rings {
         progress.check()?;
         // Rows of the ring before are wanted, so all that these name has to be there.
         frontier = search.next_ring(&frontier, ring as u16, progress)?;
+        n += frontier.len() as u64;
+        if n > most && tile.len() > 1 {
+            return Ok(None);
+        }
         let touched = blocks_of(&frontier);
         if ring < rings {
             search.unite(touched, progress)?;
         }
     }
-    search.part(&tile, rings as u16, k)
+    search.part(&tile, rings as u16, k).map(Some)
 }
 
 /// The blocks of some vertices, without repetition.

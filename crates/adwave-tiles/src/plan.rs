@@ -139,12 +139,23 @@ pub(crate) struct Plan {
     pub(crate) n_points: u64,
 }
 
-/// Bytes of memory for each vertex of a tile and its rings, measured, and for each output of these.
-const VERTEX_BYTES: u64 = 445;
+/// Bytes of memory for each vertex of a tile and its rings, measured, and for each output of these. A tile that has more around it than
+/// was forecast is worked on in parts.
+const VERTEX_BYTES: u64 = 260;
 const OUTPUT_BYTES: u64 = 24;
 
 /// Rings of a tile's sides as vertices: neighbours reach further than the mean distance between vertices.
 const VERTICES_PER_RING: f64 = 1.8;
+
+/// Bytes of memory for each vertex of a tile and its rings.
+fn bytes_per_vertex(params: &Params, record_bytes: usize) -> u64 {
+    VERTEX_BYTES + OUTPUT_BYTES * (params.magnitudes.len() as u64 + 1) + 2 * record_bytes as u64
+}
+
+/// Boxes and their tree, each run's buffer, the program itself.
+fn fixed_bytes(n_points: u64) -> u64 {
+    200 * n_points.div_ceil(VERTICES_IN_A_BLOCK as u64) + (64 << 20)
+}
 
 /// What a work will take.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -173,13 +184,11 @@ impl Plan {
         record_bytes: usize,
     ) -> Result<(usize, Forecast), TilesError> {
         let rings = params.reach()?;
-        let n_outputs = params.magnitudes.len() as u64 + 1;
-        let per_vertex = VERTEX_BYTES + OUTPUT_BYTES * n_outputs + 2 * record_bytes as u64;
+        let per_vertex = bytes_per_vertex(params, record_bytes);
         let share = |m: f64| (1.0 + 2.0 * rings as f64 * VERTICES_PER_RING / m.sqrt()).powi(2);
         let taken = |m: f64| (m * share(m) * per_vertex as f64) as u64;
-        // Boxes and their tree, each run's buffer, the program itself.
         let n_blocks = n_points.div_ceil(VERTICES_IN_A_BLOCK as u64);
-        let fixed = 200 * n_blocks + (64 << 20);
+        let fixed = fixed_bytes(n_points);
         let each = params.memory.saturating_sub(fixed) / params.n_workers as u64;
         let mut blocks = match params.n_tiles {
             Some(n_tiles) => n_blocks.div_ceil(n_tiles as u64).max(1),
@@ -218,6 +227,13 @@ impl Plan {
             n_points * (record_bytes as u64 + (record_bytes as u64).max(8 + 2 * params.neighbours as u64));
         let forecast = Forecast { n_points, n_tiles, points_per_tile, rings, share, memory, disk };
         Ok((blocks as usize, forecast))
+    }
+
+    /// How many vertices, with the rings around them, memory allows at a time.
+    pub(crate) fn most_vertices(&self) -> u64 {
+        let each = self.params.memory.saturating_sub(fixed_bytes(self.n_points))
+            / self.params.n_workers.max(1) as u64;
+        each / bytes_per_vertex(&self.params, self.layout.record_bytes)
     }
 
     /// The blocks of a tile.

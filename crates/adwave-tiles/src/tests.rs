@@ -81,6 +81,26 @@ fn tiles_of_any_size_give_the_bytes_of_one() {
 }
 
 #[test]
+fn a_tile_that_has_more_around_it_than_memory_allows_is_worked_on_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("a.las");
+    write(&input, &cloud(60_000), 0.0);
+    let (inputs, path) = ([input], folder.path().join("parts"));
+    let whole = joined(&folder.path().join("whole"), &inputs, &params());
+    drop(Work::begin(&path, &inputs, &params()).unwrap());
+    let plan = path.join("plan.json");
+    let mut json: serde_json::Value = serde_json::from_slice(&std::fs::read(&plan).unwrap()).unwrap();
+    // What the program itself takes, and 10 MB: less than all 60 000 vertices need.
+    json["params"]["memory"] = ((64 << 20) + 10_000_000).into();
+    std::fs::write(&plan, json.to_string()).unwrap();
+    let work = Work::open(&path).unwrap();
+    assert_eq!(run(&work, Progress::none()).unwrap().n_tiles, 1);
+    let out = path.join("joined.las");
+    join(&work, &out, Progress::none()).unwrap();
+    assert!(std::fs::read(out).unwrap() == whole);
+}
+
+#[test]
 fn the_bands_are_those_of_the_cloud_in_memory() {
     let folder = tempfile::tempdir().unwrap();
     let points = cloud(30_000);

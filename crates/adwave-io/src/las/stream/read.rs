@@ -125,6 +125,40 @@ impl LasReader {
         result.map_err(|e| e.in_file(&self.path))
     }
 
+    /// Goes behind the next records, `most` of them or all that are left; how many. What a LAS or a LAZ with a table of its chunks
+    /// holds there is not read, but for the beginning of one chunk.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    ///
+    /// ```
+    /// use adwave_io::{LasReader, ShapeFile, write_path};
+    /// let folder = tempfile::tempdir().unwrap();
+    /// let path = folder.path().join("a.laz");
+    /// write_path(&ShapeFile::from_cloud(vec![[0.0, 1.0, 2.0]; 5]), &path, None).unwrap();
+    /// let mut reader = LasReader::open(&path).unwrap();
+    /// assert_eq!(reader.skip(3).unwrap(), 3);
+    /// assert_eq!(reader.read(9, &mut Vec::new()).unwrap(), 2);
+    /// assert_eq!(reader.skip(3).unwrap(), 0);
+    /// ```
+    pub fn skip(&mut self, most: u64) -> Result<u64, ReadError> {
+        let result = match &mut self.points {
+            Points::Plain(file, n_read) => {
+                let n = most.min(self.layout.n_points - *n_read);
+                // Below 2⁶³: the header promises no more bytes than the file has.
+                let bytes = n as i64 * self.layout.record_bytes as i64;
+                *n_read += n;
+                file.seek_relative(bytes).map(|()| n).map_err(ReadError::from)
+            }
+            Points::Packed(unpacker) => unpacker.skip(most),
+            Points::Broken => Err(ReadError::Whole("cannot be read on after the error before".into())),
+        };
+        if result.is_err() {
+            self.points = Points::Broken;
+        }
+        result.map_err(|e| e.in_file(&self.path))
+    }
+
     pub(super) fn path(&self) -> &Path {
         &self.path
     }

@@ -166,6 +166,31 @@ impl Unpacker {
         Ok(n)
     }
 
+    /// Goes behind at most `most` records; how many, which is less only where the file ends. Chunks whose length is known are not unpacked.
+    pub(super) fn skip(&mut self, most: u64) -> Result<u64, ReadError> {
+        let size = self.coding.record_bytes;
+        let mut left = most;
+        let mut passed = Vec::new();
+        while left > 0 {
+            if self.fetched == self.waiting.len() && self.serial.is_none() && self.point < self.n_points {
+                let before = (self.next_chunk, self.at, self.point);
+                let chunk = self.next_chunk()?;
+                if chunk.n_bytes.is_some() && chunk.n_points <= left {
+                    left -= chunk.n_points;
+                    continue;
+                }
+                (self.next_chunk, self.at, self.point) = before;
+            }
+            passed.clear();
+            let n = self.read(left.min((STEP / size).max(1) as u64) as usize, &mut passed)?;
+            if n == 0 {
+                break;
+            }
+            left -= n as u64;
+        }
+        Ok(most - left)
+    }
+
     /// Finds the next chunk and goes behind it.
     fn next_chunk(&mut self) -> Result<Chunk, ReadError> {
         let (start, left) = (self.at, self.n_points - self.point);

@@ -164,6 +164,39 @@ fn portions_are_the_points_of_the_whole_file() {
 }
 
 #[test]
+fn points_that_are_skipped_are_those_that_would_have_been_read() {
+    let folder = Folder::new();
+    for format in [0, 3, 6, 8] {
+        let (n, expected) = (1234, rows(format, 1234));
+        let size = record_bytes(format).unwrap() + EXTRA;
+        let fixed = laz(format, n, Chunks::Fixed(100));
+        let mut tableless = fixed.clone();
+        let start = parse_header(&fixed).unwrap().points_start;
+        let table = u64_at(&fixed, start).unwrap() as usize;
+        tableless.truncate(table);
+        put(&mut tableless, start, (-1_i64).to_le_bytes());
+        let files = [las(format, n), fixed, tableless, laz(format, n, Chunks::Variable)];
+        for (k, bytes) in files.iter().enumerate() {
+            let path = folder.file("a.laz", bytes);
+            for (skip, read) in [(0, 5), (99, 2), (100, 1), (101, 150), (350, 3), (1234, 1), (5000, 1)] {
+                let mut reader = LasReader::open(&path).unwrap();
+                let (mut at, mut rows) = (0, Vec::new());
+                while at < n {
+                    let skipped = reader.skip(skip).unwrap() as usize;
+                    assert_eq!(skipped, (skip as usize).min(n - at), "format {format}, file {k}");
+                    at += skipped;
+                    rows.clear();
+                    let n_read = reader.read(read, &mut rows).unwrap();
+                    assert!(rows == expected[at * size..][..n_read * size], "format {format}, file {k}");
+                    at += n_read;
+                    assert!(n_read == read || at == n);
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn a_chunk_that_is_long_is_unpacked_step_by_step() {
     let folder = Folder::new();
     for format in [1, 7] {
