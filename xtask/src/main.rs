@@ -1,5 +1,6 @@
 //! What `cargo xtask …` does: the checks and measurements of the project, each by one command on a bare machine.
 
+mod clouds;
 mod denoise;
 mod meshings;
 mod package;
@@ -34,6 +35,8 @@ usage: cargo xtask COMMAND
             denoisers on pairs of noisy and clean meshes and writes docs/DENOISING.md
   bench-python [--vertices N] [--mesh FILE] [--repeat K]
             the same tasks by the Python package and by other packages: seconds and lines, as a table
+  bench-clouds [--points N]
+            a scan of ten million points by tiles and by other programs: seconds and memory, as a table
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps of several meshings of the same surfaces and write docs/MESHINGS.md
 
@@ -59,6 +62,7 @@ fn main() -> ExitCode {
         ["fuzz", ref rest @ ..] => fuzz(rest),
         ["bench-peers", ref rest @ ..] if rest.contains(&denoise::PART) => denoise::bench_denoise(rest),
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
+        ["bench-clouds", ref rest @ ..] => clouds::bench_clouds(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");

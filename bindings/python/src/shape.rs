@@ -9,7 +9,7 @@ use adwave::sample::{NoiseSigma, Sample, SampleError};
 use adwave::shape::{Polygons, Shape};
 use adwave_io::{
     Direction, Edges, Format, ReadLimits, ShapeFile, ShapeFileError, ShapeKind, SignalSource, named_signal,
-    read_bytes_with, read_path_with, region_field, write_bytes_with, write_path_with, written_signal,
+    read_bytes_with, read_cloud_part_with, region_field, write_bytes_with, write_path_with, written_signal,
 };
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -72,16 +72,19 @@ fn format_of(format: Option<&str>) -> PyResult<Option<Format>> {
 #[pymethods]
 impl ShapeData {
     #[staticmethod]
-    #[pyo3(signature = (path, kind=None, progress=None))]
+    #[pyo3(signature = (path, kind=None, progress=None, bounds=None, resolution=None))]
     fn read(
         py: Python<'_>,
         path: PathBuf,
         kind: Option<&str>,
         progress: Option<Py<PyAny>>,
+        bounds: Option<([f64; 3], [f64; 3])>,
+        resolution: Option<f64>,
     ) -> PyResult<Self> {
         let kind = kind_of(kind)?;
-        let limits = ReadLimits::default();
-        let file = run(py, usize::MAX, progress.as_ref(), |p| read_path_with(&path, &limits, p))?;
+        let (part, limits) = (CloudPart { bounds, resolution }, ReadLimits::default());
+        let file =
+            run(py, usize::MAX, progress.as_ref(), |p| read_cloud_part_with(&path, &part, &limits, p))?;
         Ok(Self::new(file, kind, path.display().to_string()))
     }
 

@@ -387,3 +387,22 @@ def test_the_command_is_in_the_package() -> None:
     assert out.returncode == 0 and '"kind": "mesh"' in out.stdout
     wrong = subprocess.run([sys.executable, "-m", "adwave", "info", "sample:teapot"], capture_output=True, text=True)
     assert wrong.returncode == 2 and "teapot" in wrong.stderr
+
+
+def test_part_of_a_cloud(tmp_path: Path) -> None:
+    x, y, z = np.meshgrid(np.arange(9.0), np.arange(8.0), np.arange(2.0))
+    points = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    path = tmp_path / "a.laz"
+    aw.Shape(points).write(path)
+    low, high = np.array([2.0, 1.0, 1.0]), np.array([5.0, 3.0, 9.0])
+    inside = points[((points >= low) & (points <= high)).all(axis=1)]
+    for box in ([*low, *high], (low, high), np.array([low, high])):
+        np.testing.assert_array_equal(aw.read(path, box=box).points, inside)
+    flat = points[((points[:, :2] >= low[:2]) & (points[:, :2] <= high[:2])).all(axis=1)]
+    np.testing.assert_array_equal(aw.read(path, box=(2, 1, 5, 3)).points, flat)
+    with pytest.raises(ValueError, match=r"^box: 3 numbers; "):
+        aw.read(path, box=(1, 2, 3))
+    with pytest.raises(ValueError, match="box"):
+        aw.read(path, box=(90, 90, 99, 99))
+    with pytest.raises(ValueError, match="resolution"):
+        aw.read(path, resolution=-1)

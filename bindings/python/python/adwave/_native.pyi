@@ -64,7 +64,13 @@ class InternalError(RuntimeError): ...
 @final
 class ShapeData:
     @staticmethod
-    def read(path: str | PathLike[str], kind: str | None = None, progress: _Report = None) -> ShapeData: ...
+    def read(
+        path: str | PathLike[str],
+        kind: str | None = None,
+        progress: _Report = None,
+        bounds: tuple[list[float], list[float]] | None = None,
+        resolution: float | None = None,
+    ) -> ShapeData: ...
     @staticmethod
     def read_bytes(content: bytes, name: str | None = None, kind: str | None = None) -> ShapeData: ...
     @staticmethod

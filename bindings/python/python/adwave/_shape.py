@@ -385,7 +385,24 @@ def as_shape(shape: object, faces: object = None) -> Shape:
     return Shape(shape, faces)
 
 
-def read(path: Path, *, kind: Kind | None = None, progress: ProgressLike = None) -> Shape:
+def _bounds(box: ArrayLike) -> tuple[list[float], list[float]]:
+    """The least and the greatest coordinates of a box of four numbers, where z is free, or six."""
+    numbers = np.asarray(box, dtype=float).ravel().tolist()
+    if len(numbers) not in (4, 6):
+        raise ValueError(f"box: {len(numbers)} numbers; give xmin, ymin, zmin, xmax, ymax, zmax, or four without z")
+    half = len(numbers) // 2
+    low, high = numbers[:half], numbers[half:]
+    return (low, high) if half == 3 else ([*low, -np.inf], [*high, np.inf])
+
+
+def read(
+    path: Path,
+    *,
+    kind: Kind | None = None,
+    box: ArrayLike | None = None,
+    resolution: float | None = None,
+    progress: ProgressLike = None,
+) -> Shape:
     """Read a shape from a file.
 
     The format is found from the content first and from the name second: OBJ, PLY, OFF, STL, glTF, GLB, XYZ, PTS, PWN, CSV, PCD,
@@ -397,6 +414,11 @@ def read(path: Path, *, kind: Kind | None = None, progress: ProgressLike = None)
     path : path-like
     kind : {'mesh', 'cloud', 'graph'}, optional
         What to take the file as.
+    box : array-like, optional
+        Only the points in this box, in model units, its faces included: (xmin, ymin, zmin, xmax, ymax, zmax), or (xmin, ymin, xmax, ymax);
+        of LAS, LAZ, COPC and EPT (``ept.json``). Of the last two only the nodes that meet it are read.
+    resolution : float, optional
+        Points about this far apart, in model units: no finer levels of a COPC or EPT are read than that needs.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
 
@@ -405,12 +427,13 @@ def read(path: Path, *, kind: Kind | None = None, progress: ProgressLike = None)
     OSError
         The file cannot be opened.
     ValueError
-        It is broken, or no shape: with the line or byte.
+        It is broken, or no shape: with the line or byte. No point lies in the box: with the bounds of the file.
     MemoryError
         It asks for more than it may.
     """
     with reporting(progress, "reading") as report:
-        return Shape._of(_native.ShapeData.read(os.fspath(path), kind, report))
+        bounds = None if box is None else _bounds(box)
+        return Shape._of(_native.ShapeData.read(os.fspath(path), kind, report, bounds, resolution))
 
 
 def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = None) -> Shape:

@@ -1,0 +1,17 @@
+//! Large clouds by tiles and by other programs: builds ours, makes their environment, runs `benches/clouds`.
+
+use crate::{Outcome, cargo, python, root, run, target};
+use std::process::Command;
+
+/// Prints the table. `arguments`: `--points N`.
+pub(crate) fn bench_clouds(arguments: &[&str]) -> Outcome {
+    cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
+    let python = python::environment(&root(), "clouds")?;
+    run(Command::new(python)
+        .arg(root().join("benches/clouds/bench_clouds.py"))
+        .arg("--adwave")
+        .arg(target().join("release/adwave"))
+        .arg("--work")
+        .arg(root().join("target/clouds"))
+        .args(arguments))
+}
