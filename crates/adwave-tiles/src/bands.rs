@@ -46,15 +46,12 @@ pub(crate) fn bands_of_tile(
     let mut to_do = vec![tile];
     while let Some(tile) = to_do.pop() {
         release_freed();
-        match part(blocks, neighbourhoods, tile.clone(), reach, k, progress)? {
-            Some(part) => {
-                let mean_length = neighbourhoods.mean_length;
-                outcomes.extend(bands_of_part(plan, blocks, part, mean_length, tile, progress, &mut out)?);
-            }
-            None => {
-                let middle = tile.start.midpoint(tile.end);
-                to_do.extend([middle..tile.end, tile.start..middle]);
-            }
+        if let Some(part) = part(blocks, neighbourhoods, tile.clone(), reach, k, progress)? {
+            let mean_length = neighbourhoods.mean_length;
+            outcomes.extend(bands_of_part(plan, blocks, part, mean_length, tile, progress, &mut out)?);
+        } else {
+            let middle = tile.start.midpoint(tile.end);
+            to_do.extend([middle..tile.end, tile.start..middle]);
         }
     }
     Ok(outcomes)
