@@ -8,8 +8,9 @@ use adwave::Decomposer;
 use adwave::sample::{NoiseSigma, Sample, SampleError};
 use adwave::shape::{Polygons, Shape};
 use adwave_io::{
-    Direction, Edges, Format, ReadLimits, ShapeFile, ShapeFileError, ShapeKind, SignalSource, named_signal,
-    read_bytes_with, read_cloud_part_with, region_field, write_bytes_with, write_path_with, written_signal,
+    CloudPart, Direction, Edges, Format, ReadLimits, ShapeFile, ShapeFileError, ShapeKind, SignalSource,
+    named_signal, read_bytes_with, read_cloud_part_with, region_field, write_bytes_with, write_path_with,
+    written_signal,
 };
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
