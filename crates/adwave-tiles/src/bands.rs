@@ -40,13 +40,13 @@ pub(crate) fn bands_of_tile(
     progress: Progress<'_>,
     mut out: impl FnMut(&[u8]) -> Result<(), TilesError>,
 ) -> Result<Vec<BlockOutcome>, TilesError> {
-    let reach = (plan.params.reach()?, plan.most_vertices());
+    let limits = plan.limits()?;
     let k = plan.params.neighbours.min((blocks.n_vertices as usize).saturating_sub(1));
     let mut outcomes = Vec::with_capacity(tile.len());
     let mut to_do = vec![tile];
     while let Some(tile) = to_do.pop() {
         release_freed();
-        if let Some(part) = part(blocks, neighbourhoods, tile.clone(), reach, k, progress)? {
+        if let Some(part) = part(blocks, neighbourhoods, tile.clone(), limits, k, progress)? {
             let mean_length = neighbourhoods.mean_length;
             outcomes.extend(bands_of_part(plan, blocks, part, mean_length, tile, progress, &mut out)?);
         } else {

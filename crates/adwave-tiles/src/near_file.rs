@@ -42,11 +42,7 @@ impl Near {
     /// What [`encode`](Self::encode) wrote for the vertices from `first` on, of `n_vertices` in all.
     fn decode(bytes: &[u8], first: usize, n: usize, n_vertices: u64) -> Option<Self> {
         let mut cursor = Cursor { bytes };
-        let mut near = Self::default();
-        for _ in 0..n {
-            near.radius.push(cursor.f64().filter(|r| (0.0..f64::INFINITY).contains(r))?);
-        }
-        near.offsets.push(0);
+        let mut near = Self { radius: radii(&mut cursor, n)?, offsets: vec![0], places: Vec::new() };
         for i in 0..n {
             let count = cursor.varint()?;
             let mut place = 0;
@@ -68,6 +64,11 @@ impl Near {
         }
         cursor.bytes.is_empty().then_some(near)
     }
+}
+
+/// Distances, which are finite.
+fn radii(cursor: &mut Cursor<'_>, n: usize) -> Option<Vec<f64>> {
+    (0..n).map(|_| cursor.f64().filter(|r| (0.0..f64::INFINITY).contains(r))).collect()
 }
 
 /// What begins such a file.
@@ -155,6 +156,13 @@ impl NearFile {
             return Err(broken("its table is not sorted"));
         }
         Ok(Self { file, first_block: range.start, offsets, summaries })
+    }
+
+    /// The distances to the k-th neighbours of a block of `n` vertices.
+    pub(crate) fn radii(&self, block: usize, n: usize) -> Result<Vec<f64>, TilesError> {
+        let bytes = self.file.read(self.offsets[block - self.first_block], size_of::<f64>() * n)?;
+        radii(&mut Cursor { bytes: &bytes }, n)
+            .ok_or_else(|| TilesError::broken(self.file.path(), "its neighbourhoods are not whole"))
     }
 
     /// The neighbourhoods of a block, whose vertices are `vertices`, of `n_vertices` in all.

@@ -39,6 +39,11 @@ impl Neighbourhoods {
     fn near(&self, blocks: &Blocks, block: usize) -> Result<Near, TilesError> {
         self.files[block / self.blocks_per_tile].near(block, &blocks.vertices(block), blocks.n_vertices)
     }
+
+    /// The distances to the k-th neighbours.
+    fn radii(&self, blocks: &Blocks, block: usize) -> Result<Vec<f64>, TilesError> {
+        self.files[block / self.blocks_per_tile].radii(block, blocks.vertices(block).len())
+    }
 }
 
 /// Not reached.
@@ -47,7 +52,7 @@ const OUTSIDE: u16 = u16::MAX;
 /// A block that is in memory.
 struct Loaded {
     block: usize,
-    positions: Vec<[f64; 3]>,
+    /// Who is named, as long as the union is not known.
     near: Near,
     /// (named, naming) where the one named is in another block, sorted.
     across: Vec<(u32, u32)>,
@@ -79,21 +84,34 @@ struct Search<'a> {
 /// Not loaded.
 const NOWHERE: u32 = u32::MAX;
 
+/// A block that more than so many blocks are close to is looked at more closely: on a surface there are about nine.
+const MANY_BLOCKS: usize = 32;
+
 /// The block of a vertex, and its number there.
 fn place_of(x: u32) -> (usize, usize) {
     (x as usize / VERTICES_IN_A_BLOCK, x as usize % VERTICES_IN_A_BLOCK)
 }
 
-/// Collects the blocks `tile` and `rings` rings around them; `None` as soon as these are more than `most` vertices, unless it is one
-/// block.
+/// How far a part goes, and how large it may be.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    pub(crate) rings: usize,
+    /// Vertices of the part.
+    pub(crate) vertices: u64,
+    /// Vertices of the blocks that are searched for it.
+    pub(crate) searched: u64,
+}
+
+/// Collects the blocks `tile` and the rings around them; `None` as soon as that is more than the limits allow, unless it is one block.
 pub(crate) fn part(
     blocks: &Blocks,
     neighbourhoods: &Neighbourhoods,
     tile: Range<usize>,
-    (rings, most): (usize, u64),
+    limits: Limits,
     k: usize,
     progress: Progress<'_>,
 ) -> Result<Option<Part>, TilesError> {
+    let rings = limits.rings;
     let slots = vec![NOWHERE; blocks.len()];
     let mut search = Search { blocks, neighbourhoods, loaded: Vec::new(), slots };
     search.unite(tile.clone().collect(), progress)?;
@@ -109,7 +127,8 @@ pub(crate) fn part(
         // Rows of the ring before are wanted, so all that these name has to be there.
         frontier = search.next_ring(&frontier, ring as u16, progress)?;
         n += frontier.len() as u64;
-        if n > most && tile.len() > 1 {
+        let is_too_large = n > limits.vertices || search.n_loaded() > limits.searched;
+        if is_too_large && tile.len() > 1 {
             return Ok(None);
         }
         let touched = blocks_of(&frontier);
@@ -130,6 +149,11 @@ fn blocks_of(places: &[u32]) -> Vec<usize> {
 }
 
 impl Search<'_> {
+    /// The vertices of the blocks that are in memory.
+    fn n_loaded(&self) -> u64 {
+        (self.loaded.len() * VERTICES_IN_A_BLOCK) as u64
+    }
+
     fn get(&self, block: usize) -> Option<&Loaded> {
         self.loaded.get(self.slots[block] as usize)
     }
@@ -140,7 +164,8 @@ impl Search<'_> {
         let load = |&block: &usize| {
             progress.check()?;
             let vertices = blocks.vertices(block);
-            let near = neighbourhoods.near(blocks, block)?;
+            let mut near = neighbourhoods.near(blocks, block)?;
+            near.radius = Vec::new();
             let mut across: Vec<(u32, u32)> = vertices
                 .clone()
                 .enumerate()
@@ -148,9 +173,8 @@ impl Search<'_> {
                 .filter(|(y, _)| !vertices.contains(&(*y as usize)))
                 .collect();
             across.sort_unstable();
-            let positions = blocks.positions(block)?;
             let ring = vec![OUTSIDE; vertices.len()];
-            Ok(Loaded { block, positions, near, across, union: Near::default(), ring })
+            Ok(Loaded { block, near, across, union: Near::default(), ring })
         };
         let loaded: Vec<Loaded> = wanted.par_iter().map(load).collect::<Result<_, TilesError>>()?;
         for loaded in loaded {
@@ -160,16 +184,34 @@ impl Search<'_> {
         Ok(())
     }
 
+    /// The blocks whose vertices may name those of `block`.
+    fn naming(&self, block: usize) -> Result<Vec<usize>, TilesError> {
+        let mut found = Vec::new();
+        let balls = &self.neighbourhoods.balls;
+        balls.touching(&self.blocks.boxes[block], &(0..0), &mut |other| found.push(other));
+        if found.len() > MANY_BLOCKS {
+            // Where the curve leaves the shape between two vertices, their block spans what lies between: its vertices one by one.
+            found.clear();
+            let mut last = usize::MAX;
+            for position in self.blocks.positions(block)? {
+                balls.touching(&Bounds::of(position), &(0..0), &mut |other| {
+                    if other != last {
+                        found.push(other);
+                        last = other;
+                    }
+                });
+            }
+            found.sort_unstable();
+            found.dedup();
+        }
+        Ok(found)
+    }
+
     /// Makes sure that the rows of `wanted` are known: all blocks are loaded whose vertices may name theirs.
     fn unite(&mut self, mut wanted: Vec<usize>, progress: Progress<'_>) -> Result<(), TilesError> {
         wanted.retain(|&block| self.get(block).is_none_or(|loaded| loaded.union.offsets.is_empty()));
-        let naming = |block: &usize| {
-            let mut found = Vec::new();
-            let bounds: Bounds = self.blocks.boxes[*block];
-            self.neighbourhoods.balls.touching(&bounds, &(0..0), &mut |other| found.push(other));
-            found
-        };
-        let naming: Vec<Vec<usize>> = wanted.par_iter().map(naming).collect();
+        let naming: Vec<Vec<usize>> =
+            wanted.par_iter().map(|&block| self.naming(block)).collect::<Result<_, _>>()?;
         let mut needed: Vec<usize> = naming.iter().flatten().copied().chain(wanted.iter().copied()).collect();
         needed.sort_unstable();
         needed.dedup();
@@ -185,9 +227,7 @@ impl Search<'_> {
         for (slot, union) in united {
             let loaded = &mut self.loaded[slot];
             loaded.union = union;
-            // Distances stay: areas are made of them.
-            loaded.near.offsets = Vec::new();
-            loaded.near.places = Vec::new();
+            loaded.near = Near::default();
         }
         Ok(())
     }
@@ -249,14 +289,11 @@ impl Search<'_> {
                 own.end = n as usize;
             }
         }
-        let (mut points, mut areas): (Vec<[f64; 3]>, Vec<f64>) = (zeros(n as usize), zeros(n as usize));
+        let (points, areas) = self.positions_and_areas(n as usize, k)?;
         let mut offsets: Vec<usize> = zeros(n as usize + 1);
         let mut at = 0;
         for loaded in &self.loaded {
             for (i, &ring) in loaded.ring.iter().enumerate().filter(|(_, ring)| **ring != OUTSIDE) {
-                points[at] = loaded.positions[i];
-                let radius = loaded.near.radius[i];
-                areas[at] = PI * radius * radius / k.max(1) as f64;
                 let length = if ring < rings { loaded.union.of(i).len() } else { 0 };
                 offsets[at + 1] = offsets[at] + length;
                 at += 1;
@@ -284,6 +321,32 @@ impl Search<'_> {
             TilesError::Input(format!("neighbourhoods contradict each other ({e}); begin anew"))
         })?;
         Ok(Part { points, neighbours, areas, own })
+    }
+
+    /// The positions and areas (eq. 1) of the `n` vertices that were reached, read only now: the search does without.
+    fn positions_and_areas(&self, n: usize, k: usize) -> Result<(Vec<[f64; 3]>, Vec<f64>), TilesError> {
+        let (mut points, mut areas): (Vec<[f64; 3]>, Vec<f64>) = (zeros(n), zeros(n));
+        let (mut of_points, mut of_areas) = (&mut points[..], &mut areas[..]);
+        let mut jobs = Vec::with_capacity(self.loaded.len());
+        for loaded in &self.loaded {
+            let n = loaded.ring.iter().filter(|ring| **ring != OUTSIDE).count();
+            let (points, rest) = std::mem::take(&mut of_points).split_at_mut(n);
+            let (areas, others) = std::mem::take(&mut of_areas).split_at_mut(n);
+            (of_points, of_areas) = (rest, others);
+            jobs.push((loaded, points, areas));
+        }
+        jobs.into_par_iter().try_for_each(|(loaded, points, areas)| {
+            let positions = self.blocks.positions(loaded.block)?;
+            let radii = self.neighbourhoods.radii(self.blocks, loaded.block)?;
+            let reached = loaded.ring.iter().zip(positions.iter().zip(&radii));
+            let reached = reached.filter(|(ring, _)| **ring != OUTSIDE).map(|(_, of)| of);
+            for ((point, area), (position, radius)) in points.iter_mut().zip(areas).zip(reached) {
+                *point = *position;
+                *area = PI * radius * radius / k.max(1) as f64;
+            }
+            Ok::<(), TilesError>(())
+        })?;
+        Ok((points, areas))
     }
 }
 
@@ -329,5 +392,6 @@ fn united(vertices: Range<usize>, near: &Near, naming: &[&Loaded]) -> Near {
         start = end as usize;
         union.offsets.push(union.places.len() as u32);
     }
+    union.places.shrink_to_fit();
     union
 }

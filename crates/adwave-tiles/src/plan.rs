@@ -7,6 +7,7 @@ use adwave::bands::{FixedSeries, Schedule};
 use serde::{Deserialize, Serialize};
 
 use crate::layout::Layout;
+use crate::part::Limits;
 use crate::{TilesError, VERTICES_IN_A_BLOCK};
 
 /// What is asked for.
@@ -144,6 +145,9 @@ pub(crate) struct Plan {
 const VERTEX_BYTES: u64 = 260;
 const OUTPUT_BYTES: u64 = 24;
 
+/// The same for each vertex of the blocks that the rings are searched in, and what is made of these.
+const SEARCHED_BYTES: u64 = 220;
+
 /// Rings of a tile's sides as vertices: neighbours reach further than the mean distance between vertices.
 const VERTICES_PER_RING: f64 = 1.8;
 
@@ -229,11 +233,15 @@ impl Plan {
         Ok((blocks as usize, forecast))
     }
 
-    /// How many vertices, with the rings around them, memory allows at a time.
-    pub(crate) fn most_vertices(&self) -> u64 {
-        let each = self.params.memory.saturating_sub(fixed_bytes(self.n_points))
-            / self.params.n_workers.max(1) as u64;
-        each / bytes_per_vertex(&self.params, self.layout.record_bytes)
+    /// How far the part that decides a tile goes, and how large memory allows it to be.
+    pub(crate) fn limits(&self) -> Result<Limits, TilesError> {
+        let free = self.params.memory.saturating_sub(fixed_bytes(self.n_points));
+        let each = free / self.params.n_workers.max(1) as u64;
+        Ok(Limits {
+            rings: self.params.reach()?,
+            vertices: each / bytes_per_vertex(&self.params, self.layout.record_bytes),
+            searched: each / SEARCHED_BYTES,
+        })
     }
 
     /// The blocks of a tile.
