@@ -91,7 +91,7 @@ pub(crate) fn read_obj(
 const CHUNKS_AT_ONCE: usize = 128;
 
 /// Cuts the file at ends of lines that are not continued.
-fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
+pub(crate) fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
     const BYTES: usize = 1 << 18;
     let mut chunks = Vec::new();
     let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
@@ -127,7 +127,7 @@ pub(crate) fn logical_end(bytes: &[u8], mut position: usize) -> usize {
     }
 }
 
-fn parse_chunk(bytes: &[u8], start: usize, end: usize) -> Result<Chunk, (usize, String)> {
+pub(crate) fn parse_chunk(bytes: &[u8], start: usize, end: usize) -> Result<Chunk, (usize, String)> {
     let mut chunk = Chunk::default();
     let mut position = start;
     while position < end {
@@ -163,7 +163,7 @@ fn join(
             limit: NONE.into(),
         });
     }
-    resolve_relative(&mut chunks);
+    resolve_relative(&mut chunks, [0; 3]);
 
     let mut shape = ShapeFile::empty();
     shape.n_vertices = n_vertices;
@@ -198,9 +198,10 @@ fn join(
 }
 
 /// Turns indices that count backwards into ones that count from the start of the file; those before it become
-/// [`NONE`], which no list is long enough for.
-fn resolve_relative(chunks: &mut [Chunk]) {
-    let (mut n_points, mut n_texcoords, mut n_normals) = (0_i64, 0_i64, 0_i64);
+/// [`NONE`], which no list is long enough for. `before` and the result are the vertices, texture coordinates and normals before the
+/// chunks and up to their end.
+pub(crate) fn resolve_relative(chunks: &mut [Chunk], before: [i64; 3]) -> [i64; 3] {
+    let [mut n_points, mut n_texcoords, mut n_normals] = before;
     for chunk in chunks {
         for (kind, at, local) in std::mem::take(&mut chunk.relative) {
             let (base, list) = match kind {
@@ -215,6 +216,7 @@ fn resolve_relative(chunks: &mut [Chunk]) {
         n_texcoords += chunk.texcoords.len() as i64;
         n_normals += chunk.normals.len() as i64;
     }
+    [n_points, n_texcoords, n_normals]
 }
 
 /// Points, places of their rows, and faces.
@@ -305,12 +307,17 @@ fn check_faces(
     Err(face_index_error(bytes, face, corner, n_vertices))
 }
 
-/// The error for a corner's index: the line is looked for only now, so that reading need not keep it.
-fn face_index_error(bytes: &[u8], face: usize, corner: usize, n_vertices: usize) -> ReadError {
+/// Where a face stands, and the index that its corner has there: they are looked for only now, so that reading need not keep them.
+pub(crate) fn corner_as_written(bytes: &[u8], face: usize, corner: usize) -> (usize, i64) {
     let (position, line) = statements(bytes, b"f").nth(face).unwrap_or((0, b""));
     let word = crate::obj::line::words(line).nth(corner + 1).unwrap_or(b"");
     let number = word.split(|&b| b == b'/').next().unwrap_or(b"");
-    let index = std::str::from_utf8(number).ok().and_then(|t| t.parse().ok()).unwrap_or(0);
+    (position, std::str::from_utf8(number).ok().and_then(|t| t.parse().ok()).unwrap_or(0))
+}
+
+/// The error for a corner's index.
+fn face_index_error(bytes: &[u8], face: usize, corner: usize, n_vertices: usize) -> ReadError {
+    let (position, index) = corner_as_written(bytes, face, corner);
     ReadError::FaceIndex {
         place: format!("line {}", line_of(bytes, position)),
         face: face as u64,

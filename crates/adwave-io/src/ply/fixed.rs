@@ -104,12 +104,12 @@ pub(crate) fn read_vertices(body: &mut Body<'_>, element: &Element) -> Result<Op
 const ROWS_PER_BLOCK: usize = 1 << 16;
 
 /// A face: numbers, the list of corners, numbers.
-struct FaceLayout {
-    order: ByteOrder,
+pub(crate) struct FaceLayout {
+    pub(crate) order: ByteOrder,
     /// Where the count stands, and its type.
-    count_at: usize,
-    count: ValueType,
-    item: ValueType,
+    pub(crate) count_at: usize,
+    pub(crate) count: ValueType,
+    pub(crate) item: ValueType,
     /// Bytes of a row without corners.
     own_bytes: usize,
     /// Type and place of each number; those after the corners count from their end.
@@ -118,7 +118,7 @@ struct FaceLayout {
 
 impl FaceLayout {
     /// The layout of rows with one list of 32-bit (or smaller) whole numbers and nothing else that varies in length.
-    fn new(element: &Element, encoding: Encoding, corners: usize) -> Option<Self> {
+    pub(crate) fn new(element: &Element, encoding: Encoding, corners: usize) -> Option<Self> {
         let Encoding::Binary(order) = encoding else { return None };
         let Kind::List { count, item } = element.properties[corners].kind else { return None };
         let fits = |t: ValueType| t.is_integer() && t.n_bytes() <= 4;
@@ -145,20 +145,20 @@ impl FaceLayout {
 
     /// The number of corners of the row that `row` begins with; nothing where it is negative or the row is cut.
     #[inline]
-    fn n_corners(&self, row: &[u8]) -> Option<usize> {
+    pub(crate) fn n_corners(&self, row: &[u8]) -> Option<usize> {
         let bytes = row.get(self.count_at..)?;
         let n = whole(bytes.get(..self.count.n_bytes())?, self.count, self.order)?;
         Some(n as usize)
     }
 
-    fn row_bytes(&self, n_corners: usize) -> Option<usize> {
+    pub(crate) fn row_bytes(&self, n_corners: usize) -> Option<usize> {
         n_corners.checked_mul(self.item.n_bytes())?.checked_add(self.own_bytes)
     }
 }
 
 /// The number at the beginning of the bytes; nothing where it is negative.
 #[inline]
-fn whole(bytes: &[u8], t: ValueType, order: ByteOrder) -> Option<u32> {
+pub(crate) fn whole(bytes: &[u8], t: ValueType, order: ByteOrder) -> Option<u32> {
     match t {
         ValueType::U8 => bytes.first().copied().map(u32::from),
         ValueType::U32 => Some(Number::from_bytes(bytes, order)),

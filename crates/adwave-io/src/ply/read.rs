@@ -85,20 +85,27 @@ fn empty_columns(element: &Element) -> Vec<Option<FieldValues>> {
     element.properties.iter().map(|p| column(p.kind)).collect()
 }
 
+/// Whether vertices have numbers for their coordinates; those of a file without any may leave them out.
+pub(crate) fn check_axes(element: &Element) -> Result<(), ReadError> {
+    let is_number = |name: &&str| {
+        element.property(name).is_some_and(|p| matches!(element.properties[p].kind, Kind::Scalar(_)))
+    };
+    match ["x", "y", "z"].iter().find(|name| !is_number(name)) {
+        Some(name) if element.n_rows > 0 => {
+            let message = format!("element `vertex` has no number `{name}`; it needs x, y and z");
+            Err(ReadError::Line { line: element.line as u64 + 1, message })
+        }
+        _ => Ok(()),
+    }
+}
+
 fn read_vertices(
     body: &mut Body<'_>,
     element: &Element,
     shape: &mut ShapeFile,
 ) -> Result<Vec<(String, Vec<usize>)>, ReadError> {
     let mut columns = empty_columns(element);
-    for name in ["x", "y", "z"] {
-        let is_number = element.property(name).is_some_and(|p| columns[p].is_some());
-        // A file of no vertices may leave their properties out.
-        if !is_number && element.n_rows > 0 {
-            let message = format!("element `vertex` has no number `{name}`; it needs x, y and z");
-            return Err(ReadError::Line { line: element.line as u64 + 1, message });
-        }
-    }
+    check_axes(element)?;
     if let Some(vertices) = fixed::read_vertices(body, element)? {
         shape.precision = if vertices.is_single { Precision::F32 } else { Precision::F64 };
         shape.points = vertices.points.into();
@@ -158,7 +165,7 @@ fn is_corner_list(name: &str) -> bool {
 }
 
 /// The list of corners; a number of that name is none.
-fn corner_list(element: &Element) -> Option<usize> {
+pub(crate) fn corner_list(element: &Element) -> Option<usize> {
     let is_list = |kind| matches!(kind, Kind::List { .. });
     element.properties.iter().position(|p| is_corner_list(&p.name) && is_list(p.kind))
 }
@@ -239,8 +246,20 @@ fn place(body: &Body<'_>, start: usize) -> String {
     }
 }
 
-/// Triangle strips: each vertex after the second makes a triangle with the two before it, turned the other way
+/// The triangles of a strip: each vertex after the second makes a triangle with the two before it, turned the other way
 /// round every second time; −1 begins a new strip.
+pub(crate) fn strip_triangles(
+    strip: &[i64],
+    mut each: impl FnMut([i64; 3]) -> Result<(), ReadError>,
+) -> Result<(), ReadError> {
+    for part in strip.split(|&v| v == -1) {
+        for (i, w) in part.windows(3).enumerate() {
+            each(if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })?;
+        }
+    }
+    Ok(())
+}
+
 fn read_strips(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
     let list = corner_list(element);
     let mut strip = Vec::new();
@@ -253,12 +272,7 @@ fn read_strips(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) ->
                 continue;
             }
             body.read_list(property.kind, element, row, &mut strip)?;
-            for part in strip.split(|&v| v == -1) {
-                for (i, w) in part.windows(3).enumerate() {
-                    let triangle = if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
-                    push_face(body, shape, &triangle, row, start)?;
-                }
-            }
+            strip_triangles(&strip, |triangle| push_face(body, shape, &triangle, row, start))?;
         }
     }
     if element.n_rows > 0 {

@@ -6,11 +6,11 @@ use std::io::Write;
 use adwave::Progress;
 
 use crate::ply::body::Body;
-use crate::ply::header::{Encoding, Kind, PlyOriginal};
+use crate::ply::header::{Element, Encoding, Header, Kind, PlyOriginal};
 use crate::ply::write::{Style, note_rounding, property_lines, push_fields};
 use crate::progress::at_row;
 use crate::text::{is_space, parse_f32, parse_f64};
-use crate::{Field, FieldValues, ShapeFile, ValueType, WriteError, WriteReport};
+use crate::{Field, FieldValues, ReadError, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Writes the original with other coordinates and fields.
 pub(crate) fn update_ply(
@@ -27,23 +27,25 @@ pub(crate) fn update_ply(
         ply.field_properties.iter().any(|(name, members)| members.contains(&p) && shape.edited.contains(name))
     };
     let dropped: Vec<bool> = (0..element.properties.len()).map(replaced).collect();
-    write_header(ply, &dropped, &fields, out)?;
+    write_header((&ply.bytes, &ply.header), ply.vertex, &dropped, &fields, out)?;
     out.write_all(&ply.bytes[ply.header.body..ply.rows.0])?;
     write_rows(shape, ply, &dropped, &fields, out, progress)?;
     out.write_all(&ply.bytes[ply.rows.1..])?;
     Ok(report)
 }
 
-fn write_header(
-    ply: &PlyOriginal,
+/// The header, `bytes` being those that it was parsed from, with the properties of new fields.
+pub(crate) fn write_header(
+    (bytes, header): (&[u8], &Header),
+    vertex: usize,
     dropped: &[bool],
     fields: &[&Field],
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
-    let element = &ply.header.elements[ply.vertex];
+    let element = &header.elements[vertex];
     let last = element.properties.last().map_or(element.line, |p| p.line);
-    for (number, &(start, end)) in ply.header.lines.iter().enumerate() {
-        let line = &ply.bytes[start..end];
+    for (number, &(start, end)) in header.lines.iter().enumerate() {
+        let line = &bytes[start..end];
         let is_dropped =
             element.properties.iter().zip(dropped).any(|(p, &dropped)| dropped && p.line == number);
         if !is_dropped {
@@ -57,6 +59,54 @@ fn write_header(
     Ok(())
 }
 
+/// How rows of vertices are written again.
+pub(crate) struct RowWriter<'a> {
+    element: &'a Element,
+    /// Which coordinate each property is.
+    axes: Vec<Option<usize>>,
+    /// Whether it is left out.
+    dropped: &'a [bool],
+    style: Style,
+}
+
+impl<'a> RowWriter<'a> {
+    pub(crate) fn new(element: &'a Element, encoding: Encoding, dropped: &'a [bool]) -> Self {
+        let axes = element.properties.iter().enumerate().map(|(p, property)| {
+            let axis = ["x", "y", "z"].iter().position(|axis| *axis == property.name)?;
+            // A name that comes twice counts the first time.
+            (element.property(&property.name) == Some(p)).then_some(axis)
+        });
+        let style = match encoding {
+            Encoding::Ascii => Style::Text,
+            Encoding::Binary(order) => Style::Bytes(order),
+        };
+        Self { element, axes: axes.collect(), dropped, style }
+    }
+
+    /// Appends the row at the body's position, its number being `at`, with the coordinates that are not `None` and with row `i` of the fields.
+    pub(crate) fn push(
+        &self,
+        body: &mut Body<'_>,
+        at: u64,
+        point: [Option<f64>; 3],
+        (fields, i): (&[&Field], usize),
+        row: &mut Vec<u8>,
+    ) -> Result<(), ReadError> {
+        for (p, property) in self.element.properties.iter().enumerate() {
+            let start = body.position;
+            body.skip(property.kind, self.element, at)?;
+            let old = &body.bytes[start..body.position];
+            match (self.axes[p].and_then(|axis| point[axis]), property.kind) {
+                (Some(x), Kind::Scalar(t)) => push_coordinate(old, t, x, self.style, row),
+                _ if self.dropped[p] => {}
+                _ => row.extend_from_slice(old),
+            }
+        }
+        push_fields(fields, i, self.style, row);
+        Ok(())
+    }
+}
+
 fn write_rows(
     shape: &ShapeFile,
     ply: &PlyOriginal,
@@ -66,39 +116,15 @@ fn write_rows(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let element = &ply.header.elements[ply.vertex];
-    let axes: Vec<Option<usize>> = element
-        .properties
-        .iter()
-        .enumerate()
-        .map(|(p, property)| {
-            let axis = ["x", "y", "z"].iter().position(|axis| *axis == property.name)?;
-            // A name that comes twice counts the first time.
-            (element.property(&property.name) == Some(p)).then_some(axis)
-        })
-        .collect();
-    let style = match ply.header.encoding {
-        Encoding::Ascii => Style::Text,
-        Encoding::Binary(order) => Style::Bytes(order),
-    };
+    let writer = RowWriter::new(element, ply.header.encoding, dropped);
     let mut body = Body { bytes: &ply.bytes, position: ply.rows.0, encoding: ply.header.encoding, progress };
     let mut row = Vec::new();
     for i in 0..shape.n_vertices {
         at_row(progress, i as u64, element.n_rows)?;
         row.clear();
-        for (p, property) in element.properties.iter().enumerate() {
-            let start = body.position;
-            // The same bytes were read before, so this cannot fail; if it does, it is said.
-            body.skip(property.kind, element, i as u64).map_err(std::io::Error::other)?;
-            let old = &ply.bytes[start..body.position];
-            match (axes[p], property.kind) {
-                (Some(axis), Kind::Scalar(t)) => {
-                    push_coordinate(old, t, shape.points[i][axis], style, &mut row);
-                }
-                _ if dropped[p] => {}
-                _ => row.extend_from_slice(old),
-            }
-        }
-        push_fields(fields, i, style, &mut row);
+        // The same bytes were read before, so this cannot fail; if it does, it is said.
+        let point = shape.points[i].map(Some);
+        writer.push(&mut body, i as u64, point, (fields, i), &mut row).map_err(std::io::Error::other)?;
         out.write_all(&row)?;
     }
     Ok(())

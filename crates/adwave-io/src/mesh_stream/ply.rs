@@ -1,0 +1,293 @@
+//! The rows of a PLY in portions.
+
+use adwave::Progress;
+use adwave::shape::Polygons;
+
+use super::window::Window;
+use crate::field::{ByteOrder, Number};
+use crate::ply::body::Body;
+use crate::ply::fixed::{FaceLayout, whole};
+use crate::ply::header::{Element, Encoding, Header, Kind, parse_header};
+use crate::ply::read::{check_axes, corner_list, strip_triangles};
+use crate::{ReadError, ValueType};
+
+/// Rows that are read at once.
+const MOST_ROWS: u64 = 1 << 16;
+
+pub(in crate::mesh_stream) struct PlyStream {
+    pub(super) window: Window,
+    pub(super) header: Header,
+    /// The bytes of the header.
+    pub(super) head: Vec<u8>,
+    /// Which element the vertices are.
+    pub(super) vertex: Option<usize>,
+    /// The element that is read, and its next row.
+    element: usize,
+    row: u64,
+}
+
+impl PlyStream {
+    pub(super) fn new(mut window: Window) -> Result<Self, ReadError> {
+        let header = loop {
+            match parse_header(window.rest()) {
+                Ok(header) => break header,
+                Err(error) if window.is_end() => return Err(error),
+                // A line may have been cut.
+                Err(_) => window.more()?,
+            }
+        };
+        let head = window.to_vec(header.body);
+        window.consume(header.body);
+        if header.encoding != Encoding::Ascii {
+            window.without_lines();
+        }
+        let vertex = header.elements.iter().position(|e| e.name == "vertex");
+        Ok(Self { window, header, head, vertex, element: 0, row: 0 })
+    }
+
+    pub(super) fn n_faces(&self) -> u64 {
+        let are_faces = |e: &&Element| matches!(e.name.as_str(), "face" | "tristrips");
+        self.header.elements.iter().filter(are_faces).map(|e| e.n_rows).sum()
+    }
+
+    /// The next rows, whole and in the window: how many, and of how many bytes. None at the end of the element.
+    pub(super) fn rows(&mut self) -> Result<(u64, usize), ReadError> {
+        let element = &self.header.elements[self.element];
+        let most = (element.n_rows - self.row).min(MOST_ROWS);
+        if most == 0 || element.properties.is_empty() {
+            return Ok((most, 0));
+        }
+        loop {
+            let bytes = match self.header.encoding {
+                Encoding::Ascii => self.window.words(),
+                Encoding::Binary(_) => self.window.rest(),
+            };
+            let mut body =
+                Body { bytes, position: 0, encoding: self.header.encoding, progress: Progress::none() };
+            let (mut n, mut end) = (0, 0);
+            let failed = loop {
+                if n == most {
+                    break None;
+                }
+                match skip_row(&mut body, element, self.row + n) {
+                    Ok(()) => (n, end) = (n + 1, body.position),
+                    Err(error) => break Some(error),
+                }
+            };
+            match failed {
+                _ if n > 0 => return Ok((n, end)),
+                None => return Ok((0, 0)),
+                Some(error) => {
+                    // A list may promise more than the file has.
+                    let is_cut = |needed: u64| {
+                        self.window.position().saturating_add(needed) > self.window.n_bytes() + 1
+                    };
+                    match error {
+                        ReadError::Truncated { needed, .. } if !self.window.is_end() && !is_cut(needed) => {
+                            self.window.more()?;
+                        }
+                        error => return Err(self.window.placed(error)),
+                    }
+                }
+            }
+        }
+    }
+
+    /// `n` rows of `bytes` bytes are done with.
+    pub(super) fn consume(&mut self, (n, bytes): (u64, usize)) {
+        self.row += n;
+        self.window.consume(bytes);
+    }
+
+    /// Goes to the first row of the next element that `is_wanted`; `false` where there is none.
+    pub(super) fn seek(&mut self, is_wanted: impl Fn(usize, &Element) -> bool) -> Result<bool, ReadError> {
+        while let Some(element) = self.header.elements.get(self.element) {
+            if self.row < element.n_rows && is_wanted(self.element, element) {
+                return Ok(true);
+            }
+            match fixed_bytes(element, self.header.encoding) {
+                Some(row_bytes) => {
+                    let n = (element.n_rows - self.row).saturating_mul(row_bytes);
+                    if !self.window.skip(n)? {
+                        let left = self.window.n_bytes() - self.window.position();
+                        let (element, row) = (element.name.clone(), self.row + left / row_bytes);
+                        let error = ReadError::Truncated { end: 0, needed: n, element, row };
+                        return Err(self.window.placed(error));
+                    }
+                }
+                None => {
+                    while self.row < self.header.elements[self.element].n_rows {
+                        let rows = self.rows()?;
+                        self.consume(rows);
+                    }
+                }
+            }
+            (self.element, self.row) = (self.element + 1, 0);
+        }
+        Ok(false)
+    }
+
+    pub(super) fn vertices(&mut self, points: &mut Vec<[f64; 3]>) -> Result<bool, ReadError> {
+        let vertex = self.vertex;
+        if let Some(vertex) = vertex {
+            check_axes(&self.header.elements[vertex])?;
+        }
+        if !self.seek(|e, _| Some(e) == vertex)? {
+            return Ok(false);
+        }
+        let rows = self.rows()?;
+        let element = &self.header.elements[self.element];
+        let axes = ["x", "y", "z"].map(|axis| element.property(axis).unwrap_or(0));
+        let bytes = &self.window.rest()[..rows.1];
+        if let (Encoding::Binary(order), Some(row_bytes)) =
+            (self.header.encoding, fixed_bytes(element, self.header.encoding))
+        {
+            let places = axes.map(|p| place_in_row(element, p));
+            let point = |row: &[u8]| places.map(|(t, at)| number(&row[at..], t, order));
+            points.extend(bytes.chunks_exact(row_bytes as usize).map(point));
+        } else {
+            let mut body = self.body(bytes);
+            for row in 0..rows.0 {
+                let mut point = [0.0; 3];
+                for (p, property) in element.properties.iter().enumerate() {
+                    match (axes.iter().position(|&axis| axis == p), property.kind) {
+                        (Some(axis), Kind::Scalar(t)) => {
+                            let mut one = t.empty();
+                            body.read_into(&mut one, element, self.row + row)
+                                .map_err(|e| self.window.placed(e))?;
+                            point[axis] = one.get(0);
+                        }
+                        (_, kind) => {
+                            body.skip(kind, element, self.row + row).map_err(|e| self.window.placed(e))?
+                        }
+                    }
+                }
+                points.push(point);
+            }
+        }
+        self.consume(rows);
+        Ok(true)
+    }
+
+    pub(super) fn body<'a>(&self, bytes: &'a [u8]) -> Body<'a> {
+        Body { bytes, position: 0, encoding: self.header.encoding, progress: Progress::none() }
+    }
+
+    pub(super) fn faces(&mut self, n_vertices: u64, faces: &mut Polygons) -> Result<bool, ReadError> {
+        let are_faces =
+            |_: usize, e: &Element| e.name == "face" || e.name == "tristrips" && !e.properties.is_empty();
+        if !self.seek(are_faces)? {
+            return Ok(false);
+        }
+        let element = &self.header.elements[self.element];
+        let corners = corner_list(element);
+        if corners.is_none() && element.name == "face" {
+            let message = "element `face` has no list `vertex_indices`; its faces cannot be read".to_string();
+            return Err(ReadError::Line { line: element.line as u64 + 1, message });
+        }
+        let rows = self.rows()?;
+        let element = &self.header.elements[self.element];
+        let are_strips = element.name == "tristrips";
+        let layout = corners
+            .filter(|_| !are_strips)
+            .and_then(|corners| FaceLayout::new(element, self.header.encoding, corners));
+        let mut body = self.body(&self.window.rest()[..rows.1]);
+        let (mut list, mut face) = (Vec::new(), Vec::new());
+        for row in self.row..self.row + rows.0 {
+            let start = body.position;
+            if let Some(layout) = &layout
+                && let Some(row_bytes) = read_fixed(&body.bytes[start..], layout, n_vertices, &mut face)
+            {
+                faces.push(&face);
+                body.position += row_bytes;
+                continue;
+            }
+            for (p, property) in element.properties.iter().enumerate() {
+                let read = if Some(p) == corners {
+                    body.read_list(property.kind, element, row, &mut list)
+                } else {
+                    body.skip(property.kind, element, row)
+                };
+                read.map_err(|e| self.window.placed(e))?;
+            }
+            let mut push = |corners: &[i64]| {
+                let is_none = |v: &i64| !u64::try_from(*v).is_ok_and(|v| v < n_vertices);
+                if let Some(&index) = corners.iter().find(|v| is_none(v)) {
+                    let blanks = body.bytes[start..].iter().take_while(|b| b.is_ascii_whitespace()).count();
+                    let at = if self.header.encoding == Encoding::Ascii { start + blanks } else { start };
+                    return Err(ReadError::FaceIndex {
+                        place: self.window.place(at),
+                        face: row,
+                        index,
+                        n_vertices,
+                    });
+                }
+                face.clear();
+                face.extend(corners.iter().map(|&v| v as u32));
+                faces.push(&face);
+                Ok(())
+            };
+            if are_strips {
+                strip_triangles(&list, |triangle| push(&triangle))?;
+            } else {
+                push(&list)?;
+            }
+        }
+        self.consume(rows);
+        Ok(true)
+    }
+}
+
+/// Passes over a row of numbers at once, over others by what they hold.
+fn skip_row(body: &mut Body<'_>, element: &Element, row: u64) -> Result<(), ReadError> {
+    if let Some(row_bytes) = fixed_bytes(element, body.encoding)
+        && (body.bytes.len() - body.position) as u64 >= row_bytes
+    {
+        body.position += row_bytes as usize;
+        return Ok(());
+    }
+    body.skip_row(element, row)
+}
+
+/// Bytes of each row, where these are the same for all.
+fn fixed_bytes(element: &Element, encoding: Encoding) -> Option<u64> {
+    let is_number = |kind| matches!(kind, Kind::Scalar(_));
+    let is_fixed = element.properties.is_empty()
+        || encoding != Encoding::Ascii && element.properties.iter().all(|p| is_number(p.kind));
+    is_fixed.then(|| element.min_row_bytes(encoding))
+}
+
+/// The type of a property, and where it begins in a row of numbers.
+fn place_in_row(element: &Element, property: usize) -> (ValueType, usize) {
+    let kind = |p: usize| match element.properties[p].kind {
+        Kind::Scalar(t) | Kind::List { item: t, .. } => t,
+    };
+    (kind(property), (0..property).map(|p| kind(p).n_bytes()).sum())
+}
+
+fn number(bytes: &[u8], t: ValueType, order: ByteOrder) -> f64 {
+    match t {
+        ValueType::F32 => f32::from_bytes(bytes, order).into(),
+        ValueType::F64 => f64::from_bytes(bytes, order),
+        _ => {
+            let mut one = t.empty();
+            one.push_bytes(bytes, order);
+            one.get(0)
+        }
+    }
+}
+
+/// The corners of the face that `bytes` begin with, and the bytes of its row; nothing where one of them is no vertex.
+fn read_fixed(bytes: &[u8], layout: &FaceLayout, n_vertices: u64, face: &mut Vec<u32>) -> Option<usize> {
+    let n_corners = layout.n_corners(bytes)?;
+    let row_bytes = layout.row_bytes(n_corners)?;
+    if bytes.len() < row_bytes {
+        return None;
+    }
+    let (first, item) = (layout.count_at + layout.count.n_bytes(), layout.item.n_bytes());
+    face.clear();
+    for corner in bytes[first..first + n_corners * item].chunks_exact(item) {
+        face.push(whole(corner, layout.item, layout.order).filter(|&v| u64::from(v) < n_vertices)?);
+    }
+    Some(row_bytes)
+}
