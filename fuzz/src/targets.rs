@@ -3,12 +3,13 @@
 use crate::words::{
     GEOMVIEW, GLTF, GRAPHML, MANUFACTURING, MEDIT, MSH, OBJ, PCD, PLY, RECIPE, REGION, VTK, VTK_XML, XML,
 };
-use adwave::ClassifiedError;
 use adwave::region::parse_region;
+use adwave::shape::Polygons;
+use adwave::{ClassifiedError, Progress};
 use adwave_io::{
-    CloudPart, Format, LasReader, ReadError, ReadLimits, ShapeFile, cloud_levels, parse_csv_fields,
-    parse_gifti_fields, parse_recipe, parse_surface_values, read_bytes, read_cloud_part, read_npy_bytes,
-    recipe_to_text, texture_colors, write_bytes,
+    CloudPart, Format, LasReader, MeshReader, ReadError, ReadLimits, ShapeFile, cloud_levels,
+    parse_csv_fields, parse_gifti_fields, parse_recipe, parse_surface_values, read_bytes, read_cloud_part,
+    read_npy_bytes, recipe_to_text, rewrite_mesh, texture_colors, write_bytes,
 };
 use std::error::Error;
 use std::path::Path;
@@ -38,8 +39,8 @@ fn with_sums(bytes: &[u8]) -> Vec<u8> {
 pub(crate) fn all() -> Vec<Target> {
     let shape = |name, words, check| Target { name, seeds: name, words, check };
     vec![
-        shape("obj", OBJ, |b| shape_file(b, "a.obj")),
-        shape("ply", PLY, |b| shape_file(b, "a.ply")),
+        shape("obj", OBJ, |b| mesh_file(b, "a.obj")),
+        shape("ply", PLY, |b| mesh_file(b, "a.ply")),
         shape("off", &["OFF", "C", "N", "ST", "4", "n", " BINARY\n", "#", "\r\n"], |b| {
             shape_file(b, "a.off")
         }),
@@ -238,6 +239,46 @@ fn las_file(bytes: &[u8], name: &str) -> Result<String, String> {
     match whole {
         Ok(file) if said == "ok" && file.n_vertices() != records.len() / record_bytes(bytes) => {
             Err(format!("{} points as a whole, {} bytes in portions", file.n_vertices(), records.len()))
+        }
+        _ => Ok(format!("{outcome}; {said}")),
+    }
+}
+
+/// As a whole, and one input in eight in portions too, for which it must be a file: these give the same, and the file again.
+fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
+    let outcome = shape_file(bytes, name)?;
+    if !crate::hash(bytes).is_multiple_of(8) {
+        return Ok(outcome);
+    }
+    let path = std::env::temp_dir().join(format!("adwave-fuzz-{}-{name}", std::process::id()));
+    std::fs::write(&path, bytes).map_err(|e| e.to_string())?;
+    let (mut points, mut faces, mut again) = (Vec::new(), Polygons::new(), Vec::new());
+    let mut in_portions = || -> Result<(), Box<dyn Error>> {
+        let mut reader = MeshReader::open(&path)?;
+        while reader.vertices(&mut points)? {}
+        let mut reader = MeshReader::open(&path)?;
+        while reader.faces(points.len() as u64, &mut faces)? {}
+        rewrite_mesh::<Box<dyn Error>>(&path, &[], &mut again, Progress::none(), &mut |_, _| Ok(()))?;
+        Ok(())
+    };
+    let said = match in_portions() {
+        Ok(()) => "ok".to_owned(),
+        // The path is not the input's.
+        Err(e) => one_line(&*e)?.replace(&*path.to_string_lossy(), "a"),
+    };
+    let is_mesh = |f| matches!(f, Some(Format::Ply | Format::PlyAscii | Format::Obj));
+    match read_bytes(bytes.to_vec(), Some(name), &LIMITS) {
+        Ok(whole) if is_mesh(whole.format()) && !bytes.starts_with(&[0x1f, 0x8b]) => {
+            let bits =
+                |points: &[[f64; 3]]| points.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            if said != "ok"
+                || bits(&points) != bits(whole.points())
+                || &faces != whole.faces()
+                || again != bytes
+            {
+                return Err(format!("other portions than the whole: {said}"));
+            }
+            Ok(format!("{outcome}; {said}"))
         }
         _ => Ok(format!("{outcome}; {said}")),
     }

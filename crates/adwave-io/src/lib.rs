@@ -114,7 +114,7 @@ pub use gifti::write::{write_gifti_fields, write_gifti_fields_with};
 pub use las::part::{CloudLevels, CloudPart, cloud_levels, read_cloud_part, read_cloud_part_with};
 pub use las::stream::{LasLayout, LasReader, LasWriter};
 pub use limits::ReadLimits;
-pub use mesh_stream::{MeshReader, rewrite_mesh};
+pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
 pub use mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};
 pub use npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};

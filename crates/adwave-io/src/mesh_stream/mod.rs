@@ -11,7 +11,7 @@ mod rewrite;
 mod tests;
 mod window;
 
-pub use rewrite::rewrite_mesh;
+pub use rewrite::{VertexEdit, rewrite_mesh};
 
 use std::path::{Path, PathBuf};
 

@@ -136,37 +136,39 @@ impl PlyStream {
             return Ok(false);
         }
         let rows = self.rows()?;
+        self.points(rows, points).map_err(|e| self.window.placed(e))?;
+        self.consume(rows);
+        Ok(true)
+    }
+
+    /// The coordinates of rows of vertices.
+    fn points(&self, (n, n_bytes): (u64, usize), points: &mut Vec<[f64; 3]>) -> Result<(), ReadError> {
         let element = &self.header.elements[self.element];
         let axes = ["x", "y", "z"].map(|axis| element.property(axis).unwrap_or(0));
-        let bytes = &self.window.rest()[..rows.1];
-        if let (Encoding::Binary(order), Some(row_bytes)) =
-            (self.header.encoding, fixed_bytes(element, self.header.encoding))
-        {
+        let bytes = &self.window.rest()[..n_bytes];
+        let encoding = self.header.encoding;
+        if let (Encoding::Binary(order), Some(row_bytes)) = (encoding, fixed_bytes(element, encoding)) {
             let places = axes.map(|p| place_in_row(element, p));
             let point = |row: &[u8]| places.map(|(t, at)| number(&row[at..], t, order));
             points.extend(bytes.chunks_exact(row_bytes as usize).map(point));
-        } else {
-            let mut body = self.body(bytes);
-            for row in 0..rows.0 {
-                let mut point = [0.0; 3];
-                for (p, property) in element.properties.iter().enumerate() {
-                    match (axes.iter().position(|&axis| axis == p), property.kind) {
-                        (Some(axis), Kind::Scalar(t)) => {
-                            let mut one = t.empty();
-                            body.read_into(&mut one, element, self.row + row)
-                                .map_err(|e| self.window.placed(e))?;
-                            point[axis] = one.get(0);
-                        }
-                        (_, kind) => {
-                            body.skip(kind, element, self.row + row).map_err(|e| self.window.placed(e))?
-                        }
-                    }
-                }
-                points.push(point);
-            }
+            return Ok(());
         }
-        self.consume(rows);
-        Ok(true)
+        let mut body = self.body(bytes);
+        for row in self.row..self.row + n {
+            let mut point = [0.0; 3];
+            for (p, property) in element.properties.iter().enumerate() {
+                match (axes.iter().position(|&axis| axis == p), property.kind) {
+                    (Some(axis), Kind::Scalar(t)) => {
+                        let mut one = t.empty();
+                        body.read_into(&mut one, element, row)?;
+                        point[axis] = one.get(0);
+                    }
+                    (_, kind) => body.skip(kind, element, row)?,
+                }
+            }
+            points.push(point);
+        }
+        Ok(())
     }
 
     pub(super) fn body<'a>(&self, bytes: &'a [u8]) -> Body<'a> {
@@ -180,20 +182,31 @@ impl PlyStream {
             return Ok(false);
         }
         let element = &self.header.elements[self.element];
-        let corners = corner_list(element);
-        if corners.is_none() && element.name == "face" {
+        if corner_list(element).is_none() && element.name == "face" {
             let message = "element `face` has no list `vertex_indices`; its faces cannot be read".to_string();
             return Err(ReadError::Line { line: element.line as u64 + 1, message });
         }
         let rows = self.rows()?;
+        self.corners(rows, n_vertices, faces)?;
+        self.consume(rows);
+        Ok(true)
+    }
+
+    /// The corners of rows of faces or strips.
+    fn corners(
+        &self,
+        (n, n_bytes): (u64, usize),
+        n_vertices: u64,
+        faces: &mut Polygons,
+    ) -> Result<(), ReadError> {
         let element = &self.header.elements[self.element];
-        let are_strips = element.name == "tristrips";
+        let (corners, are_strips) = (corner_list(element), element.name == "tristrips");
         let layout = corners
             .filter(|_| !are_strips)
             .and_then(|corners| FaceLayout::new(element, self.header.encoding, corners));
-        let mut body = self.body(&self.window.rest()[..rows.1]);
+        let mut body = self.body(&self.window.rest()[..n_bytes]);
         let (mut list, mut face) = (Vec::new(), Vec::new());
-        for row in self.row..self.row + rows.0 {
+        for row in self.row..self.row + n {
             let start = body.position;
             if let Some(layout) = &layout
                 && let Some(row_bytes) = read_fixed(&body.bytes[start..], layout, n_vertices, &mut face)
@@ -211,16 +224,10 @@ impl PlyStream {
                 read.map_err(|e| self.window.placed(e))?;
             }
             let mut push = |corners: &[i64]| {
-                let is_none = |v: &i64| !u64::try_from(*v).is_ok_and(|v| v < n_vertices);
-                if let Some(&index) = corners.iter().find(|v| is_none(v)) {
-                    let blanks = body.bytes[start..].iter().take_while(|b| b.is_ascii_whitespace()).count();
-                    let at = if self.header.encoding == Encoding::Ascii { start + blanks } else { start };
-                    return Err(ReadError::FaceIndex {
-                        place: self.window.place(at),
-                        face: row,
-                        index,
-                        n_vertices,
-                    });
+                let is_none = |v: &&i64| !u64::try_from(**v).is_ok_and(|v| v < n_vertices);
+                if let Some(&index) = corners.iter().find(is_none) {
+                    let place = self.window.place(self.first_byte(start));
+                    return Err(ReadError::FaceIndex { place, face: row, index, n_vertices });
                 }
                 face.clear();
                 face.extend(corners.iter().map(|&v| v as u32));
@@ -233,8 +240,13 @@ impl PlyStream {
                 push(&list)?;
             }
         }
-        self.consume(rows);
-        Ok(true)
+        Ok(())
+    }
+
+    /// Where a row begins, of which the one before ends at `start` in the window.
+    fn first_byte(&self, start: usize) -> usize {
+        let blanks = self.window.rest()[start..].iter().take_while(|b| b.is_ascii_whitespace()).count();
+        if self.header.encoding == Encoding::Ascii { start + blanks } else { start }
     }
 }
 

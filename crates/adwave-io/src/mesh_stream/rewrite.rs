@@ -14,8 +14,8 @@ use crate::ply::header::Element;
 use crate::ply::update::{RowWriter, write_header};
 use crate::{Field, FieldValues, Format, ReadError, ShapeFile, WriteError};
 
-/// What [`rewrite_mesh`] asks for: the new coordinates and field values of the next vertices.
-pub(super) type Edit<'a, E> = dyn FnMut(&mut [[f64; 3]], &mut [Vec<f32>]) -> Result<(), E> + 'a;
+/// What [`rewrite_mesh`] asks for: the new coordinates of the next vertices, and their values of each new field.
+pub type VertexEdit<'a, E> = dyn FnMut(&mut [[f64; 3]], &mut [Vec<f32>]) -> Result<(), E> + 'a;
 
 /// Writes a PLY or OBJ again in its own format. Coordinates are replaced in the type that they had, `fields` become the last
 /// properties of the vertices, as 32-bit floats, and everything else stays byte for byte as it is. How many vertices there were.
@@ -45,7 +45,7 @@ pub fn rewrite_mesh<E: From<ReadError> + From<WriteError>>(
     fields: &[String],
     out: &mut dyn Write,
     progress: Progress<'_>,
-    edit: &mut dyn FnMut(&mut [[f64; 3]], &mut [Vec<f32>]) -> Result<(), E>,
+    edit: &mut VertexEdit<'_, E>,
 ) -> Result<u64, E> {
     match Source::open(path).map_err(|e| e.in_file(path))? {
         Source::Ply(ply) => Rewriter { path, fields, out, progress }.ply(*ply, edit),
@@ -72,7 +72,7 @@ impl Rewriter<'_> {
     fn ply<E: From<ReadError> + From<WriteError>>(
         mut self,
         mut ply: PlyStream,
-        edit: &mut Edit<'_, E>,
+        edit: &mut VertexEdit<'_, E>,
     ) -> Result<u64, E> {
         let Some(vertex) = ply.vertex else {
             self.copy(0, ply.window.n_bytes()).map_err(WriteError::from)?;
@@ -134,7 +134,7 @@ impl Rewriter<'_> {
     fn obj<E: From<ReadError> + From<WriteError>>(
         self,
         mut obj: ObjStream,
-        edit: &mut Edit<'_, E>,
+        edit: &mut VertexEdit<'_, E>,
     ) -> Result<u64, E> {
         let mut n = 0;
         while let Some(statements) = obj.statements().map_err(|e| self.read_error(e))? {

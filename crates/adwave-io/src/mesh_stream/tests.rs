@@ -1,15 +1,15 @@
 //! Portions against the readers and writers of whole files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use adwave::Progress;
 use adwave::shape::Polygons;
 
 use super::{MeshReader, rewrite_mesh};
-use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, read_path, write_bytes};
+use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, read_path, write_bytes};
 
 /// What portions say of a file.
-fn portions(path: &PathBuf) -> Result<(Vec<[f64; 3]>, Polygons), ReadError> {
+fn portions(path: &Path) -> Result<(Vec<[f64; 3]>, Polygons), ReadError> {
     let (mut points, mut faces) = (Vec::new(), Polygons::new());
     let mut reader = MeshReader::open(path)?;
     while reader.vertices(&mut points)? {}
@@ -103,15 +103,15 @@ fn what_is_cut_or_wrong_is_an_error_in_one_line_as_it_is_for_the_whole() {
         }
     }
     for (name, from, to, what) in [
-        ("text.ply", "4 0 1 2 3", "4 0 1 2 9", "line 28: face 1 names vertex 9, but there are 5"),
-        ("text.ply", "3 1 1.000", "3 x 1.000", "line 24: \"x\" is no float"),
-        ("text.ply", "7 0 1 2 3", "7 0 1 2 6", "line 32: face 0 names vertex 6"),
-        ("text.ply", "0.25 4 0", "0.25 -4 0", "line 28: a list has the length -4"),
+        ("text.ply", "4 0 1 2 3", "4 0 1 2 9", "line 30: face 1 names vertex 9, but there are 5"),
+        ("text.ply", "3 1 1.000", "3 x 1.000", "line 26: \"x\" is no float"),
+        ("text.ply", "7 0 1 2 3", "7 0 1 2 6", "line 34: face 0 names vertex 6"),
+        ("text.ply", "0.25 4 0", "0.25 -4 0", "line 30: a list has the length -4"),
         ("text.ply", "0.25 4 0", "0.25 2000000 0", "get the whole file"),
-        ("a.obj", "f 5 1 2", "f 8 1 2", "line 18: face 2 names vertex 8, but there are 5"),
-        ("a.obj", "f 5 1 2", "f -9 1 2", "line 18: face 2 names vertex -9"),
-        ("a.obj", "v 9 9 9", "v 9 9", "line 20: a vertex has 2 numbers and needs 3"),
-        ("a.obj", "v 0 1 .5", "v 0 a .5", "line 14: a vertex has \"a\""),
+        ("a.obj", "f 5 1 2", "f 8 1 2", "line 17: face 2 names vertex 8, but there are 5"),
+        ("a.obj", "f 5 1 2", "f -9 1 2", "line 17: face 2 names vertex -9"),
+        ("a.obj", "v 9 9 9", "v 9 9", "line 19: a vertex has 2 numbers and needs 3"),
+        ("a.obj", "v 0 1 .5", "v 0 a .5", "line 13: a vertex has \"a\""),
     ] {
         let text = if name == "a.obj" { OBJ } else { TEXT };
         let path = folder.path().join(name);
@@ -185,4 +185,47 @@ fn other_files_and_fields_of_an_obj_are_refused() {
     std::fs::write(&path, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n")
         .unwrap();
     assert!(portions(&path).unwrap_err().to_string().contains("no number `y`"));
+}
+
+/// Files of other programs, all but the largest.
+#[adwave_test_data::data_test]
+fn portions_are_the_whole_on_real_files() {
+    const MOST_BYTES: u64 = 400_000;
+    let limits = ReadLimits::default();
+    let mut folders = vec![PathBuf::from(adwave_test_data::folder!())];
+    let mut n = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let is_mesh = path.extension().is_some_and(|e| e == "ply" || e == "obj");
+            if !is_mesh || entry.metadata().unwrap().len() > MOST_BYTES {
+                continue;
+            }
+            let Ok(whole) = read_path(&path, &limits) else {
+                if let Err(error) = portions(&path) {
+                    assert!(!error.to_string().contains('\n'), "{error}");
+                }
+                continue;
+            };
+            // Some have the name of another format.
+            if !whole.format().is_some_and(|f| [Format::Ply, Format::PlyAscii, Format::Obj].contains(&f)) {
+                continue;
+            }
+            let (points, faces) = portions(&path).unwrap_or_else(|e| panic!("{e}"));
+            let bits =
+                |points: &[[f64; 3]]| points.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert!(bits(&points) == bits(whole.points()) && &faces == whole.faces(), "{}", path.display());
+            let mut same = Vec::new();
+            let written =
+                rewrite_mesh(&path, &[], &mut same, Progress::none(), &mut |_, _| Ok::<(), Failure>(()));
+            assert_eq!(written.unwrap(), points.len() as u64);
+            assert!(same == std::fs::read(&path).unwrap(), "{}", path.display());
+            n += 1;
+        }
+    }
+    assert!(n > 50, "{n} files");
 }
