@@ -1,4 +1,4 @@
-//! The bands of a tile, and its points as they come out.
+//! The bands of a tile, and what comes out for its points.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,13 +9,13 @@ use adwave::operator::{Diffusion, local_operator_of_neighbours};
 use adwave::pages::{release_freed, zeros};
 use rayon::prelude::*;
 
-use crate::TilesError;
 use crate::blocks::Blocks;
-use crate::layout::{set_whole, whole};
+use crate::layout::Layout;
 use crate::part::{Neighbourhoods, Part, part};
 use crate::plan::Plan;
+use crate::{TilesError, cloud, mesh};
 
-/// What a tile gives, block by block: numbers that are the same however the cloud is cut.
+/// What a tile gives, block by block: numbers that are the same however the shape is cut.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct BlockOutcome {
     pub(crate) n_points: u64,
@@ -41,12 +41,11 @@ pub(crate) fn bands_of_tile(
     mut out: impl FnMut(&[u8]) -> Result<(), TilesError>,
 ) -> Result<Vec<BlockOutcome>, TilesError> {
     let limits = plan.limits()?;
-    let k = plan.params.neighbours.min((blocks.n_vertices as usize).saturating_sub(1));
     let mut outcomes = Vec::with_capacity(tile.len());
     let mut to_do = vec![tile];
     while let Some(tile) = to_do.pop() {
         release_freed();
-        if let Some(part) = part(blocks, neighbourhoods, tile.clone(), limits, k, progress)? {
+        if let Some(part) = part(blocks, neighbourhoods, tile.clone(), limits, progress)? {
             let mean_length = neighbourhoods.mean_length;
             outcomes.extend(bands_of_part(plan, blocks, part, mean_length, tile, progress, &mut out)?);
         } else {
@@ -94,7 +93,15 @@ fn bands_of_part(
                 let vertices = blocks.vertices(block);
                 let own = vertices.start - first..vertices.end - first;
                 let outs: Vec<&[[f64; 3]]> = outs.iter().map(|out| &out[own.clone()]).collect();
-                records_of_block(plan, &blocks.records(block)?, &points[own], &outs)
+                let records = blocks.records(block)?;
+                let outcome = outcome(plan, records.len() / plan.layout.record_bytes(), &outs);
+                let made = match plan.layout {
+                    Layout::Las(steps) => {
+                        cloud::records_of_block(plan, steps, &records, &points[own], &outs)?
+                    }
+                    Layout::Mesh(_) => mesh::results_of_block(plan, blocks, &records, &points[own], &outs),
+                };
+                Ok((made, outcome))
             })
             .collect::<Result<_, TilesError>>()?;
         for (records, outcome) in made {
@@ -105,43 +112,22 @@ fn bands_of_part(
     Ok(outcomes)
 }
 
-fn records_of_block(
-    plan: &Plan,
-    records: &[u8],
-    points: &[[f64; 3]],
-    outs: &[&[[f64; 3]]],
-) -> Result<(Vec<u8>, BlockOutcome), TilesError> {
-    let (layout, moves) = (plan.layout, plan.params.moves());
-    let (changes, bands) = outs.split_at(usize::from(moves));
-    let length = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let summary = |values: &[[f64; 3]]| {
-        values.iter().map(length).fold((0.0, 0.0), |(sum, most), l| (sum + l * l, f64::max(most, l)))
+/// The length of a vector.
+pub(crate) fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+/// What a block of some points gives, whose outputs are `outs`, in model units.
+fn outcome(plan: &Plan, n_points: usize, outs: &[&[[f64; 3]]]) -> BlockOutcome {
+    let unit = plan.layout.unit();
+    let (changes, bands) = outs.split_at(usize::from(plan.params.moves()));
+    let summary = |values: &&[[f64; 3]]| {
+        let lengths = values.iter().map(|v| length(*v) * unit);
+        lengths.fold((0.0, 0.0), |(sum, most), l| (sum + l * l, f64::max(most, l)))
     };
-    let outcome = BlockOutcome {
-        n_points: (records.len() / layout.record_bytes) as u64,
-        moved: changes.first().map_or((0.0, 0.0), |change| summary(change)),
-        bands: bands.iter().map(|band| summary(band)).collect(),
-    };
-    let mut made = Vec::with_capacity(records.len() + 4 * bands.len() * outcome.n_points as usize);
-    let (mut vertex, mut last) = (0, None);
-    for record in records.chunks_exact(layout.record_bytes) {
-        let here = whole(record);
-        vertex += usize::from(last.is_some_and(|last| last != here));
-        last = Some(here);
-        let start = made.len();
-        made.extend_from_slice(record);
-        if let Some(change) = changes.first().map(|change| change[vertex]) {
-            let moved: [f64; 3] = std::array::from_fn(|c| points[vertex][c] + change[c]);
-            let Some(whole) = layout.nearest(moved) else {
-                return Err(TilesError::Input(format!(
-                    "a point would move to {moved:?}, which 32-bit coordinates of this scale do not reach; use smaller gains"
-                )));
-            };
-            set_whole(&mut made[start..], whole);
-        }
-        for band in bands {
-            made.extend_from_slice(&(length(&band[vertex]) as f32).to_le_bytes());
-        }
+    BlockOutcome {
+        n_points: n_points as u64,
+        moved: changes.first().map_or((0.0, 0.0), summary),
+        bands: bands.iter().map(summary).collect(),
     }
-    Ok((made, outcome))
 }

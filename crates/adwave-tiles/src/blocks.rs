@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::TilesError;
 use crate::box_tree::Bounds;
 use crate::files::{At, Cursor, write_whole};
-use crate::layout::{Layout, whole};
+use crate::layout::Layout;
 
 /// Vertices of a block: positions of so many different points, one after the other along the curve.
 pub const VERTICES_IN_A_BLOCK: usize = 4096;
@@ -32,24 +32,27 @@ pub(crate) struct TableBuilder {
     boxes: Vec<Bounds>,
     n_records: u64,
     n_vertices: u64,
-    last: Option<[i32; 3]>,
+    /// What the last record began with.
+    last: Vec<u8>,
 }
 
 impl TableBuilder {
     pub(crate) fn new(layout: Layout) -> Self {
-        Self { layout, firsts: Vec::new(), boxes: Vec::new(), n_records: 0, n_vertices: 0, last: None }
+        Self { layout, firsts: Vec::new(), boxes: Vec::new(), n_records: 0, n_vertices: 0, last: Vec::new() }
     }
 
-    pub(crate) fn add(&mut self, whole: [i32; 3]) {
-        if self.last != Some(whole) {
+    pub(crate) fn add(&mut self, record: &[u8]) {
+        let here = &record[..self.layout.position_bytes()];
+        if self.last != here {
             if self.n_vertices.is_multiple_of(VERTICES_IN_A_BLOCK as u64) {
                 self.firsts.push(self.n_records);
                 self.boxes.push(Bounds::NONE);
             }
             self.n_vertices += 1;
-            self.last = Some(whole);
+            self.last.clear();
+            self.last.extend_from_slice(here);
             if let Some(bounds) = self.boxes.last_mut() {
-                bounds.include(&Bounds::of(self.layout.position(whole)));
+                bounds.include(&Bounds::of(self.layout.position(record)));
             }
         }
         self.n_records += 1;
@@ -113,23 +116,33 @@ impl Blocks {
         let Some(n) = end.checked_sub(first) else {
             return Err(TilesError::broken(self.records.path(), "its table is not sorted"));
         };
-        self.records.read(first * self.layout.record_bytes as u64, n as usize * self.layout.record_bytes)
+        let record_bytes = self.layout.record_bytes();
+        self.records.read(first * record_bytes as u64, n as usize * record_bytes)
     }
 
     /// The positions of the vertices of a block, in model units.
     pub(crate) fn positions(&self, block: usize) -> Result<Vec<[f64; 3]>, TilesError> {
         let mut positions = Vec::with_capacity(VERTICES_IN_A_BLOCK);
-        let mut last = None;
-        for record in self.records(block)?.chunks_exact(self.layout.record_bytes) {
-            let here = whole(record);
-            if last != Some(here) {
-                positions.push(self.layout.position(here));
-                last = Some(here);
-            }
+        let records = self.records(block)?;
+        for same in self.of_one_vertex(&records) {
+            positions.push(self.layout.position(same));
         }
         if positions.len() != self.vertices(block).len() {
             return Err(TilesError::broken(self.records.path(), "its points are not those of its table"));
         }
         Ok(positions)
+    }
+
+    /// The records of a block, taken together where they are of one vertex.
+    pub(crate) fn of_one_vertex<'a>(&self, records: &'a [u8]) -> impl Iterator<Item = &'a [u8]> {
+        let (bytes, position_bytes) = (self.layout.record_bytes(), self.layout.position_bytes());
+        let mut rest = records;
+        std::iter::from_fn(move || {
+            let here = rest.get(..position_bytes)?;
+            let n = rest.chunks_exact(bytes).take_while(|record| &record[..position_bytes] == here).count();
+            let (same, after) = rest.split_at(n * bytes);
+            rest = after;
+            (n > 0).then_some(same)
+        })
     }
 }

@@ -1,4 +1,4 @@
-//! Bands of point clouds that are larger than memory, tile by tile, with the bits of the whole.
+//! Bands of point clouds and meshes that are larger than memory, tile by tile, with the bits of the whole.
 //!
 //! 1. **Sort** (`sort`): all points along a Hilbert curve, in runs that fit into memory and are merged. Points at one position are
 //!    one vertex; every [`VERTICES_IN_A_BLOCK`] vertices are a block with a bounding box. A tile is a range of blocks.
@@ -9,7 +9,10 @@
 //!    stored neighbourhoods goes as many rings as the polynomial sees, over as many blocks as these need; nothing is guessed in metres.
 //!
 //! A row of T (eq. 1) is made of a vertex, its neighbours in the order of the curve, their areas and E; a step of the recurrence of
-//! its row. Neither depends on the tile, so that all ways to cut a cloud into tiles give the same bytes.
+//! its row. Neither depends on the tile, so that all ways to cut a shape into tiles give the same bytes.
+//!
+//! A mesh (`mesh`) goes the same way: its faces are dealt out to the tiles that their corners lie in, neighbours and areas are those of the
+//! faces, and the results are put back into the order of its file, of which everything else stays.
 //!
 //! Stages are files in a folder, each written under another name and renamed when it is whole: a run that was ended at any moment goes
 //! on where it was.
@@ -17,9 +20,12 @@
 mod bands;
 mod blocks;
 mod box_tree;
+mod buckets;
+mod cloud;
 mod error;
 mod files;
 mod layout;
+mod mesh;
 mod near_file;
 mod neighbours;
 mod part;
@@ -32,6 +38,7 @@ mod tests;
 
 pub use blocks::VERTICES_IN_A_BLOCK;
 pub use error::TilesError;
+pub use mesh::is_mesh;
 pub use plan::{Forecast, Params};
 pub use run::{Job, Summary, Work, forecast, join, run, run_job};
 pub use terrain::Terrain;

@@ -6,11 +6,11 @@ use std::path::Path;
 use crate::TilesError;
 use crate::files::{At, Cursor, push_varint, write_whole};
 
-/// The neighbourhoods of the vertices of a block: who is named, not who names.
+/// The neighbourhoods of the vertices of a block: in a cloud who is named, not who names.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Near {
-    /// The distance to the k-th neighbour.
-    pub(crate) radius: Vec<f64>,
+    /// What areas are made of: in a cloud the distance to the k-th neighbour, in a mesh the area itself.
+    pub(crate) measures: Vec<f64>,
     /// Where the neighbours of each vertex begin, and where the last ones end.
     pub(crate) offsets: Vec<u32>,
     /// Their places along the curve, rising for each vertex.
@@ -22,11 +22,11 @@ impl Near {
         &self.places[self.offsets[i] as usize..self.offsets[i + 1] as usize]
     }
 
-    /// Distances, then for each vertex how many neighbours, the first as a step from the vertex and each other from the one before.
+    /// Measures, then for each vertex how many neighbours, the first as a step from the vertex and each other from the one before.
     fn encode(&self, first: usize) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(8 * self.radius.len() + 2 * self.places.len());
-        bytes.extend(self.radius.iter().flat_map(|r| r.to_le_bytes()));
-        for i in 0..self.radius.len() {
+        let mut bytes = Vec::with_capacity(8 * self.measures.len() + 2 * self.places.len());
+        bytes.extend(self.measures.iter().flat_map(|r| r.to_le_bytes()));
+        for i in 0..self.measures.len() {
             let near = self.of(i);
             push_varint(&mut bytes, near.len() as u64);
             let Some(&nearest) = near.first() else { continue };
@@ -42,7 +42,7 @@ impl Near {
     /// What [`encode`](Self::encode) wrote for the vertices from `first` on, of `n_vertices` in all.
     fn decode(bytes: &[u8], first: usize, n: usize, n_vertices: u64) -> Option<Self> {
         let mut cursor = Cursor { bytes };
-        let mut near = Self { radius: radii(&mut cursor, n)?, offsets: vec![0], places: Vec::new() };
+        let mut near = Self { measures: measures(&mut cursor, n)?, offsets: vec![0], places: Vec::new() };
         for i in 0..n {
             let count = cursor.varint()?;
             let mut place = 0;
@@ -66,8 +66,8 @@ impl Near {
     }
 }
 
-/// Distances, which are finite.
-fn radii(cursor: &mut Cursor<'_>, n: usize) -> Option<Vec<f64>> {
+/// Distances or areas, which are finite.
+fn measures(cursor: &mut Cursor<'_>, n: usize) -> Option<Vec<f64>> {
     (0..n).map(|_| cursor.f64().filter(|r| (0.0..f64::INFINITY).contains(r))).collect()
 }
 
@@ -77,10 +77,10 @@ const MARK: &[u8; 8] = b"adwnear1";
 /// What is known of a block without its neighbourhoods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BlockSummary {
-    /// The sum of the distances to all neighbours.
+    /// The sum of the distances to all neighbours, in a mesh of those later along the curve, and how many these are.
     pub(crate) sum: f64,
     pub(crate) n_neighbours: u64,
-    /// The largest distance to a k-th neighbour.
+    /// The largest distance to a k-th neighbour; 0 in a mesh.
     pub(crate) radius: f64,
 }
 
@@ -158,10 +158,10 @@ impl NearFile {
         Ok(Self { file, first_block: range.start, offsets, summaries })
     }
 
-    /// The distances to the k-th neighbours of a block of `n` vertices.
-    pub(crate) fn radii(&self, block: usize, n: usize) -> Result<Vec<f64>, TilesError> {
+    /// The measures of a block of `n` vertices.
+    pub(crate) fn measures(&self, block: usize, n: usize) -> Result<Vec<f64>, TilesError> {
         let bytes = self.file.read(self.offsets[block - self.first_block], size_of::<f64>() * n)?;
-        radii(&mut Cursor { bytes: &bytes }, n)
+        measures(&mut Cursor { bytes: &bytes }, n)
             .ok_or_else(|| TilesError::broken(self.file.path(), "its neighbourhoods are not whole"))
     }
 
@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn neighbourhoods_come_back_and_broken_ones_do_not() {
         let near = Near {
-            radius: vec![0.5, 1e-300, 0.0],
+            measures: vec![0.5, 1e-300, 0.0],
             offsets: vec![0, 3, 3, 5],
             places: vec![0, 7, 900_000, 101, 103],
         };

@@ -29,11 +29,7 @@ pub(crate) fn neighbours_of_tile(
 ) -> Result<(), TilesError> {
     release_freed();
     let first = tile.start * VERTICES_IN_A_BLOCK;
-    let mut points: Vec<[f64; 3]> = zeros(blocks.vertices(tile.end - 1).end - first);
-    points.par_chunks_mut(VERTICES_IN_A_BLOCK).zip(tile.clone()).try_for_each(|(points, block)| {
-        points.copy_from_slice(&blocks.positions(block)?);
-        Ok::<(), TilesError>(())
-    })?;
+    let points = positions_of_tile(blocks, &tile)?;
     progress.check()?;
     let own = nearest_neighbours(&points, k);
     // Where there are not enough points in the tile, any other may be a neighbour.
@@ -64,7 +60,7 @@ pub(crate) fn neighbours_of_tile(
                     known.extend(named.map(|&y| ((first + y as usize) as u32, points[y as usize])));
                     across(&cache, others, reach(i), k, &mut known, &mut near.places)?
                 };
-                near.radius.push(radius);
+                near.measures.push(radius);
                 near.offsets.push(near.places.len() as u32);
                 summary.radius = summary.radius.max(radius);
                 summary.n_neighbours += (near.places.len() - start) as u64;
@@ -74,6 +70,17 @@ pub(crate) fn neighbours_of_tile(
         })
         .collect::<Result<_, TilesError>>()?;
     near_file::write(path, tile.start, &near)
+}
+
+/// The positions of the vertices of the blocks `tile`.
+pub(crate) fn positions_of_tile(blocks: &Blocks, tile: &Range<usize>) -> Result<Vec<[f64; 3]>, TilesError> {
+    let n = blocks.vertices(tile.end - 1).end - tile.start * VERTICES_IN_A_BLOCK;
+    let mut points: Vec<[f64; 3]> = zeros(n);
+    points.par_chunks_mut(VERTICES_IN_A_BLOCK).zip(tile.clone()).try_for_each(|(points, block)| {
+        points.copy_from_slice(&blocks.positions(block)?);
+        Ok::<(), TilesError>(())
+    })?;
+    Ok(points)
 }
 
 /// The neighbours of the first of `known`, which are those that its own tile names, with the points of the blocks `others` of other
@@ -150,9 +157,7 @@ fn sum_of_distances(
         for &y in near.of(i) {
             let there = match (y as usize).checked_sub(first).and_then(|i| points.get(i)) {
                 Some(there) => *there,
-                None => {
-                    cache.get(y as usize / VERTICES_IN_A_BLOCK)?.positions[y as usize % VERTICES_IN_A_BLOCK]
-                }
+                None => cache.position(y as usize)?,
             };
             of_vertex += (0..3).map(|c| (here[c] - there[c]) * (here[c] - there[c])).sum::<f64>().sqrt();
         }
@@ -185,7 +190,7 @@ impl Held {
 }
 
 /// Positions of blocks of other tiles, the last ones kept.
-struct PositionCache<'a> {
+pub(crate) struct PositionCache<'a> {
     blocks: &'a Blocks,
     kept: Mutex<Kept>,
 }
@@ -197,8 +202,13 @@ type Kept = (u64, HashMap<usize, (u64, Arc<Held>)>);
 const MOST_KEPT: usize = 512;
 
 impl<'a> PositionCache<'a> {
-    fn new(blocks: &'a Blocks) -> Self {
+    pub(crate) fn new(blocks: &'a Blocks) -> Self {
         Self { blocks, kept: Mutex::default() }
+    }
+
+    /// The position of a vertex, by its place along the curve.
+    pub(crate) fn position(&self, place: usize) -> Result<[f64; 3], TilesError> {
+        Ok(self.get(place / VERTICES_IN_A_BLOCK)?.positions[place % VERTICES_IN_A_BLOCK])
     }
 
     fn get(&self, block: usize) -> Result<Arc<Held>, TilesError> {

@@ -22,10 +22,30 @@ pub(crate) struct Neighbourhoods {
     balls: BoxTree,
     /// E.
     pub(crate) mean_length: f64,
+    kind: Kind,
+}
+
+/// What is stored of a vertex, and who its neighbours are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    /// The distance to the k-th nearest; neighbours are those that it names and those that name it.
+    Nearest(usize),
+    /// The area; neighbours name each other.
+    Faces,
+}
+
+impl Kind {
+    /// The area of a vertex (eq. 1), by what is stored of it.
+    fn area(self, stored: f64) -> f64 {
+        match self {
+            Self::Nearest(k) => PI * stored * stored / k.max(1) as f64,
+            Self::Faces => stored,
+        }
+    }
 }
 
 impl Neighbourhoods {
-    pub(crate) fn new(files: Vec<NearFile>, blocks: &Blocks, blocks_per_tile: usize) -> Self {
+    pub(crate) fn new(files: Vec<NearFile>, blocks: &Blocks, blocks_per_tile: usize, kind: Kind) -> Self {
         let summaries = || files.iter().flat_map(|file| &file.summaries);
         let balls = blocks.boxes.iter().zip(summaries());
         // Ties may be a little farther than the k-th.
@@ -33,16 +53,16 @@ impl Neighbourhoods {
         let total: f64 = summaries().map(|summary| summary.sum).sum();
         let n: u64 = summaries().map(|summary| summary.n_neighbours).sum();
         let mean_length = total / n.max(1) as f64;
-        Self { files, blocks_per_tile, balls: BoxTree::new(balls), mean_length }
+        Self { files, blocks_per_tile, balls: BoxTree::new(balls), mean_length, kind }
     }
 
     fn near(&self, blocks: &Blocks, block: usize) -> Result<Near, TilesError> {
         self.files[block / self.blocks_per_tile].near(block, &blocks.vertices(block), blocks.n_vertices)
     }
 
-    /// The distances to the k-th neighbours.
-    fn radii(&self, blocks: &Blocks, block: usize) -> Result<Vec<f64>, TilesError> {
-        self.files[block / self.blocks_per_tile].radii(block, blocks.vertices(block).len())
+    /// What is stored of each vertex of a block.
+    fn measures(&self, blocks: &Blocks, block: usize) -> Result<Vec<f64>, TilesError> {
+        self.files[block / self.blocks_per_tile].measures(block, blocks.vertices(block).len())
     }
 }
 
@@ -108,7 +128,6 @@ pub(crate) fn part(
     neighbourhoods: &Neighbourhoods,
     tile: Range<usize>,
     limits: Limits,
-    k: usize,
     progress: Progress<'_>,
 ) -> Result<Option<Part>, TilesError> {
     let rings = limits.rings;
@@ -136,7 +155,7 @@ pub(crate) fn part(
             search.unite(touched, progress)?;
         }
     }
-    search.part(&tile, rings as u16, k).map(Some)
+    search.part(&tile, rings as u16).map(Some)
 }
 
 /// The blocks of some vertices, without repetition.
@@ -165,14 +184,11 @@ impl Search<'_> {
             progress.check()?;
             let vertices = blocks.vertices(block);
             let mut near = neighbourhoods.near(blocks, block)?;
-            near.radius = Vec::new();
-            let mut across: Vec<(u32, u32)> = vertices
-                .clone()
-                .enumerate()
-                .flat_map(|(i, x)| near.of(i).iter().map(move |&y| (y, x as u32)))
-                .filter(|(y, _)| !vertices.contains(&(*y as usize)))
-                .collect();
-            across.sort_unstable();
+            near.measures = Vec::new();
+            let across = match neighbourhoods.kind {
+                Kind::Nearest(_) => across(&vertices, &near),
+                Kind::Faces => Vec::new(),
+            };
             let ring = vec![OUTSIDE; vertices.len()];
             Ok(Loaded { block, near, across, union: Near::default(), ring })
         };
@@ -210,6 +226,14 @@ impl Search<'_> {
     /// Makes sure that the rows of `wanted` are known: all blocks are loaded whose vertices may name theirs.
     fn unite(&mut self, mut wanted: Vec<usize>, progress: Progress<'_>) -> Result<(), TilesError> {
         wanted.retain(|&block| self.get(block).is_none_or(|loaded| loaded.union.offsets.is_empty()));
+        if self.neighbourhoods.kind == Kind::Faces {
+            self.load(wanted.clone(), progress)?;
+            for block in wanted {
+                let loaded = &mut self.loaded[self.slots[block] as usize];
+                loaded.union = std::mem::take(&mut loaded.near);
+            }
+            return Ok(());
+        }
         let naming: Vec<Vec<usize>> =
             wanted.par_iter().map(|&block| self.naming(block)).collect::<Result<_, _>>()?;
         let mut needed: Vec<usize> = naming.iter().flatten().copied().chain(wanted.iter().copied()).collect();
@@ -265,7 +289,7 @@ impl Search<'_> {
         Ok(next)
     }
 
-    fn part(mut self, tile: &Range<usize>, rings: u16, k: usize) -> Result<Part, TilesError> {
+    fn part(mut self, tile: &Range<usize>, rings: u16) -> Result<Part, TilesError> {
         self.loaded.retain(|loaded| loaded.ring.iter().any(|&ring| ring != OUTSIDE));
         self.loaded.sort_unstable_by_key(|loaded| loaded.block);
         for (slot, loaded) in self.loaded.iter().enumerate() {
@@ -289,7 +313,7 @@ impl Search<'_> {
                 own.end = n as usize;
             }
         }
-        let (points, areas) = self.positions_and_areas(n as usize, k)?;
+        let (points, areas) = self.positions_and_areas(n as usize)?;
         let mut offsets: Vec<usize> = zeros(n as usize + 1);
         let mut at = 0;
         for loaded in &self.loaded {
@@ -324,7 +348,7 @@ impl Search<'_> {
     }
 
     /// The positions and areas (eq. 1) of the `n` vertices that were reached, read only now: the search does without.
-    fn positions_and_areas(&self, n: usize, k: usize) -> Result<(Vec<[f64; 3]>, Vec<f64>), TilesError> {
+    fn positions_and_areas(&self, n: usize) -> Result<(Vec<[f64; 3]>, Vec<f64>), TilesError> {
         let (mut points, mut areas): (Vec<[f64; 3]>, Vec<f64>) = (zeros(n), zeros(n));
         let (mut of_points, mut of_areas) = (&mut points[..], &mut areas[..]);
         let mut jobs = Vec::with_capacity(self.loaded.len());
@@ -337,17 +361,29 @@ impl Search<'_> {
         }
         jobs.into_par_iter().try_for_each(|(loaded, points, areas)| {
             let positions = self.blocks.positions(loaded.block)?;
-            let radii = self.neighbourhoods.radii(self.blocks, loaded.block)?;
-            let reached = loaded.ring.iter().zip(positions.iter().zip(&radii));
+            let measures = self.neighbourhoods.measures(self.blocks, loaded.block)?;
+            let reached = loaded.ring.iter().zip(positions.iter().zip(measures));
             let reached = reached.filter(|(ring, _)| **ring != OUTSIDE).map(|(_, of)| of);
-            for ((point, area), (position, radius)) in points.iter_mut().zip(areas).zip(reached) {
+            for ((point, area), (position, measure)) in points.iter_mut().zip(areas).zip(reached) {
                 *point = *position;
-                *area = PI * radius * radius / k.max(1) as f64;
+                *area = self.neighbourhoods.kind.area(measure);
             }
             Ok::<(), TilesError>(())
         })?;
         Ok((points, areas))
     }
+}
+
+/// (named, naming) where the one named is in another block than `vertices`, sorted.
+fn across(vertices: &Range<usize>, near: &Near) -> Vec<(u32, u32)> {
+    let mut across: Vec<(u32, u32)> = vertices
+        .clone()
+        .enumerate()
+        .flat_map(|(i, x)| near.of(i).iter().map(move |&y| (y, x as u32)))
+        .filter(|(y, _)| !vertices.contains(&(*y as usize)))
+        .collect();
+    across.sort_unstable();
+    across
 }
 
 /// Who names or is named by each of `vertices`, rising: `near` are those that they name, `naming` the blocks that may name them.
@@ -378,7 +414,7 @@ fn united(vertices: Range<usize>, near: &Near, naming: &[&Loaded]) -> Near {
         near.of(i).iter().for_each(|&y| put(i, y));
     }
     naming().for_each(|(i, x)| put(i, x));
-    let mut union = Near { offsets: vec![0], places: Vec::with_capacity(places.len()), radius: Vec::new() };
+    let mut union = Near { offsets: vec![0], places: Vec::with_capacity(places.len()), measures: Vec::new() };
     let mut start = 0;
     for end in ends {
         let row = &mut places[start..end as usize];

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::layout::Layout;
 use crate::part::Limits;
-use crate::{TilesError, VERTICES_IN_A_BLOCK};
+use crate::{TilesError, VERTICES_IN_A_BLOCK, mesh};
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub struct Params {
     pub gains: Vec<f64>,
     /// The bands, from 1, whose length ‖W_j‖ becomes a field `wavelet_j` of the points, in model units.
     pub magnitudes: Vec<usize>,
-    /// How many nearest neighbours a step of the walk may take in.
+    /// How many nearest neighbours a step of the walk in a cloud may take in.
     pub neighbours: usize,
     /// Relative error of the bands (see [`FixedSeries`]).
     pub accuracy: f64,
@@ -133,27 +133,56 @@ pub(crate) struct Input {
 pub(crate) struct Plan {
     pub(crate) inputs: Vec<Input>,
     pub(crate) layout: Layout,
-    /// The box of all headers, in steps of the scale; it orders the points and decides nothing else.
-    pub(crate) cells: ([i32; 3], [i32; 3]),
+    /// The box of all points: of a cloud that of its headers, in steps of the scale; of a mesh in model units. It orders the points and decides
+    /// nothing else.
+    pub(crate) bounds: ([f64; 3], [f64; 3]),
     pub(crate) params: Params,
     pub(crate) blocks_per_tile: usize,
     pub(crate) n_points: u64,
+    /// Faces of a mesh.
+    pub(crate) n_faces: u64,
 }
 
-/// Bytes of memory for each vertex of a tile and its rings, measured, and for each output of these. A tile that has more around it than
-/// was forecast is worked on in parts.
-const VERTEX_BYTES: u64 = 260;
+/// What vertices and points of a kind of shape cost.
+struct Cost {
+    /// Bytes of memory for each vertex of a tile and its rings, measured. A tile that has more around it than was forecast is worked on
+    /// in parts.
+    vertex_bytes: u64,
+    /// Rings of a tile's sides as vertices.
+    vertices_per_ring: f64,
+    /// Bytes of temporary files for each point.
+    disk: u64,
+}
+
+/// Bytes of memory for each output of a vertex.
 const OUTPUT_BYTES: u64 = 24;
 
 /// The same for each vertex of the blocks that the rings are searched in, and what is made of these.
 const SEARCHED_BYTES: u64 = 220;
 
-/// Rings of a tile's sides as vertices: neighbours reach further than the mean distance between vertices.
-const VERTICES_PER_RING: f64 = 1.8;
-
-/// Bytes of memory for each vertex of a tile and its rings.
-fn bytes_per_vertex(params: &Params, record_bytes: usize) -> u64 {
-    VERTEX_BYTES + OUTPUT_BYTES * (params.magnitudes.len() as u64 + 1) + 2 * record_bytes as u64
+impl Cost {
+    fn of(plan: &Plan) -> Self {
+        let record_bytes = plan.layout.record_bytes() as u64;
+        match plan.layout {
+            // Neighbours reach further than the mean distance between vertices. On disk are the sorted records, once more while runs are
+            // merged; or distances and neighbours.
+            Layout::Las(_) => Self {
+                vertex_bytes: 260,
+                vertices_per_ring: 1.8,
+                disk: record_bytes + record_bytes.max(8 + 2 * plan.params.neighbours as u64),
+            },
+            // The sorted records, faces, areas and neighbours, and results, once more while they are joined.
+            Layout::Mesh(_) => {
+                let faces_per_vertex = plan.n_faces.div_ceil(plan.n_points.max(1)).max(2);
+                let results = 2 * mesh::result_bytes(&plan.params) as u64;
+                Self {
+                    vertex_bytes: 110 + 40 * faces_per_vertex,
+                    vertices_per_ring: 1.3,
+                    disk: record_bytes + record_bytes.max(18 * faces_per_vertex + 20 + results),
+                }
+            }
+        }
+    }
 }
 
 /// Boxes and their tree, each run's buffer, the program itself.
@@ -181,15 +210,13 @@ pub struct Forecast {
 }
 
 impl Plan {
-    /// How a work of `n_points` points is cut, and what it takes.
-    pub(crate) fn cut(
-        params: &Params,
-        n_points: u64,
-        record_bytes: usize,
-    ) -> Result<(usize, Forecast), TilesError> {
+    /// How the work is cut, and what it takes.
+    pub(crate) fn cut(&self) -> Result<(usize, Forecast), TilesError> {
+        let Self { params, n_points, .. } = self;
+        let (n_points, cost) = (*n_points, Cost::of(self));
         let rings = params.reach()?;
-        let per_vertex = bytes_per_vertex(params, record_bytes);
-        let share = |m: f64| (1.0 + 2.0 * rings as f64 * VERTICES_PER_RING / m.sqrt()).powi(2);
+        let per_vertex = self.bytes_per_vertex(&cost);
+        let share = |m: f64| (1.0 + 2.0 * rings as f64 * cost.vertices_per_ring / m.sqrt()).powi(2);
         let taken = |m: f64| (m * share(m) * per_vertex as f64) as u64;
         let n_blocks = n_points.div_ceil(VERTICES_IN_A_BLOCK as u64);
         let fixed = fixed_bytes(n_points);
@@ -226,11 +253,15 @@ impl Plan {
         let n_tiles = n_blocks.div_ceil(blocks).max(1) as usize;
         let points_per_tile = size(blocks) as u64;
         let share = if n_tiles > 1 { share(points_per_tile as f64) } else { 1.0 };
-        // The sorted records, once more while runs are merged; or distances and neighbours.
-        let disk =
-            n_points * (record_bytes as u64 + (record_bytes as u64).max(8 + 2 * params.neighbours as u64));
+        let disk = n_points * cost.disk;
         let forecast = Forecast { n_points, n_tiles, points_per_tile, rings, share, memory, disk };
         Ok((blocks as usize, forecast))
+    }
+
+    /// Bytes of memory for each vertex of a tile and its rings, with its outputs and records.
+    fn bytes_per_vertex(&self, cost: &Cost) -> u64 {
+        let n_outputs = self.params.magnitudes.len() as u64 + 1;
+        cost.vertex_bytes + OUTPUT_BYTES * n_outputs + 2 * self.layout.record_bytes() as u64
     }
 
     /// How far the part that decides a tile goes, and how large memory allows it to be.
@@ -239,7 +270,7 @@ impl Plan {
         let each = free / self.params.n_workers.max(1) as u64;
         Ok(Limits {
             rings: self.params.reach()?,
-            vertices: each / bytes_per_vertex(&self.params, self.layout.record_bytes),
+            vertices: each / self.bytes_per_vertex(&Cost::of(self)),
             searched: each / SEARCHED_BYTES,
         })
     }

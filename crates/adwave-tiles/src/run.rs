@@ -8,26 +8,26 @@ use std::time::Duration;
 
 use adwave::Progress;
 use adwave::pages::release_freed;
-use adwave_io::{LasReader, LasWriter};
 use serde::{Deserialize, Serialize};
 
 use crate::bands::{BlockOutcome, bands_of_tile};
 use crate::blocks::Blocks;
 use crate::box_tree::BoxTree;
 use crate::files::{TEMPORARY, write_whole};
-use crate::layout::{COORDINATES, Layout};
+use crate::layout::Layout;
+use crate::mesh::{self, is_mesh};
 use crate::near_file::NearFile;
 use crate::neighbours::neighbours_of_tile;
-use crate::part::Neighbourhoods;
-use crate::plan::{Forecast, Input, Params, Plan};
+use crate::part::{Kind, Neighbourhoods};
+use crate::plan::{Forecast, Params, Plan};
 use crate::sort::{records_of_a_run, sort};
-use crate::{TilesError, VERTICES_IN_A_BLOCK};
+use crate::{TilesError, VERTICES_IN_A_BLOCK, cloud};
 
 /// One tile of one stage: what a process does on its own, in any order within the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Job {
-    /// All points in the order of the curve; there is one of these.
+    /// All points in the order of the curve, and the faces of a mesh to its tiles; there is one of these.
     Sort,
     /// The neighbourhoods of a tile, after the sort.
     Neighbours(usize),
@@ -39,19 +39,21 @@ pub enum Job {
 #[derive(Debug)]
 pub struct Work {
     folder: PathBuf,
-    plan: Plan,
+    pub(crate) plan: Plan,
 }
 
 /// What came out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Points of all inputs.
+    /// Points of all inputs, or vertices of the mesh.
     pub n_points: u64,
     /// Different positions among them.
     pub n_vertices: u64,
+    /// Faces of the mesh; a strip in a PLY is one.
+    pub n_faces: u64,
     /// Tiles.
     pub n_tiles: usize,
-    /// E, the mean distance to a neighbour, in model units.
+    /// E, the mean distance to a neighbour or the mean length of edges, in model units.
     pub mean_length: f64,
     /// Root mean square of the distances moved, and the largest one, in model units.
     pub moved: [f64; 2],
@@ -60,7 +62,7 @@ pub struct Summary {
 }
 
 /// The most vertices that numbers of 32 bits name.
-const MOST_POINTS: u64 = u32::MAX as u64 - 1;
+pub(crate) const MOST_POINTS: u64 = u32::MAX as u64 - 1;
 
 /// What the work of some inputs will take.
 ///
@@ -72,66 +74,13 @@ pub fn forecast(inputs: &[PathBuf], params: &Params) -> Result<Forecast, TilesEr
 
 fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), TilesError> {
     params.check()?;
-    let mut plan: Option<Plan> = None;
-    for path in inputs {
-        let reader = LasReader::open(path)?;
-        let bytes = std::fs::metadata(path).map_err(TilesError::io(path))?.len();
-        let las = reader.layout();
-        let layout = Layout {
-            format: las.format,
-            record_bytes: las.record_bytes,
-            scale: las.scale,
-            offset: las.offset,
-        };
-        let path = std::path::absolute(path).map_err(TilesError::io(path))?;
-        let named = |what: &str| TilesError::Input(format!("{}: {what}", path.display()));
-        if !layout.scale.iter().all(|s| s.is_normal() && s.abs() < 1e40)
-            || !layout.offset.iter().all(|o| o.abs() < 1e50)
-        {
-            return Err(named("its scale or offset is no number to measure by; get an unbroken file"));
-        }
-        let first = plan.get_or_insert_with(|| Plan {
-            inputs: Vec::new(),
-            layout,
-            cells: ([i32::MAX; 3], [i32::MIN; 3]),
-            params: params.clone(),
-            blocks_per_tile: 0,
-            n_points: 0,
-        });
-        if (layout.format, layout.record_bytes, layout.scale)
-            != (first.layout.format, first.layout.record_bytes, first.layout.scale)
-        {
-            return Err(named(
-                "its point format, record length or scale is not that of the first file; convert one of them, or work on them apart",
-            ));
-        }
-        let mut shift = [0; 3];
-        for (c, shift) in shift.iter_mut().enumerate() {
-            let steps = (layout.offset[c] - first.layout.offset[c]) / layout.scale[c];
-            // Whole steps, or the points would be rounded.
-            if (steps - steps.round()).abs() > 1e-4 || steps.abs() > 4.5e9 {
-                return Err(named(
-                    "its offset is no whole number of steps from that of the first file; give all files one offset",
-                ));
-            }
-            *shift = steps.round() as i64;
-        }
-        let clamped = |v: f64| v.clamp(f64::from(i32::MIN), f64::from(i32::MAX)) as i32;
-        let steps = |c: usize, v: f64| clamped(((v - first.layout.offset[c]) / layout.scale[c]).round());
-        let (lo, hi) = las.bounds.map_or(([i32::MIN; 3], [i32::MAX; 3]), |(lo, hi)| {
-            (std::array::from_fn(|c| steps(c, lo[c])), std::array::from_fn(|c| steps(c, hi[c])))
-        });
-        if las.n_points > 0 {
-            for c in 0..3 {
-                first.cells.0[c] = first.cells.0[c].min(lo[c].min(hi[c]));
-                first.cells.1[c] = first.cells.1[c].max(lo[c].max(hi[c]));
-            }
-        }
-        first.n_points = first.n_points.saturating_add(las.n_points);
-        first.inputs.push(Input { path, bytes, n_points: las.n_points, shift });
-    }
+    let plan = if inputs.iter().any(|path| is_mesh(path)) {
+        Some(mesh::planned(inputs, params)?)
+    } else {
+        cloud::planned(inputs, params)?
+    };
     let Some(mut plan) = plan else {
-        return Err(TilesError::Input("no input; give one or several LAS or LAZ files".into()));
+        return Err(TilesError::Input("no input; give one or several LAS or LAZ files, or a mesh".into()));
     };
     if plan.n_points == 0 {
         return Err(TilesError::Input("the inputs have no points; give others".into()));
@@ -142,8 +91,7 @@ fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), Tile
             plan.n_points
         )));
     }
-    debug_assert!(plan.layout.record_bytes >= COORDINATES);
-    let (blocks_per_tile, forecast) = Plan::cut(params, plan.n_points, plan.layout.record_bytes)?;
+    let (blocks_per_tile, forecast) = plan.cut()?;
     plan.blocks_per_tile = blocks_per_tile;
     Ok((plan, forecast))
 }
@@ -206,7 +154,7 @@ impl Work {
             serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))?;
         plan.params.check()?;
         let is_whole = plan.blocks_per_tile > 0
-            && plan.layout.record_bytes >= COORDINATES
+            && plan.layout.record_bytes() >= plan.layout.position_bytes()
             && plan.n_points <= MOST_POINTS
             && !plan.inputs.is_empty();
         if !is_whole {
@@ -227,17 +175,35 @@ impl Work {
         self.folder.join(format!("near-{tile:05}.bin"))
     }
 
-    /// The points of a tile, as they come out.
+    /// The points of a tile, as they come out; of a mesh what becomes of its vertices, to be joined.
     pub fn tile(&self, tile: usize) -> PathBuf {
-        self.folder.join(format!("tile-{tile:05}.laz"))
+        let ending = match self.plan.layout {
+            Layout::Las(_) => "laz",
+            Layout::Mesh(_) => "bin",
+        };
+        self.folder.join(format!("tile-{tile:05}.{ending}"))
+    }
+
+    /// The faces of a tile.
+    fn faces(&self, tile: usize) -> PathBuf {
+        self.folder.join(format!("faces-{tile:05}.bin"))
+    }
+
+    /// Whether the work is on a mesh.
+    pub fn is_mesh(&self) -> bool {
+        matches!(self.plan.layout, Layout::Mesh(_))
     }
 
     fn outcome(&self, tile: usize) -> PathBuf {
         self.folder.join(format!("tile-{tile:05}.json"))
     }
 
-    /// Whether all points are sorted; tiles can be counted then.
+    /// Whether all points are sorted, and the faces of a mesh dealt out; tiles can be counted then.
     pub fn is_sorted(&self) -> bool {
+        self.has_blocks() && (!self.is_mesh() || self.folder.join(FACES).exists())
+    }
+
+    fn has_blocks(&self) -> bool {
         self.table().exists() && self.records().exists()
     }
 
@@ -257,7 +223,35 @@ impl Work {
         let n_tiles = self.plan.n_tiles(blocks.len());
         let open = |tile| NearFile::open(&self.near(tile), &self.plan.tile(tile, blocks.len()));
         let files = (0..n_tiles).map(open).collect::<Result<Vec<_>, _>>()?;
-        Ok(Neighbourhoods::new(files, blocks, self.plan.blocks_per_tile))
+        let kind = match self.plan.layout {
+            Layout::Las(_) => {
+                Kind::Nearest(self.plan.params.neighbours.min((blocks.n_vertices as usize).saturating_sub(1)))
+            }
+            Layout::Mesh(_) => Kind::Faces,
+        };
+        Ok(Neighbourhoods::new(files, blocks, self.plan.blocks_per_tile, kind))
+    }
+
+    /// The lengths of the files of faces, once all are written.
+    fn bytes_of_faces(&self) -> Result<Vec<u64>, TilesError> {
+        let path = self.folder.join(FACES);
+        let json = std::fs::read(&path).map_err(TilesError::io(&path))?;
+        serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))
+    }
+
+    fn neighbours(
+        &self,
+        blocks: &Blocks,
+        tree: &BoxTree,
+        tile: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        let (range, path) = (self.plan.tile(tile, blocks.len()), self.near(tile));
+        if !self.is_mesh() {
+            return neighbours_of_tile(blocks, tree, range, self.plan.params.neighbours, &path, progress);
+        }
+        let n_bytes = self.bytes_of_faces()?.get(tile).copied().unwrap_or(0);
+        mesh::neighbours_of_tile(blocks, range, (&self.faces(tile), n_bytes), &path, progress)
     }
 
     /// Whether a job is done: its file is there.
@@ -270,11 +264,17 @@ impl Work {
     }
 
     fn sort(&self, progress: Progress<'_>) -> Result<(), TilesError> {
-        self.sort_in_runs(records_of_a_run(&self.plan), progress)
+        self.sort_in_runs(records_of_a_run(&self.plan), mesh::places_at_a_time(&self.plan), progress)
     }
 
-    /// Once: of two processes the later one waits, and finds it done.
-    pub(crate) fn sort_in_runs(&self, most: usize, progress: Progress<'_>) -> Result<(), TilesError> {
+    /// Once: of two processes the later one waits, and finds it done. Runs of at most `most` records, and the faces of a mesh by the places
+    /// of at most `most_places` vertices at a time.
+    pub(crate) fn sort_in_runs(
+        &self,
+        most: usize,
+        most_places: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
         let path = self.folder.join(LOCK);
         let lock = File::create(&path).map_err(TilesError::io(&path))?;
         // Where the file system knows no locks nobody waits: runs that another process deletes are then an error, and no result.
@@ -286,8 +286,16 @@ impl Work {
             return Ok(());
         }
         // What a run that was killed left: nothing else is done in this folder before the sort.
-        self.remove(|name| is_run(name) || is_temporary(name))?;
-        sort(&self.plan, &self.folder, most, (&self.records(), &self.table()), progress)
+        self.remove(|name| is_run(name) || is_faces(name) || is_temporary(name))?;
+        if !self.has_blocks() {
+            sort(&self.plan, &self.folder, most, (&self.records(), &self.table()), progress)?;
+        }
+        if self.is_mesh() {
+            let blocks = self.blocks()?;
+            let tiles = (0..self.plan.n_tiles(blocks.len())).map(|tile| self.faces(tile)).collect();
+            mesh::deal(&self.plan, &blocks, (tiles, &self.folder.join(FACES)), most_places, progress)?;
+        }
+        Ok(())
     }
 
     /// Removes files of the folder.
@@ -309,13 +317,21 @@ impl Work {
         tile: usize,
         progress: Progress<'_>,
     ) -> Result<(), TilesError> {
-        let like = LasReader::open(&self.plan.inputs[0].path)?;
-        let mut writer = LasWriter::create(&self.tile(tile), &like, &self.plan.params.fields(), None)?;
-        let range = self.plan.tile(tile, blocks.len());
-        let outcomes = bands_of_tile(&self.plan, blocks, neighbourhoods, range, progress, |records| {
-            Ok(writer.write(records)?)
-        })?;
-        writer.finish()?;
+        let (range, path) = (self.plan.tile(tile, blocks.len()), self.tile(tile));
+        let outcomes = if self.is_mesh() {
+            write_whole(&path, |out| {
+                bands_of_tile(&self.plan, blocks, neighbourhoods, range, progress, |results| {
+                    std::io::Write::write_all(out, results).map_err(TilesError::io(&path))
+                })
+            })?
+        } else {
+            let mut writer = cloud::writer(&self.plan, &path)?;
+            let outcomes = bands_of_tile(&self.plan, blocks, neighbourhoods, range, progress, |records| {
+                Ok(writer.write(records)?)
+            })?;
+            writer.finish()?;
+            outcomes
+        };
         let path = self.outcome(tile);
         let json =
             serde_json::to_vec(&outcomes).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
@@ -342,8 +358,9 @@ impl Work {
         Ok(Summary {
             n_points: self.plan.n_points,
             n_vertices: blocks.n_vertices,
+            n_faces: self.plan.n_faces,
             n_tiles,
-            mean_length: neighbourhoods.mean_length,
+            mean_length: neighbourhoods.mean_length * self.plan.layout.unit(),
             moved: rms(&sums[0]),
             magnitudes: sums[1..].iter().map(rms).collect(),
         })
@@ -355,7 +372,7 @@ impl Work {
     /// When a file cannot be deleted.
     pub fn clean(&self) -> Result<(), TilesError> {
         // First what says that the rest can be relied on, last what says that there is a work.
-        self.remove(|name| name == TABLE)?;
+        self.remove(|name| name == TABLE || name == FACES)?;
         self.remove(|name| is_own(name) && name != PLAN && !is_tile(name) || is_temporary(name))?;
         self.remove(|name| name == PLAN)
     }
@@ -390,14 +407,26 @@ fn is_run(name: &str) -> bool {
 }
 
 fn is_tile(name: &str) -> bool {
-    is_numbered(name, "tile-", ".laz")
+    is_numbered(name, "tile-", ".laz") || is_numbered(name, "tile-", ".bin")
+}
+
+/// Faces of a tile, or corners on the way to them.
+fn is_faces(name: &str) -> bool {
+    is_numbered(name, "faces-", ".bin") || is_numbered(name, "corners-", ".bin")
+}
+
+/// Results of a mesh that are being joined.
+fn is_part(name: &str) -> bool {
+    is_numbered(name, "part-", ".bin")
 }
 
 /// Whether a work has a file of that name.
 fn is_own(name: &str) -> bool {
-    [PLAN, LOCK, TABLE, RECORDS].contains(&name)
+    [PLAN, LOCK, TABLE, RECORDS, FACES].contains(&name)
         || is_run(name)
         || is_tile(name)
+        || is_faces(name)
+        || is_part(name)
         || is_numbered(name, "near-", ".bin")
         || is_numbered(name, "tile-", ".json")
 }
@@ -409,6 +438,8 @@ const LOCK: &str = "sort.lock";
 /// The table of blocks, whose presence says that the sort is done, and the sorted records.
 const TABLE: &str = "blocks.bin";
 const RECORDS: &str = "records.bin";
+/// The lengths of the files of faces, whose presence says that these are whole.
+const FACES: &str = "faces.json";
 /// Time between two tries to have the lock.
 const PATIENCE: Duration = Duration::from_millis(100);
 
@@ -433,9 +464,7 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
     if let Job::Bands(_) = job {
         return work.bands(&blocks, &work.neighbourhoods(&blocks)?, tile, progress);
     }
-    let tree = BoxTree::new(blocks.boxes.clone());
-    let range = work.plan.tile(tile, blocks.len());
-    neighbours_of_tile(&blocks, &tree, range, work.plan.params.neighbours, &work.near(tile), progress)
+    work.neighbours(&blocks, &BoxTree::new(blocks.boxes.clone()), tile, progress)
 }
 
 /// Does all that is not done yet. Reports vertices, of three times as many as there are.
@@ -460,11 +489,9 @@ pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
         progress.step((done.fetch_add(more, Ordering::Relaxed) + more).min(3 * n), 3 * n)
     };
     let tree = BoxTree::new(blocks.boxes.clone());
-    let k = work.plan.params.neighbours;
     each(work, n_tiles, |tile| {
         if !work.is_done(Job::Neighbours(tile)) {
-            let range = work.plan.tile(tile, blocks.len());
-            neighbours_of_tile(&blocks, &tree, range, k, &work.near(tile), progress.quiet())?;
+            work.neighbours(&blocks, &tree, tile, progress.quiet())?;
         }
         Ok(finished(tile)?)
     })?;
@@ -507,36 +534,18 @@ fn each(
     failed.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).map_or(Ok(()), Err)
 }
 
-/// Records that are joined at a time.
-const JOINED_AT_A_TIME: usize = 1 << 19;
-
-/// All tiles as one file, in the order of the curve.
+/// All tiles as one file: a cloud in the order of the curve, a mesh in its own order and format.
 ///
 /// # Errors
 /// [`TilesError`] when a tile is not there, or the file cannot be written.
 pub fn join(work: &Work, path: &Path, progress: Progress<'_>) -> Result<(), TilesError> {
-    let like = LasReader::open(&work.plan.inputs[0].path)?;
-    let mut writer = LasWriter::create(path, &like, &work.plan.params.fields(), None)?;
-    let mut records = Vec::new();
-    let mut n = 0;
-    for tile in 0..work.n_tiles()? {
-        let mut reader = LasReader::open(&work.tile(tile))?;
-        loop {
-            progress.step(n, work.plan.n_points)?;
-            records.clear();
-            let read = reader.read(JOINED_AT_A_TIME, &mut records)?;
-            if read == 0 {
-                break;
-            }
-            n += read as u64;
-            writer.write(&records)?;
+    let tiles: Vec<PathBuf> = (0..work.n_tiles()?).map(|tile| work.tile(tile)).collect();
+    match work.plan.layout {
+        Layout::Las(_) => cloud::join(&work.plan, &tiles, path, progress),
+        Layout::Mesh(_) => {
+            work.remove(is_part)?;
+            let memory = work.plan.params.memory as usize / 2;
+            mesh::join(&work.plan, &tiles, (&work.folder, memory), path, progress)
         }
     }
-    if n != work.plan.n_points {
-        return Err(TilesError::broken(
-            &work.folder,
-            format!("its tiles have {n} points of {}", work.plan.n_points),
-        ));
-    }
-    Ok(writer.finish()?)
 }

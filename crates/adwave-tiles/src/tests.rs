@@ -183,7 +183,7 @@ fn runs_of_any_length_are_merged_to_the_same_order() {
         // What a run that was killed left is no part of it.
         std::fs::write(path.join("run-0000.bin"), b"half a run").unwrap();
         std::fs::write(path.join(".adwave-half.tmp"), b"half a file").unwrap();
-        work.sort_in_runs(most, Progress::none()).unwrap();
+        work.sort_in_runs(most, most, Progress::none()).unwrap();
         assert!(!path.join(".adwave-half.tmp").exists() && !path.join("run-0000.bin").exists());
         ["records.bin", "blocks.bin"].map(|name| std::fs::read(path.join(name)).unwrap())
     };
