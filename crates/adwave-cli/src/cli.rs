@@ -135,7 +135,7 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Open an equaliser for the shape in the browser: a slider for each band, a brush, layers
     Studio(StudioArgs),
-    /// Bands of clouds that are larger than memory, tile by tile, with the bytes of the whole
+    /// Bands of clouds and meshes that are larger than memory, tile by tile, with the bytes of the whole
     Tiles(TilesArgs),
     /// Do one job of 'adwave tiles', for clusters
     Tile(TileArgs),

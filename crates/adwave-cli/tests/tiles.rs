@@ -1,4 +1,4 @@
-//! Clouds that are larger than memory: terrain of any size, tiles, ends at any moment.
+//! Clouds and meshes that are larger than memory: terrain of any size, tiles, ends at any moment.
 
 mod common;
 
@@ -111,4 +111,41 @@ fn what_cannot_be_is_said_in_one_line() {
     says(path, "tiles a.laz -o w --magnitudes 2", "another work");
     run(path, "sample terrain --points 2e4 -o a.laz");
     says(path, "tile w sort", "has changed");
+}
+
+#[test]
+fn a_mesh_keeps_its_order_and_format_by_one_command_and_by_jobs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, "sample torus --vertices 3e4 -o t.ply");
+    let what = "--gains 0,1,0.5,1 --magnitudes 2";
+    let said = json(path, &format!("tiles t.ply -o one.ply {what} --tiles 1"));
+    assert_eq!(said["summary"]["n_tiles"], 1);
+    run(path, &format!("tiles t.ply -o many.ply {what} --tiles 6 --workers 2"));
+    assert!(fs::read(path.join("one.ply")).unwrap() == fs::read(path.join("many.ply")).unwrap());
+    run(path, &format!("tiles t.ply -o jobs {what} --tiles 6 --plan-only"));
+    run(path, "tile jobs sort");
+    let n_tiles = json(path, "tile jobs sort --if-missing")["n_tiles"].as_u64().unwrap();
+    for kind in ["neighbours", "bands"] {
+        (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs {kind} {tile}")));
+    }
+    run(path, &format!("tiles t.ply -o jobs.ply --work jobs {what}"));
+    assert!(fs::read(path.join("one.ply")).unwrap() == fs::read(path.join("jobs.ply")).unwrap());
+    run(path, "convert t.ply t.obj");
+    run(path, "tiles t.obj -o one.obj --gains 0,1,0.5,1 --tiles 4");
+    let mut names: Vec<_> = fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["jobs.ply", "many.ply", "one.obj", "one.ply", "t.obj", "t.ply"]);
+    let info = json(path, "info one.ply");
+    assert_eq!(info["health"]["vertices"], said["summary"]["n_points"]);
+    assert!(info["fields"].to_string().contains("wavelet_2"));
+    says(path, "tiles t.ply -o b.obj --magnitudes 1", "give a .ply");
+    says(path, "tiles t.ply -o b --magnitudes 1", "give a .ply");
+    says(path, "tiles t.obj -o b.obj --magnitudes 1", "holds no fields");
+    says(path, "tiles t.ply t.obj -o b.ply --magnitudes 1", "alone");
+    says(path, "tiles missing.ply -o b.ply --magnitudes 1", "missing.ply");
+    let bytes = fs::read(path.join("t.ply")).unwrap();
+    fs::write(path.join("cut.ply"), &bytes[..bytes.len() - 5]).unwrap();
+    says(path, "tiles cut.ply -o b.ply --magnitudes 1 --quiet", "cut.ply");
+    assert!(!path.join("b.ply").exists());
 }

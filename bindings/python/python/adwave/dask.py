@@ -43,7 +43,7 @@ def plan(
     Parameters
     ----------
     files : path or sequence of paths
-        LAS or LAZ files of one point format and scale; names may have ``*``.
+        LAS or LAZ files of one point format and scale; names may have ``*``. Or one PLY or OBJ with faces.
     folder : path
         For the plan, what it needs on the way, and the tiles. All workers must see it under this name.
     gains : sequence of float
@@ -105,7 +105,8 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     Returns
     -------
     list of str
-        The LAZ files of the tiles, in the order of the curve. ``adwave tiles`` with the arguments of the plan and a file as its output joins them.
+        The LAZ files of the tiles, in the order of the curve. ``adwave tiles`` with the arguments of the plan and a file as its output joins them. Of a
+        mesh they are files that only that command understands, with ``--work`` and the folder.
 
     Raises
     ------

@@ -1,12 +1,12 @@
-//! `adwave tiles` and `adwave tile`: clouds that are larger than memory.
+//! `adwave tiles` and `adwave tile`: clouds and meshes that are larger than memory.
 
 use crate::args::size;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{available_memory, check_writable, note, print};
+use crate::output::{available_memory, check_writable, note, number, print};
 use crate::progress::with_progress;
 use adwave::{ClassifiedError, ErrorKind};
-use adwave_tiles::{Forecast, Job, Params, Summary, TilesError, Work, forecast, join, run_job};
+use adwave_tiles::{Forecast, Job, Params, Summary, TilesError, Work, forecast, is_mesh, join, run_job};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -15,19 +15,21 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 The points of all files are sorted along one curve and cut into tiles that fit into memory. Around each tile lie as many rings of
 neighbours as its bands see, so that all ways to cut give the same bytes; results come in the order of the curve, with all that the
-points had. A run that was ended goes on where it was when the same command is given again. See docs/SCALE.md.
+points had. A mesh comes out as one file of its own format, in its own order, with all that it had; its neighbours are those of its faces.
+A run that was ended goes on where it was when the same command is given again. See docs/SCALE.md.
 
 Examples:
   adwave tiles flight-*.laz -o smooth.laz --gains 0,0,0.5,1,1,1,1,1
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --memory 4G
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --forecast
+  adwave tiles scan.ply -o smooth.ply --gains 0,0.5,1,1,1,1,1,1 --magnitudes 3,6 --memory 1G
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --plan-only, then on any machine that sees the folder:
   adwave tile tiles/ sort; adwave tile tiles/ neighbours 0; adwave tile tiles/ bands 0")]
 pub(crate) struct TilesArgs {
-    /// LAS or LAZ files, of one point format and scale
+    /// LAS or LAZ files, of one point format and scale, or one PLY or OBJ with faces
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
-    /// A folder for the tiles, or a .las or .laz for all of them in one
+    /// A folder for the tiles, or a .las or .laz for all of them in one; of a mesh, a file of its format
     #[arg(long, short, value_name = "OUT")]
     output: PathBuf,
     /// Number of dyadic levels [default: as many as there are gains, else 8]
@@ -42,10 +44,10 @@ pub(crate) struct TilesArgs {
         help_heading = "Bands"
     )]
     gains: Vec<f64>,
-    /// Bands, from 1, whose length |W_j| each point gets as a field wavelet_j, in model units
+    /// Bands, from 1, whose length |W_j| each point gets as a field wavelet_j, in model units (an OBJ holds none)
     #[arg(long, value_name = "J,J,…", value_delimiter = ',', help_heading = "Bands")]
     magnitudes: Vec<usize>,
-    /// How many nearest neighbours a step of the walk takes in
+    /// How many nearest neighbours a step of the walk takes in, in clouds
     #[arg(long, value_name = "K", default_value_t = Params::default().neighbours, help_heading = "Bands")]
     neighbours: usize,
     /// Relative error of the bands
@@ -100,9 +102,9 @@ pub(crate) struct TileArgs {
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum JobKind {
-    /// All points in the order of the curve, once
+    /// All points in the order of the curve, and the faces of a mesh to its tiles, once
     Sort,
-    /// The nearest neighbours of the points of a tile
+    /// The neighbours of the points of a tile
     Neighbours,
     /// The bands of a tile, and its points as they come out
     Bands,
@@ -116,8 +118,26 @@ fn failed(error: &TilesError) -> CliError {
     }
 }
 
-fn is_file(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("las") || e.eq_ignore_ascii_case("laz"))
+/// Whether the output is one file; a folder otherwise.
+fn is_joined(args: &TilesArgs) -> Result<bool, CliError> {
+    let ends = |path: &Path, endings: &[&str]| {
+        path.extension().is_some_and(|e| endings.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
+    };
+    let wrong = |what: &str| Err(CliError::Input(format!("{}: {what}", args.output.display())));
+    let has_ending = args.output.extension().is_some() && !args.output.is_dir();
+    match args.files.iter().find(|file| is_mesh(file)) {
+        Some(mesh) => {
+            let ending = mesh.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            match ends(&args.output, &[&ending]) {
+                true => Ok(true),
+                false if args.plan_only && !has_ending => Ok(false),
+                false => wrong(&format!("a mesh comes out in its own format; give a .{ending}")),
+            }
+        }
+        None if ends(&args.output, &["las", "laz"]) => Ok(true),
+        None if has_ending => wrong("give a .las or .laz, or a folder"),
+        None => Ok(false),
+    }
 }
 
 pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
@@ -129,11 +149,9 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
     if params.gains.iter().all(|&gain| gain == 1.0) && params.magnitudes.is_empty() {
         return Err(CliError::Input("say what is wanted: --gains, --magnitudes or both".into()));
     }
-    let joined = is_file(&args.output);
+    let joined = is_joined(args)?;
     if joined {
         check_writable(&args.output)?;
-    } else if args.output.extension().is_some() && !args.output.is_dir() {
-        return Err(CliError::Input(format!("{}: give a .las or .laz, or a folder", args.output.display())));
     }
     let folder = match &args.work {
         Some(folder) => folder.clone(),
@@ -212,16 +230,23 @@ fn told(forecast: &Forecast) -> String {
 }
 
 fn said(global: &Global<'_>, args: &TilesArgs, params: &Params, summary: &Summary) -> Result<(), CliError> {
+    let (what, length) = match summary.n_faces {
+        0 => ("points".to_owned(), "distance to a neighbour"),
+        n => (format!("vertices of {n} faces"), "length of edges"),
+    };
     let mut text = format!(
-        "{} points at {} positions, {} tiles; mean distance to a neighbour {:.4}\n",
-        summary.n_points, summary.n_vertices, summary.n_tiles, summary.mean_length
+        "{} {what} at {} positions, {} tiles; mean {length} {}\n",
+        summary.n_points,
+        summary.n_vertices,
+        summary.n_tiles,
+        number(summary.mean_length)
     );
     let [rms, most] = summary.moved;
     if most > 0.0 {
-        text += &format!("moved by {rms:.4} (rms), at most {most:.4}\n");
+        text += &format!("moved by {} (rms), at most {}\n", number(rms), number(most));
     }
     for (band, [rms, most]) in params.magnitudes.iter().zip(&summary.magnitudes) {
-        text += &format!("|W_{band}| {rms:.4} (rms), at most {most:.4}\n");
+        text += &format!("|W_{band}| {} (rms), at most {}\n", number(*rms), number(*most));
     }
     text += &format!("{}\n", args.output.display());
     print(global, &text, &json!({ "summary": summary, "output": args.output }))
