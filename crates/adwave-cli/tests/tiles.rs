@@ -117,7 +117,7 @@ fn what_cannot_be_is_said_in_one_line() {
 fn a_mesh_keeps_its_order_and_format_by_one_command_and_by_jobs() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    run(path, "sample torus --vertices 3e4 -o t.ply");
+    run(path, "sample torus --vertices 30000 -o t.ply");
     let what = "--gains 0,1,0.5,1 --magnitudes 2";
     let said = json(path, &format!("tiles t.ply -o one.ply {what} --tiles 1"));
     assert_eq!(said["summary"]["n_tiles"], 1);

@@ -133,8 +133,8 @@ pub(crate) struct Input {
 pub(crate) struct Plan {
     pub(crate) inputs: Vec<Input>,
     pub(crate) layout: Layout,
-    /// The box of all points: of a cloud that of its headers, in steps of the scale; of a mesh in model units. It orders the points and decides
-    /// nothing else.
+    /// The box of all points: of a cloud that of its headers, in steps of the scale; of a mesh in model units. It orders the points
+    /// and decides nothing else.
     pub(crate) bounds: ([f64; 3], [f64; 3]),
     pub(crate) params: Params,
     pub(crate) blocks_per_tile: usize,

@@ -83,7 +83,8 @@ impl<'a> RowWriter<'a> {
         Self { element, axes: axes.collect(), dropped, style }
     }
 
-    /// Appends the row at the body's position, its number being `at`, with the coordinates that are not `None` and with row `i` of the fields.
+    /// Appends the row at the body's position, its number being `at`, with the coordinates that are not `None` and with row `i` of
+    /// the fields.
     pub(crate) fn push(
         &self,
         body: &mut Body<'_>,

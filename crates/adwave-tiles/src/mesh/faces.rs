@@ -24,9 +24,9 @@ pub(crate) fn places_at_a_time(plan: &Plan) -> usize {
 /// A corner whose place is not known yet.
 const UNKNOWN: u32 = u32::MAX;
 
-/// Deals the faces out to the files `tiles`: to each those with a corner in that tile, in the order of the mesh, as the number of their corners and
-/// the places of these. `mark` is written last. With the places of `most` vertices in memory the faces are read as often as that asks for,
-/// which has no bearing on the result.
+/// Deals the faces out to the files `tiles`: to each those with a corner in that tile, in the order of the mesh, as the number of
+/// their corners and the places of these. `mark` is written last. With the places of `most` vertices in memory the faces are read
+/// as often as that asks for, which has no bearing on the result.
 pub(crate) fn deal(
     plan: &Plan,
     blocks: &Blocks,

@@ -13,8 +13,8 @@ use crate::buckets::Buckets;
 use crate::layout::u32_at;
 use crate::plan::Plan;
 
-/// The mesh with the results of `tiles` as `path`, in its own order and format. `memory` bytes of results are in memory at a time, by way of files
-/// in `folder` where that is not all.
+/// The mesh with the results of `tiles` as `path`, in its own order and format. `memory` bytes of results are in memory at a time, by
+/// way of files in `folder` where that is not all.
 pub(crate) fn join(
     plan: &Plan,
     tiles: &[PathBuf],
@@ -49,21 +49,24 @@ pub(crate) fn join(
         Ok::<(), TilesError>(())
     };
     let written = atomic_write_with(path, progress, |out| {
-        rewrite_mesh(&plan.inputs[0].path, &fields, out, progress, &mut edit).map_err(|error| {
+        let n = rewrite_mesh(&plan.inputs[0].path, &fields, out, progress, &mut edit);
+        let checked = n.and_then(|n| if n == plan.n_points { Ok(()) } else { Err(changed(plan)) });
+        checked.map_err(|error| {
             failed = Some(error);
             WriteError::from(std::io::Error::other("it was not written"))
         })
     });
-    match (written, failed) {
-        (_, Some(error)) => Err(error),
-        (Ok(n), None) if n == plan.n_points => Ok(()),
-        (Ok(n), None) => Err(TilesError::Input(format!(
-            "{} has {n} vertices and had {} when the work began; delete the folder and begin anew",
-            plan.inputs[0].path.display(),
-            plan.n_points
-        ))),
-        (Err(error), None) => Err(error.into()),
+    match failed {
+        Some(error) => Err(error),
+        None => Ok(written?),
     }
+}
+
+fn changed(plan: &Plan) -> TilesError {
+    TilesError::Input(format!(
+        "{} has another number of vertices than when the work began; delete the folder and begin anew",
+        plan.inputs[0].path.display()
+    ))
 }
 
 /// What a row says of a vertex, which is the `i`-th of those whose coordinates and fields are asked for.
@@ -106,9 +109,7 @@ impl Results {
     /// The next part.
     fn next(&mut self, progress: Progress<'_>) -> Result<(), TilesError> {
         let Some(files) = self.parts.get(self.next_part) else {
-            return Err(TilesError::Input(
-                "the mesh has more vertices than when the work began; begin anew".into(),
-            ));
+            return Err(TilesError::Input("the mesh has changed since the work began; begin anew".into()));
         };
         let row_bytes = self.row_bytes;
         self.first = self.next_part * self.most;
