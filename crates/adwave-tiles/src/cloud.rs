@@ -77,10 +77,11 @@ pub(crate) fn planned(inputs: &[PathBuf], params: &Params) -> Result<Option<Plan
     Ok(plan)
 }
 
-/// The records of all inputs, one after the other.
+/// The records of all inputs, one after the other, without those before the point `first`.
 pub(crate) fn records(
     inputs: &[Input],
     steps: Steps,
+    mut first: u64,
 ) -> impl FnMut(usize, &mut Vec<u8>) -> Result<usize, TilesError> {
     let mut inputs = inputs.iter();
     let mut open_one: Option<(LasReader, &Input)> = None;
@@ -88,7 +89,13 @@ pub(crate) fn records(
         loop {
             let Some((reader, input)) = &mut open_one else {
                 let Some(input) = inputs.next() else { return Ok(0) };
-                open_one = Some((open(input)?, input));
+                let mut reader = open(input)?;
+                if first < input.n_points {
+                    reader.skip(std::mem::take(&mut first))?;
+                    open_one = Some((reader, input));
+                } else {
+                    first -= input.n_points;
+                }
                 continue;
             };
             let start = held.len();

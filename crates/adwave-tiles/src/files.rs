@@ -65,12 +65,7 @@ pub(crate) fn write_whole<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<T, TilesError>,
 ) -> Result<T, TilesError> {
-    let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    let mut temporary = tempfile::Builder::new()
-        .prefix(TEMPORARY.0)
-        .suffix(TEMPORARY.1)
-        .tempfile_in(folder)
-        .map_err(TilesError::io(path))?;
+    let mut temporary = temporary(path).map_err(TilesError::io(path))?;
     let mut writer = BufWriter::with_capacity(GATHERED, temporary.as_file_mut());
     let result = write(&mut writer)?;
     writer.flush().map_err(TilesError::io(path))?;
@@ -80,6 +75,28 @@ pub(crate) fn write_whole<T>(
         .persist(path)
         .map_err(|e| TilesError::Io { path: path.display().to_string(), source: e.error })?;
     Ok(result)
+}
+
+/// The same without waiting for the disk: where the machine fails, the file may be there and not be whole.
+pub(crate) fn write_unflushed(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
+) -> Result<(), TilesError> {
+    let written = || {
+        let mut temporary = temporary(path)?;
+        let mut writer = BufWriter::with_capacity(GATHERED, temporary.as_file_mut());
+        write(&mut writer)?;
+        writer.flush()?;
+        drop(writer);
+        temporary.persist(path).map_err(|e| e.error)?;
+        Ok(())
+    };
+    written().map_err(TilesError::io(path))
+}
+
+fn temporary(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let folder = path.parent().unwrap_or_else(|| Path::new("."));
+    tempfile::Builder::new().prefix(TEMPORARY.0).suffix(TEMPORARY.1).tempfile_in(folder)
 }
 
 /// Numbers of fixed size, one after the other.

@@ -40,5 +40,5 @@ pub use blocks::VERTICES_IN_A_BLOCK;
 pub use error::TilesError;
 pub use mesh::is_mesh;
 pub use plan::{Forecast, Params};
-pub use run::{Job, Summary, Work, forecast, join, run, run_job};
+pub use run::{Job, Status, Summary, Work, forecast, join, run, run_job};
 pub use terrain::Terrain;

@@ -20,13 +20,15 @@ use crate::near_file::NearFile;
 use crate::neighbours::neighbours_of_tile;
 use crate::part::{Kind, Neighbourhoods};
 use crate::plan::{Forecast, Params, Plan};
-use crate::sort::{records_of_a_run, sort};
+use crate::sort::{has_run, n_runs, records_of_a_run, sort, sort_run};
 use crate::{TilesError, VERTICES_IN_A_BLOCK, cloud};
 
 /// One tile of one stage: what a process does on its own, in any order within the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Job {
+    /// Some points of a cloud, as the inputs have them, in the order of the curve; the sort does those that are missing.
+    Run(usize),
     /// All points in the order of the curve, and the faces of a mesh to its tiles; there is one of these.
     Sort,
     /// The neighbourhoods of a tile, after the sort.
@@ -40,6 +42,21 @@ pub enum Job {
 pub struct Work {
     folder: PathBuf,
     pub(crate) plan: Plan,
+}
+
+/// What is done of a work, and what there is to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Status {
+    /// Runs that a cloud is sorted in, and those that are done; 0 for a mesh.
+    pub n_runs: usize,
+    /// Of these.
+    pub runs_done: usize,
+    /// Tiles, known once all is sorted.
+    pub n_tiles: Option<usize>,
+    /// Tiles whose neighbours are found.
+    pub neighbours_done: usize,
+    /// Tiles whose bands are computed.
+    pub bands_done: usize,
 }
 
 /// What came out.
@@ -257,10 +274,46 @@ impl Work {
     /// Whether a job is done: its file is there.
     pub fn is_done(&self, job: Job) -> bool {
         match job {
+            Job::Run(run) => {
+                self.is_sorted() || has_run(&self.plan, &self.folder, records_of_a_run(&self.plan), run)
+            }
             Job::Sort => self.is_sorted(),
             Job::Neighbours(tile) => self.near(tile).exists(),
             Job::Bands(tile) => self.outcome(tile).exists() && self.tile(tile).exists(),
         }
+    }
+
+    /// How many runs a cloud is sorted in, which can be jobs of their own; 0 for a mesh.
+    pub fn n_runs(&self) -> usize {
+        n_runs(&self.plan, records_of_a_run(&self.plan))
+    }
+
+    /// What is done.
+    ///
+    /// # Errors
+    /// When the sorted points cannot be read.
+    pub fn status(&self) -> Result<Status, TilesError> {
+        let (n_runs, n_tiles) = (self.n_runs(), if self.is_sorted() { Some(self.n_tiles()?) } else { None });
+        let done = |n: usize, job: fn(usize) -> Job| (0..n).filter(|&i| self.is_done(job(i))).count();
+        let of_tiles = |job| done(n_tiles.unwrap_or(0), job);
+        Ok(Status {
+            n_runs,
+            runs_done: done(n_runs, Job::Run),
+            n_tiles,
+            neighbours_done: of_tiles(Job::Neighbours),
+            bands_done: of_tiles(Job::Bands),
+        })
+    }
+
+    fn sort_run(&self, run: usize, progress: Progress<'_>) -> Result<(), TilesError> {
+        let n = self.n_runs();
+        if run >= n {
+            return Err(TilesError::Input(match n {
+                0 => "a mesh is sorted in one job; leave out its runs".into(),
+                n => format!("there is no run {run}; runs are 0 to {}", n - 1),
+            }));
+        }
+        sort_run(&self.plan, &self.folder, records_of_a_run(&self.plan), run, progress)
     }
 
     fn sort(&self, progress: Progress<'_>) -> Result<(), TilesError> {
@@ -285,10 +338,11 @@ impl Work {
         if self.is_sorted() {
             return Ok(());
         }
-        // What a run that was killed left: nothing else is done in this folder before the sort.
-        self.remove(|name| is_run(name) || is_faces(name) || is_temporary(name))?;
+        // What jobs that were killed left: nothing but runs is done in this folder before the sort.
+        self.remove(|name| is_faces(name) || is_temporary(name))?;
         if !self.has_blocks() {
             sort(&self.plan, &self.folder, most, (&self.records(), &self.table()), progress)?;
+            self.remove(is_run)?;
         }
         if self.is_mesh() {
             let blocks = self.blocks()?;
@@ -449,8 +503,10 @@ const PATIENCE: Duration = Duration::from_millis(100);
 /// # Errors
 /// [`TilesError`], also when what the job needs has not been done yet.
 pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), TilesError> {
-    if job == Job::Sort {
-        return work.sort(progress);
+    match job {
+        Job::Run(run) => return work.sort_run(run, progress),
+        Job::Sort => return work.sort(progress),
+        Job::Neighbours(_) | Job::Bands(_) => {}
     }
     let blocks = work.blocks()?;
     let n_tiles = work.plan.n_tiles(blocks.len());

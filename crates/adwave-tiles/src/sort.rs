@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::collections::binary_heap::PeekMut;
 use std::fs::File;
-use std::io::{BufWriter, Read, Write};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use adwave::Progress;
@@ -12,8 +12,8 @@ use adwave::shape::{HILBERT_BITS, hilbert};
 use rayon::prelude::*;
 
 use crate::blocks::TableBuilder;
-use crate::files::write_whole;
-use crate::layout::{Layout, Lengths, coordinates, whole};
+use crate::files::{write_unflushed, write_whole};
+use crate::layout::{Layout, Lengths, Steps, coordinates, whole};
 use crate::plan::Plan;
 use crate::{TilesError, cloud, mesh};
 
@@ -106,8 +106,13 @@ pub(crate) fn records_of_a_run(plan: &Plan) -> usize {
         Layout::Mesh(_) => size_of::<(Key<[i64; 3]>, u32)>(),
     };
     let per_record = 2 * plan.layout.record_bytes() + 2 * key_bytes;
-    (plan.params.memory as usize / 2 / per_record).clamp(AT_A_TIME, u32::MAX as usize / 2)
+    let fits = (plan.params.memory as usize / 2 / per_record).clamp(AT_A_TIME, u32::MAX as usize / 2);
+    // Several, so that as many workers can sort.
+    fits.min((plan.n_points.div_ceil(MOST_SORTERS) as usize).max(AT_A_TIME))
 }
+
+/// Workers that may each sort a run of their own, where memory alone would allow fewer runs.
+const MOST_SORTERS: u64 = 8;
 
 /// Appends at most so many of the next records of all inputs; how many, which is 0 only at the end.
 pub(crate) type NextRecords<'a> = dyn FnMut(usize, &mut Vec<u8>) -> Result<usize, TilesError> + 'a;
@@ -126,10 +131,57 @@ pub(crate) fn sort(
     match plan.layout {
         Layout::Las(steps) => {
             let order = WholeOrder { curve, record_bytes: steps.record_bytes };
-            sorting.sort(order, &mut cloud::records(&plan.inputs, steps))
+            let runs = 0..n_runs(plan, most);
+            let runs = runs.map(|run| sorting.cloud_run(order, steps, run)).collect::<Result<Vec<_>, _>>()?;
+            sorting.merge(order, &runs)
         }
-        Layout::Mesh(_) => sorting.sort(VertexOrder { curve }, &mut mesh::records(&plan.inputs)?),
+        Layout::Mesh(_) => {
+            let order = VertexOrder { curve };
+            let runs = sorting.runs(order, &mut mesh::records(&plan.inputs)?)?;
+            sorting.merge(order, &runs)
+        }
     }
+}
+
+/// How many runs of at most `most` records the points of a cloud are; the vertices of a mesh are not found without reading all before.
+pub(crate) fn n_runs(plan: &Plan, most: usize) -> usize {
+    match plan.layout {
+        Layout::Las(_) => plan.n_points.div_ceil(most as u64) as usize,
+        Layout::Mesh(_) => 0,
+    }
+}
+
+/// Sorts one run of a cloud: the `run`-th `most` points of the inputs.
+pub(crate) fn sort_run(
+    plan: &Plan,
+    folder: &Path,
+    most: usize,
+    run: usize,
+    progress: Progress<'_>,
+) -> Result<(), TilesError> {
+    let Layout::Las(steps) = plan.layout else { return Ok(()) };
+    let order = WholeOrder { curve: Curve::of(plan.bounds), record_bytes: steps.record_bytes };
+    let nowhere = Path::new("");
+    Sorting { plan, folder, most, files: (nowhere, nowhere), progress }.cloud_run(order, steps, run)?;
+    Ok(())
+}
+
+/// Whether the run of a cloud is there, whole.
+pub(crate) fn has_run(plan: &Plan, folder: &Path, most: usize, run: usize) -> bool {
+    let (first, n) = points_of_run(plan, most, run);
+    let n_bytes = (n * plan.layout.record_bytes()) as u64;
+    path_of_run(folder, first).metadata().is_ok_and(|file| file.len() == n_bytes)
+}
+
+/// The first point of a run of a cloud, and how many.
+fn points_of_run(plan: &Plan, most: usize, run: usize) -> (u64, usize) {
+    let first = run as u64 * most as u64;
+    (first, plan.n_points.saturating_sub(first).min(most as u64) as usize)
+}
+
+/// Name and length say which points are in it, whatever the length of other runs.
+fn path_of_run(folder: &Path, first: u64) -> PathBuf {
+    folder.join(format!("run-{first:010}.bin"))
 }
 
 struct Sorting<'a> {
@@ -141,14 +193,13 @@ struct Sorting<'a> {
 }
 
 impl Sorting<'_> {
-    fn sort(&self, order: impl Order, next: &mut NextRecords<'_>) -> Result<(), TilesError> {
+    fn merge(&self, order: impl Order, runs: &[PathBuf]) -> Result<(), TilesError> {
         let Self { plan, folder, progress, .. } = *self;
-        let runs = self.runs(order, next)?;
         let (records, table) = self.files;
         let mut builder = TableBuilder::new(plan.layout);
         let portion = portion(plan.params.memory, runs.len());
         let n_merged = write_whole(records, |out| {
-            merge(&runs, order, portion, |record, n| {
+            merge(runs, order, portion, |record, n| {
                 if n % (1 << 20) == 0 {
                     progress.step(plan.n_points + n, 2 * plan.n_points)?;
                 }
@@ -164,10 +215,26 @@ impl Sorting<'_> {
                 folder.display()
             )));
         }
-        for run in runs {
-            std::fs::remove_file(&run).map_err(TilesError::io(&run))?;
-        }
         builder.write(table)
+    }
+
+    /// A sorted run of a cloud, unless it is there already.
+    fn cloud_run(&self, order: WholeOrder, steps: Steps, run: usize) -> Result<PathBuf, TilesError> {
+        let Self { plan, folder, most, progress, .. } = *self;
+        let (first, n) = points_of_run(plan, most, run);
+        if has_run(plan, folder, most, run) {
+            return Ok(path_of_run(folder, first));
+        }
+        let mut next = cloud::records(&plan.inputs, steps, first);
+        let (mut held, mut n_read) = (Vec::with_capacity(n * order.record_bytes), 0);
+        while n_read < n {
+            progress.step(first + n_read as u64, 2 * plan.n_points)?;
+            match next(AT_A_TIME.min(n - n_read), &mut held)? {
+                0 => return Err(fewer(first + n_read as u64, plan)),
+                more => n_read += more,
+            }
+        }
+        write_run(&held, order, folder, first, progress)
     }
 
     /// Sorted runs of all records.
@@ -180,7 +247,8 @@ impl Sorting<'_> {
             let n = next(AT_A_TIME.min(most - held.len() / bytes), &mut held)?;
             n_read += n as u64;
             if held.len() / bytes >= most || n == 0 && !held.is_empty() {
-                runs.push(write_run(&held, order, folder, runs.len(), progress)?);
+                let first = n_read - (held.len() / bytes) as u64;
+                runs.push(write_run(&held, order, folder, first, progress)?);
                 held.clear();
             }
             if n == 0 {
@@ -188,20 +256,24 @@ impl Sorting<'_> {
             }
         }
         if n_read != plan.n_points {
-            return Err(TilesError::Input(format!(
-                "the inputs have {n_read} points and their headers promise {}; get unbroken files",
-                plan.n_points
-            )));
+            return Err(fewer(n_read, plan));
         }
         Ok(runs)
     }
+}
+
+fn fewer(n_read: u64, plan: &Plan) -> TilesError {
+    TilesError::Input(format!(
+        "the inputs have {n_read} points and their headers promise {}; get unbroken files",
+        plan.n_points
+    ))
 }
 
 fn write_run(
     held: &[u8],
     order: impl Order,
     folder: &Path,
-    run: usize,
+    first: u64,
     progress: Progress<'_>,
 ) -> Result<PathBuf, TilesError> {
     let bytes = order.record_bytes();
@@ -211,14 +283,11 @@ fn write_run(
     // Numbers are all different: nothing is a tie, and points at one position keep the order of the inputs.
     sorted.par_sort_unstable();
     progress.check()?;
-    let path = folder.join(format!("run-{run:04}.bin"));
-    // Not flushed to the disk: nobody goes on from a run.
-    let write = || {
-        let mut out = BufWriter::with_capacity(AT_ONCE, File::create(&path)?);
-        sorted.iter().try_for_each(|&(_, i)| out.write_all(&held[i as usize * bytes..][..bytes]))?;
-        out.flush()
-    };
-    write().map_err(TilesError::io(&path))?;
+    let path = path_of_run(folder, first);
+    // Whole under its name, but not flushed to the disk: where the machine fails, the order and number of what is merged tell.
+    write_unflushed(&path, |out| {
+        sorted.iter().try_for_each(|&(_, i)| out.write_all(&held[i as usize * bytes..][..bytes]))
+    })?;
     Ok(path)
 }
 
@@ -276,10 +345,14 @@ fn merge(
     for (i, run) in runs.iter_mut().enumerate() {
         heads.extend(run.key(order, portion)?.map(|key| Reverse((key, i))));
     }
-    let mut n = 0;
+    let (mut n, mut last) = (0, None);
     while let Some(mut head) = heads.peek_mut() {
-        let Reverse((_, i)) = *head;
+        let Reverse((key, i)) = *head;
         let run = &mut runs[i];
+        if last.is_some_and(|last| last > key) {
+            return Err(TilesError::broken(run.path, "it is not sorted"));
+        }
+        last = Some(key);
         each(&run.records[run.next * bytes..][..bytes], n)?;
         n += 1;
         run.next += 1;
@@ -329,5 +402,10 @@ mod tests {
         }
         File::options().write(true).open(&paths[1]).unwrap().set_len(50 * 12 - 1).unwrap();
         assert_eq!(merged(30).len(), 99);
+        // Of a machine that failed.
+        std::fs::write(&paths[1], [0; 50 * 12]).unwrap();
+        std::fs::write(&paths[0], [record(9), record(3)].concat()).unwrap();
+        let error = merge(&paths, order, 30, |_, _| Ok(())).unwrap_err().to_string();
+        assert!(error.contains("it is not sorted"), "{error}");
     }
 }

@@ -150,7 +150,11 @@ fn a_work_goes_on_after_any_job_and_jobs_may_be_done_twice_or_by_others() {
     let path = folder.path().join("parts");
     let work = Work::begin(&path, &inputs, &params).unwrap().0;
     assert!(run_job(&work, Job::Neighbours(0), Progress::none()).is_err());
-    std::fs::write(path.join("run-0000.bin"), b"half a run").unwrap();
+    std::fs::write(path.join("run-0000000000.bin"), b"half a run").unwrap();
+    assert!(!work.is_done(Job::Run(0)));
+    run_job(&work, Job::Run(0), Progress::none()).unwrap();
+    assert!(work.is_done(Job::Run(0)) && work.n_runs() == 1);
+    assert!(matches!(run_job(&work, Job::Run(1), Progress::none()), Err(TilesError::Input(_))));
     run_job(&work, Job::Sort, Progress::none()).unwrap();
     for job in [Job::Neighbours(2), Job::Neighbours(0), Job::Neighbours(0)] {
         run_job(&work, job, Progress::none()).unwrap();
@@ -181,10 +185,15 @@ fn runs_of_any_length_are_merged_to_the_same_order() {
         let path = folder.path().join(format!("runs-{most}"));
         let work = Work::begin(&path, &inputs, &params()).unwrap().0;
         // What a run that was killed left is no part of it.
-        std::fs::write(path.join("run-0000.bin"), b"half a run").unwrap();
+        std::fs::write(path.join("run-0000000000.bin"), b"half a run").unwrap();
+        std::fs::write(path.join("run-0000000017.bin"), [0; 5 * RECORD]).unwrap();
         std::fs::write(path.join(".adwave-half.tmp"), b"half a file").unwrap();
         work.sort_in_runs(most, most, Progress::none()).unwrap();
-        assert!(!path.join(".adwave-half.tmp").exists() && !path.join("run-0000.bin").exists());
+        let left =
+            std::fs::read_dir(&path).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+        let mut left: Vec<String> = left.collect();
+        left.sort();
+        assert_eq!(left, ["blocks.bin", "plan.json", "records.bin", "sort.lock"]);
         ["records.bin", "blocks.bin"].map(|name| std::fs::read(path.join(name)).unwrap())
     };
     let one_run = sorted(1_000_000);

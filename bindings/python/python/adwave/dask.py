@@ -96,7 +96,8 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     folder : path
         What `plan` gave.
     client : dask.distributed.Client
-        Its workers do the jobs: one sorts all points, then one for each tile finds neighbours, then one for each tile computes its bands.
+        Its workers do the jobs: several sort some of the points each, one merges these, then one for each tile finds neighbours, then one
+        for each tile computes its bands.
     threads : int
         Threads of each task: as many as a worker has for it.
     retries : int
@@ -132,6 +133,7 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
         ]
         return client.gather(futures)
 
+    done("run", range(int(_adwave(["tile", place, "status"])["n_runs"])))
     n_tiles = int(done("sort", range(1))[0]["n_tiles"])
     done("neighbours", range(n_tiles))
     return [str(result["path"]) for result in done("bands", range(n_tiles))]

@@ -6,7 +6,9 @@ use crate::global::Global;
 use crate::output::{available_memory, check_writable, note, number, print};
 use crate::progress::with_progress;
 use adwave::{ClassifiedError, ErrorKind};
-use adwave_tiles::{Forecast, Job, Params, Summary, TilesError, Work, forecast, is_mesh, join, run_job};
+use adwave_tiles::{
+    Forecast, Job, Params, Status, Summary, TilesError, Work, forecast, is_mesh, join, run_job,
+};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -78,10 +80,12 @@ pub(crate) struct TilesArgs {
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Jobs of one kind may run in any order, at the same time and on several machines; all neighbours come after the sort, all bands after all
-neighbours. A job that is done twice gives the same file again. 'adwave tiles' with the same arguments does what is left and joins.
+Jobs of one kind may run in any order, at the same time and on several machines; runs come before the sort, which does those that are
+missing, all neighbours after it, and all bands after all neighbours. 'status' says how many there are of each. A job that is done twice gives the same file again. 'adwave tiles' with the same arguments does what is left and joins.
 
 Examples:
+  adwave tile tiles/ status
+  adwave tile tiles/ run 2
   adwave tile tiles/ sort
   adwave tile tiles/ neighbours 3
   adwave tile tiles/ bands 3")]
@@ -92,7 +96,7 @@ pub(crate) struct TileArgs {
     /// What to do
     #[arg(value_name = "JOB", value_enum)]
     job: JobKind,
-    /// Which tile, from 0
+    /// Which run or tile, from 0
     #[arg(value_name = "INDEX", default_value = "0")]
     index: usize,
     /// Do nothing where it is done already
@@ -102,6 +106,10 @@ pub(crate) struct TileArgs {
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum JobKind {
+    /// Nothing; say what is done, and how many jobs there are
+    Status,
+    /// Some points of a cloud in the order of the curve, for the sort, which does those that are missing
+    Run,
     /// All points in the order of the curve, and the faces of a mesh to its tiles, once
     Sort,
     /// The neighbours of the points of a tile
@@ -252,15 +260,33 @@ fn said(global: &Global<'_>, args: &TilesArgs, params: &Params, summary: &Summar
     print(global, &text, &json!({ "summary": summary, "output": args.output }))
 }
 
+fn status_in_words(status: &Status) -> String {
+    let Status { n_runs, runs_done, n_tiles, neighbours_done, bands_done } = status;
+    match n_tiles {
+        Some(n) => format!("{n} tiles: neighbours of {neighbours_done}, bands of {bands_done}\n"),
+        None if *n_runs > 0 => format!("not sorted; {runs_done} of {n_runs} runs\n"),
+        None => "not sorted\n".to_owned(),
+    }
+}
+
 pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliError> {
     let work = Work::open(&args.folder).map_err(|e| failed(&e))?;
     let job = match args.job {
+        JobKind::Status => {
+            let status = work.status().map_err(|e| failed(&e))?;
+            return print(global, &status_in_words(&status), &json!(status));
+        }
+        JobKind::Run => Job::Run(args.index),
         JobKind::Sort => Job::Sort,
         JobKind::Neighbours => Job::Neighbours(args.index),
         JobKind::Bands => Job::Bands(args.index),
     };
     if !(args.if_missing && work.is_done(job)) {
         with_progress(global, "working", |progress| run_job(&work, job, progress)).map_err(|e| failed(&e))?;
+    }
+    if let Job::Run(_) = job {
+        let n_runs = work.n_runs();
+        return print(global, &format!("done; {n_runs} runs\n"), &json!({ "job": job, "n_runs": n_runs }));
     }
     let n_tiles = work.n_tiles().map_err(|e| failed(&e))?;
     let path = matches!(job, Job::Bands(_)).then(|| work.tile(args.index));
