@@ -266,7 +266,12 @@ fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
         // The path is not the input's.
         Err(e) => one_line(&*e)?.replace(&*path.to_string_lossy(), "a"),
     };
-    let is_mesh = |f| matches!(f, Some(Format::Ply | Format::PlyAscii | Format::Obj));
+    // An OBJ is one by its name alone.
+    let is_mesh = |f| match f {
+        Some(Format::Ply | Format::PlyAscii) => true,
+        Some(Format::Obj) => Path::new(name).extension().is_some_and(|e| e == "obj"),
+        _ => false,
+    };
     match read_bytes(bytes.to_vec(), Some(name), &LIMITS) {
         Ok(whole) if is_mesh(whole.format()) && !bytes.starts_with(&[0x1f, 0x8b]) => {
             let bits =

@@ -131,7 +131,7 @@ fn a_mesh_keeps_its_order_and_format_by_one_command_and_by_jobs() {
     }
     run(path, &format!("tiles t.ply -o jobs.ply --work jobs {what}"));
     assert!(fs::read(path.join("one.ply")).unwrap() == fs::read(path.join("jobs.ply")).unwrap());
-    run(path, "convert t.ply t.obj");
+    run(path, "convert t.ply -o t.obj");
     run(path, "tiles t.obj -o one.obj --gains 0,1,0.5,1 --tiles 4");
     let mut names: Vec<_> = fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
