@@ -273,7 +273,12 @@ fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
         _ => false,
     };
     match read_bytes(bytes.to_vec(), Some(name), &LIMITS) {
-        Ok(whole) if is_mesh(whole.format()) && !bytes.starts_with(&[0x1f, 0x8b]) => {
+        // Compressed files and lines of the old Macintosh are read whole alone.
+        Ok(whole)
+            if is_mesh(whole.format())
+                && !bytes.starts_with(&[0x1f, 0x8b])
+                && (bytes.contains(&b'\n') || !bytes.contains(&b'\r')) =>
+        {
             let bits =
                 |points: &[[f64; 3]]| points.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
             if said != "ok"

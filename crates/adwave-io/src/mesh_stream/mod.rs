@@ -104,6 +104,14 @@ impl Source {
             return Ok(Self::Ply(Box::new(PlyStream::new(window)?)));
         }
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
+            if memchr::memchr(b'\r', window.rest()).is_some()
+                && memchr::memchr(b'\n', window.rest()).is_none()
+            {
+                return Err(ReadError::Whole(
+                    "has lines that end with a carriage return alone; write it again first (adwave convert IN -o OUT.obj)"
+                        .into(),
+                ));
+            }
             return Ok(Self::Obj(Box::new(ObjStream::new(window))));
         }
         Err(ReadError::Whole("is no PLY or OBJ: it does not begin with `ply`; give one".into()))

@@ -229,3 +229,12 @@ fn portions_are_the_whole_on_real_files() {
     }
     assert!(n > 50, "{n} files");
 }
+
+#[test]
+fn lines_of_the_old_macintosh_are_refused_and_not_taken_for_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    std::fs::write(&path, "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r").unwrap();
+    let error = MeshReader::open(&path).err().unwrap().to_string();
+    assert!(error.contains("carriage return alone"), "{error}");
+}
