@@ -167,7 +167,7 @@ impl Cost {
             // Neighbours reach further than the mean distance between vertices. On disk are the sorted records, once more while runs are
             // merged; or distances and neighbours.
             Layout::Las(_) => Self {
-                vertex_bytes: 260,
+                vertex_bytes: 275,
                 vertices_per_ring: 1.8,
                 disk: record_bytes + record_bytes.max(8 + 2 * plan.params.neighbours as u64),
             },

@@ -5,6 +5,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{available_memory, check_writable, note, number, print};
 use crate::progress::with_progress;
+use adwave::pages::keep_freed;
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_tiles::{
     Forecast, Job, Params, Status, Summary, TilesError, Work, forecast, is_mesh, join, run_job,
@@ -182,6 +183,8 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
             &json!({ "folder": folder, "forecast": forecast }),
         );
     }
+    // Each tile wants as much as the one before.
+    keep_freed();
     let summary = with_progress(global, "tiles", |progress| adwave_tiles::run(&work, progress))
         .map_err(|e| failed(&e))?;
     if joined {
