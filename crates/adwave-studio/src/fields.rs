@@ -7,8 +7,8 @@ use adwave::Progress;
 use adwave::features::{FeatureParams, features};
 use adwave::saliency::{SaliencyParams, saliency};
 use adwave::shape::Shape;
-use adwave::signal::{SurfaceSignal, outward_normals};
-use adwave_io::{SignalSource, file_normals, named_signal, region_field};
+use adwave::signal::SurfaceSignal;
+use adwave_io::{SignalSource, named_signal, region_field};
 use serde::Serialize;
 use serde_json::json;
 
@@ -108,9 +108,7 @@ fn length(parts: impl Iterator<Item = f64>) -> f32 {
 fn salient(session: &Session, prepared: &Prepared) -> Result<Vec<f64>, Refused> {
     let decomposer = &prepared.decomposer;
     let request = decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule);
-    let normals = file_normals(&session.opened.file);
-    let found = outward_normals(decomposer.geometry(), normals.as_deref(), Progress::none())
-        .map_err(|e| Refused::of(&e))?;
+    let found = prepared.outward(&session.opened.file)?;
     let wavelets = if found.info.has_outside() { request.along(&found.normals) } else { request.norms() };
     let wavelets = wavelets.map_err(|e| Refused::of(&e))?;
     let map = saliency(decomposer, &wavelets, &SaliencyParams::default(), Progress::none());

@@ -9,8 +9,9 @@ use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::settle;
 use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape, enclosed_volume};
+use adwave::signal::{OutwardNormals, outward_normals};
 use adwave::{Decomposer, Editor, Progress};
-use adwave_io::{Levels, ShapeFile, region_field};
+use adwave_io::{Levels, ShapeFile, file_normals, region_field};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
@@ -77,6 +78,8 @@ pub(crate) struct Prepared {
     pub(crate) document: Document,
     pub(crate) points: Arc<Vec<[f64; 3]>>,
     health: OnceLock<Health>,
+    /// Of the shape as it was opened, which side is outside does not change with an edit.
+    outward: OnceLock<OutwardNormals>,
     /// Weights of regions that were asked for before.
     regions: Vec<(Region, RegionWeights)>,
 }
@@ -118,6 +121,7 @@ impl Prepared {
             document: Document::default(),
             points: Arc::new(points.to_vec()),
             health: OnceLock::new(),
+            outward: OnceLock::new(),
             regions: Vec::new(),
             decomposer,
         })
@@ -145,6 +149,17 @@ impl Prepared {
     /// What the shape consists of, counted once.
     pub(crate) fn health(&self) -> &Health {
         self.health.get_or_init(|| self.decomposer.health())
+    }
+
+    /// Which side of the shape as it was opened is outside, found once.
+    pub(crate) fn outward(&self, file: &ShapeFile) -> Result<&OutwardNormals, Refused> {
+        if let Some(found) = self.outward.get() {
+            return Ok(found);
+        }
+        let normals = file_normals(file);
+        let found = outward_normals(self.decomposer.geometry(), normals.as_deref(), Progress::none());
+        let found = found.map_err(|e| Refused::of(&e))?;
+        Ok(self.outward.get_or_init(|| found))
     }
 
     pub(crate) fn n_levels(&self) -> usize {
