@@ -225,6 +225,16 @@ impl Work {
     }
 
     fn blocks(&self) -> Result<Blocks, TilesError> {
+        if !self.is_sorted() {
+            return Err(TilesError::Input(format!(
+                "{}: its points are not sorted yet; do that first (adwave tile FOLDER sort)",
+                self.folder.display()
+            )));
+        }
+        self.read_blocks()
+    }
+
+    fn read_blocks(&self) -> Result<Blocks, TilesError> {
         Blocks::open(&self.table(), &self.records(), self.plan.layout)
     }
 
@@ -345,7 +355,7 @@ impl Work {
             self.remove(is_run)?;
         }
         if self.is_mesh() {
-            let blocks = self.blocks()?;
+            let blocks = self.read_blocks()?;
             let tiles = (0..self.plan.n_tiles(blocks.len())).map(|tile| self.faces(tile)).collect();
             mesh::deal(&self.plan, &blocks, (tiles, &self.folder.join(FACES)), most_places, progress)?;
         }
