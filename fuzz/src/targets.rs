@@ -229,6 +229,19 @@ fn las_file(bytes: &[u8], name: &str) -> Result<String, String> {
         while records.len() < ENOUGH * reader.layout().record_bytes && reader.read(999, &mut records)? > 0 {}
         Ok((records.len() / reader.layout().record_bytes, reader.layout().n_points))
     });
+    // What is passed over without being unpacked: the last point is that which was read there.
+    let n_before = (records.len() / record_bytes(bytes)).saturating_sub(1);
+    if in_portions.is_ok() && n_before > 0 {
+        let mut last = Vec::new();
+        let skipped = LasReader::open(&path).and_then(|mut reader| {
+            reader.skip(n_before as u64)?;
+            reader.read(1, &mut last)
+        });
+        let size = record_bytes(bytes);
+        if skipped.is_err() || last != records[n_before * size..][..size] {
+            return Err("another point after others were passed over".to_owned());
+        }
+    }
     let said = match in_portions {
         Ok((n, promised)) if n as u64 == promised || n >= ENOUGH => "ok".to_owned(),
         Ok((n, promised)) => return Err(format!("{n} points in portions of {promised}")),

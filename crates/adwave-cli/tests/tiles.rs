@@ -46,13 +46,26 @@ fn tiles_join_to_the_bytes_of_one_and_leave_nothing_behind() {
     assert!(fields.contains("wavelet_2") && fields.contains("gps_time"), "{fields}");
     // By jobs, as a cluster does it.
     run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2 --tiles 6 --plan-only");
+    says(path, "tile jobs neighbours 0", "not sorted yet");
+    assert_eq!(json(path, "tile jobs status")["n_runs"], 1);
+    run(path, "tile jobs run 0");
+    assert_eq!(json(path, "tile jobs status")["runs_done"], 1);
+    says(path, "tile jobs run 1", "runs are 0 to 0");
+    let n_tiles = all_jobs(path);
+    run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2");
+    assert_eq!(fs::read_dir(path.join("jobs")).unwrap().count() as u64, n_tiles);
+}
+
+/// Sorts the work `jobs` and does all jobs of its tiles, the last one first; how many tiles there are.
+fn all_jobs(path: &Path) -> u64 {
     run(path, "tile jobs sort");
     let n_tiles = json(path, "tile jobs sort --if-missing")["n_tiles"].as_u64().unwrap();
     for kind in ["neighbours", "bands"] {
         (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs {kind} {tile}")));
     }
-    run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2");
-    assert_eq!(fs::read_dir(path.join("jobs")).unwrap().count() as u64, n_tiles);
+    let status = json(path, "tile jobs status");
+    assert_eq!((&status["neighbours_done"], &status["bands_done"]), (&n_tiles.into(), &n_tiles.into()));
+    n_tiles
 }
 
 #[test]
@@ -124,11 +137,7 @@ fn a_mesh_keeps_its_order_and_format_by_one_command_and_by_jobs() {
     run(path, &format!("tiles t.ply -o many.ply {what} --tiles 6 --workers 2"));
     assert!(fs::read(path.join("one.ply")).unwrap() == fs::read(path.join("many.ply")).unwrap());
     run(path, &format!("tiles t.ply -o jobs {what} --tiles 6 --plan-only"));
-    run(path, "tile jobs sort");
-    let n_tiles = json(path, "tile jobs sort --if-missing")["n_tiles"].as_u64().unwrap();
-    for kind in ["neighbours", "bands"] {
-        (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs {kind} {tile}")));
-    }
+    all_jobs(path);
     run(path, &format!("tiles t.ply -o jobs.ply --work jobs {what}"));
     assert!(fs::read(path.join("one.ply")).unwrap() == fs::read(path.join("jobs.ply")).unwrap());
     run(path, "convert t.ply -o t.obj");

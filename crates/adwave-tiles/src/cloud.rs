@@ -109,6 +109,11 @@ pub(crate) fn records(
     }
 }
 
+/// Asks of all inputs whether they are still the same.
+pub(crate) fn check(inputs: &[Input]) -> Result<(), TilesError> {
+    inputs.iter().try_for_each(|input| open(input).map(drop))
+}
+
 /// Opens an input and asks whether it is still the same.
 fn open(input: &Input) -> Result<LasReader, TilesError> {
     let reader = LasReader::open(&input.path)?;

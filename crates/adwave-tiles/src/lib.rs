@@ -26,6 +26,7 @@ mod error;
 mod files;
 mod layout;
 mod mesh;
+mod names;
 mod near_file;
 mod neighbours;
 mod part;

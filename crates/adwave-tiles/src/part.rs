@@ -104,8 +104,9 @@ struct Search<'a> {
 /// Not loaded.
 const NOWHERE: u32 = u32::MAX;
 
-/// A block that more than so many blocks are close to is looked at more closely: on a surface there are about nine.
-const MANY_BLOCKS: usize = 32;
+/// A block that more than so many blocks are close to is looked at more closely: on a surface there are about nine. Tests have few
+/// blocks.
+const MANY_BLOCKS: usize = if cfg!(test) { 2 } else { 32 };
 
 /// The block of a vertex, and its number there.
 fn place_of(x: u32) -> (usize, usize) {

@@ -13,9 +13,12 @@ use serde::{Deserialize, Serialize};
 use crate::bands::{BlockOutcome, bands_of_tile};
 use crate::blocks::Blocks;
 use crate::box_tree::BoxTree;
-use crate::files::{TEMPORARY, write_whole};
+use crate::files::write_whole;
 use crate::layout::Layout;
 use crate::mesh::{self, is_mesh};
+use crate::names::{
+    FACES, LOCK, PLAN, RECORDS, TABLE, is_faces, is_own, is_part, is_run, is_temporary, is_tile, names,
+};
 use crate::near_file::NearFile;
 use crate::neighbours::neighbours_of_tile;
 use crate::part::{Kind, Neighbourhoods};
@@ -224,7 +227,7 @@ impl Work {
         self.table().exists() && self.records().exists()
     }
 
-    fn blocks(&self) -> Result<Blocks, TilesError> {
+    pub(crate) fn blocks(&self) -> Result<Blocks, TilesError> {
         if !self.is_sorted() {
             return Err(TilesError::Input(format!(
                 "{}: its points are not sorted yet; do that first (adwave tile FOLDER sort)",
@@ -246,7 +249,7 @@ impl Work {
         Ok(self.plan.n_tiles(self.blocks()?.len()))
     }
 
-    fn neighbourhoods(&self, blocks: &Blocks) -> Result<Neighbourhoods, TilesError> {
+    pub(crate) fn neighbourhoods(&self, blocks: &Blocks) -> Result<Neighbourhoods, TilesError> {
         let n_tiles = self.plan.n_tiles(blocks.len());
         let open = |tile| NearFile::open(&self.near(tile), &self.plan.tile(tile, blocks.len()));
         let files = (0..n_tiles).map(open).collect::<Result<Vec<_>, _>>()?;
@@ -450,60 +453,6 @@ impl Work {
     }
 }
 
-/// The names of the files of a folder.
-fn names(folder: &Path) -> Result<Vec<String>, TilesError> {
-    let entries = std::fs::read_dir(folder).map_err(TilesError::io(folder))?;
-    Ok(entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect())
-}
-
-fn is_temporary(name: &str) -> bool {
-    name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1)
-}
-
-/// `before-00012.after`, with any number.
-fn is_numbered(name: &str, before: &str, after: &str) -> bool {
-    let number = name.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
-    number.is_some_and(|n| !n.is_empty() && n.bytes().all(|c| c.is_ascii_digit()))
-}
-
-fn is_run(name: &str) -> bool {
-    is_numbered(name, "run-", ".bin")
-}
-
-fn is_tile(name: &str) -> bool {
-    is_numbered(name, "tile-", ".laz") || is_numbered(name, "tile-", ".bin")
-}
-
-/// Faces of a tile, or corners on the way to them.
-fn is_faces(name: &str) -> bool {
-    is_numbered(name, "faces-", ".bin") || is_numbered(name, "corners-", ".bin")
-}
-
-/// Results of a mesh that are being joined.
-fn is_part(name: &str) -> bool {
-    is_numbered(name, "part-", ".bin")
-}
-
-/// Whether a work has a file of that name.
-fn is_own(name: &str) -> bool {
-    [PLAN, LOCK, TABLE, RECORDS, FACES].contains(&name)
-        || is_run(name)
-        || is_tile(name)
-        || is_faces(name)
-        || is_part(name)
-        || is_numbered(name, "near-", ".bin")
-        || is_numbered(name, "tile-", ".json")
-}
-
-/// The name of the plan in its folder.
-const PLAN: &str = "plan.json";
-/// Held by who sorts.
-const LOCK: &str = "sort.lock";
-/// The table of blocks, whose presence says that the sort is done, and the sorted records.
-const TABLE: &str = "blocks.bin";
-const RECORDS: &str = "records.bin";
-/// The lengths of the files of faces, whose presence says that these are whole.
-const FACES: &str = "faces.json";
 /// Time between two tries to have the lock.
 const PATIENCE: Duration = Duration::from_millis(100);
 

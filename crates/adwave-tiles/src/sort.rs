@@ -15,7 +15,7 @@ use crate::blocks::TableBuilder;
 use crate::files::{write_unflushed, write_whole};
 use crate::layout::{Layout, Lengths, Steps, coordinates, whole};
 use crate::plan::Plan;
-use crate::{TilesError, cloud, mesh};
+use crate::{TilesError, cloud, mesh, names};
 
 /// Place along the curve, then position, so that equal positions are neighbours and nothing else is a tie.
 pub(crate) type Key<P> = (u64, P);
@@ -127,18 +127,20 @@ pub(crate) fn sort(
     progress: Progress<'_>,
 ) -> Result<(), TilesError> {
     let curve = Curve::of(plan.bounds);
-    let sorting = Sorting { plan, folder, most, files, progress };
+    let sorting = Sorting { plan, folder, most, progress };
     match plan.layout {
         Layout::Las(steps) => {
+            // Where all runs are there, nothing else looks at the inputs.
+            cloud::check(&plan.inputs)?;
             let order = WholeOrder { curve, record_bytes: steps.record_bytes };
             let runs = 0..n_runs(plan, most);
             let runs = runs.map(|run| sorting.cloud_run(order, steps, run)).collect::<Result<Vec<_>, _>>()?;
-            sorting.merge(order, &runs)
+            sorting.merge(order, &runs, files)
         }
         Layout::Mesh(_) => {
             let order = VertexOrder { curve };
             let runs = sorting.runs(order, &mut mesh::records(&plan.inputs)?)?;
-            sorting.merge(order, &runs)
+            sorting.merge(order, &runs, files)
         }
     }
 }
@@ -161,16 +163,14 @@ pub(crate) fn sort_run(
 ) -> Result<(), TilesError> {
     let Layout::Las(steps) = plan.layout else { return Ok(()) };
     let order = WholeOrder { curve: Curve::of(plan.bounds), record_bytes: steps.record_bytes };
-    let nowhere = Path::new("");
-    Sorting { plan, folder, most, files: (nowhere, nowhere), progress }.cloud_run(order, steps, run)?;
-    Ok(())
+    Sorting { plan, folder, most, progress }.cloud_run(order, steps, run).map(|_| ())
 }
 
 /// Whether the run of a cloud is there, whole.
 pub(crate) fn has_run(plan: &Plan, folder: &Path, most: usize, run: usize) -> bool {
     let (first, n) = points_of_run(plan, most, run);
     let n_bytes = (n * plan.layout.record_bytes()) as u64;
-    path_of_run(folder, first).metadata().is_ok_and(|file| file.len() == n_bytes)
+    names::run(folder, first).metadata().is_ok_and(|file| file.len() == n_bytes)
 }
 
 /// The first point of a run of a cloud, and how many.
@@ -179,23 +179,22 @@ fn points_of_run(plan: &Plan, most: usize, run: usize) -> (u64, usize) {
     (first, plan.n_points.saturating_sub(first).min(most as u64) as usize)
 }
 
-/// Name and length say which points are in it, whatever the length of other runs.
-fn path_of_run(folder: &Path, first: u64) -> PathBuf {
-    folder.join(format!("run-{first:010}.bin"))
-}
-
 struct Sorting<'a> {
     plan: &'a Plan,
     folder: &'a Path,
     most: usize,
-    files: (&'a Path, &'a Path),
     progress: Progress<'a>,
 }
 
 impl Sorting<'_> {
-    fn merge(&self, order: impl Order, runs: &[PathBuf]) -> Result<(), TilesError> {
+    /// All runs as `records`, with the table of their blocks.
+    fn merge(
+        &self,
+        order: impl Order,
+        runs: &[PathBuf],
+        (records, table): (&Path, &Path),
+    ) -> Result<(), TilesError> {
         let Self { plan, folder, progress, .. } = *self;
-        let (records, table) = self.files;
         let mut builder = TableBuilder::new(plan.layout);
         let portion = portion(plan.params.memory, runs.len());
         let n_merged = write_whole(records, |out| {
@@ -223,7 +222,7 @@ impl Sorting<'_> {
         let Self { plan, folder, most, progress, .. } = *self;
         let (first, n) = points_of_run(plan, most, run);
         if has_run(plan, folder, most, run) {
-            return Ok(path_of_run(folder, first));
+            return Ok(names::run(folder, first));
         }
         let mut next = cloud::records(&plan.inputs, steps, first);
         let (mut held, mut n_read) = (Vec::with_capacity(n * order.record_bytes), 0);
@@ -283,7 +282,7 @@ fn write_run(
     // Numbers are all different: nothing is a tie, and points at one position keep the order of the inputs.
     sorted.par_sort_unstable();
     progress.check()?;
-    let path = path_of_run(folder, first);
+    let path = names::run(folder, first);
     // Whole under its name, but not flushed to the disk: where the machine fails, the order and number of what is merged tell.
     write_unflushed(&path, |out| {
         sorted.iter().try_for_each(|&(_, i)| out.write_all(&held[i as usize * bytes..][..bytes]))

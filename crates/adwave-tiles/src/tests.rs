@@ -8,6 +8,7 @@ use adwave::{Decomposer, Progress};
 use adwave_io::{LasLayout, LasReader, LasWriter};
 
 use crate::layout::{set_whole, whole};
+use crate::part::part;
 use crate::{Job, Params, TilesError, Work, join, run, run_job};
 
 /// Bytes of a record of point format 0.
@@ -95,6 +96,15 @@ fn a_tile_that_has_more_around_it_than_memory_allows_is_worked_on_in_parts() {
     std::fs::write(&plan, json.to_string()).unwrap();
     let work = Work::open(&path).unwrap();
     assert_eq!(run(&work, Progress::none()).unwrap().n_tiles, 1);
+    // All at once is too much, one block is not.
+    let blocks = work.blocks().unwrap();
+    let neighbourhoods = work.neighbourhoods(&blocks).unwrap();
+    let fits = |range| {
+        part(&blocks, &neighbourhoods, range, work.plan.limits().unwrap(), Progress::none())
+            .unwrap()
+            .is_some()
+    };
+    assert!(!fits(0..blocks.len()) && fits(0..1));
     let out = path.join("joined.las");
     join(&work, &out, Progress::none()).unwrap();
     assert!(std::fs::read(out).unwrap() == whole);
