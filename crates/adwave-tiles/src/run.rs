@@ -555,6 +555,8 @@ fn each(
 /// [`TilesError`] when a tile is not there, or the file cannot be written.
 pub fn join(work: &Work, path: &Path, progress: Progress<'_>) -> Result<(), TilesError> {
     let tiles: Vec<PathBuf> = (0..work.n_tiles()?).map(|tile| work.tile(tile)).collect();
+    // What the tiles took: joining takes half of the memory.
+    release_freed();
     match work.plan.layout {
         Layout::Las(_) => cloud::join(&work.plan, &tiles, path, progress),
         Layout::Mesh(_) => {

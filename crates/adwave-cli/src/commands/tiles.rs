@@ -183,10 +183,20 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
             &json!({ "folder": folder, "forecast": forecast }),
         );
     }
-    // Each tile wants as much as the one before.
-    keep_freed();
-    let summary = with_progress(global, "tiles", |progress| adwave_tiles::run(&work, progress))
-        .map_err(|e| failed(&e))?;
+    if params.memory >= MUCH {
+        keep_freed(); // each tile wants as much as the one before
+    }
+    let summary = match with_progress(global, "tiles", |progress| adwave_tiles::run(&work, progress)) {
+        Ok(summary) => summary,
+        Err(error) => {
+            // With such an input there is nothing to go on with.
+            if joined && !args.keep_work && error.kind() == ErrorKind::Input && !work.is_sorted() {
+                let _ = work.clean();
+                let _ = std::fs::remove_dir(&folder);
+            }
+            return Err(failed(&error));
+        }
+    };
     if joined {
         with_progress(global, "joining", |progress| join(&work, &args.output, progress))
             .map_err(|e| failed(&e))?;
@@ -203,6 +213,9 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
     }
     said(global, args, &params, &summary)
 }
+
+/// Bytes of memory from which on what is kept of freed memory is little beside the rest, a tenth at most.
+const MUCH: u64 = 1 << 30;
 
 fn params(args: &TilesArgs) -> Params {
     /// Where the system does not say what is free.
