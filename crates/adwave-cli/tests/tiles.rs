@@ -56,6 +56,38 @@ fn tiles_join_to_the_bytes_of_one_and_leave_nothing_behind() {
     assert_eq!(fs::read_dir(path.join("jobs")).unwrap().count() as u64, n_tiles);
 }
 
+#[test]
+fn a_map_and_features_come_with_the_tiles() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, "sample terrain --points 4e4 -o a.laz");
+    let what = "--saliency --vectors 2 --features f.csv --theta 1.6 --levels 5";
+    let said = json(path, &format!("tiles a.laz -o one.laz {what} --tiles 1"));
+    let n_features = said["features"].as_u64().unwrap() as usize;
+    let csv = fs::read_to_string(path.join("f.csv")).unwrap();
+    assert!(n_features > 20 && csv.lines().count() == n_features + 1, "{n_features}");
+    assert!(said["summary"]["levels"][4]["sigma"].as_f64().unwrap() > 0.0);
+    run(path, &format!("tiles a.laz -o many.laz {what} --tiles 4 --workers 2"));
+    assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("many.laz")).unwrap());
+    assert_eq!(fs::read_to_string(path.join("f.csv")).unwrap(), csv);
+    let fields = json(path, "info one.laz")["fields"].to_string();
+    assert!(fields.contains("saliency") && fields.contains(r#""channels":3,"name":"wavelet_2""#), "{fields}");
+    // By jobs.
+    run(path, &format!("tiles a.laz -o jobs {what} --tiles 3 --plan-only"));
+    let n_tiles = all_jobs(path);
+    for tile in 0..n_tiles {
+        run(path, &format!("tile jobs maps {tile}"));
+    }
+    assert_eq!(json(path, "tile jobs status")["maps_done"], n_tiles);
+    run(path, &format!("tiles a.laz -o again.laz {what} --work jobs"));
+    assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("again.laz")).unwrap());
+    says(path, "tiles a.laz -o b.laz --features f.txt", "f.txt");
+    says(path, "tiles a.laz -o b.laz --features f.csv --theta 0", "θ is 0");
+    says(path, "tiles a.laz -o b.laz --features f.csv --levels 2", "at least 3 levels");
+    says(path, "tiles a.laz -o b.laz --saliency=paper --levels 2", "skips the 2 finest levels");
+    says(path, "tiles a.laz -o b.laz --vectors 9", "no band 9");
+}
+
 /// Sorts the work `jobs` and does all jobs of its tiles, the last one first; how many tiles there are.
 fn all_jobs(path: &Path) -> u64 {
     run(path, "tile jobs sort");

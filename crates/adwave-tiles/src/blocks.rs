@@ -110,6 +110,11 @@ impl Blocks {
         first..(first + VERTICES_IN_A_BLOCK).min(self.n_vertices as usize)
     }
 
+    /// How many records are before a block; of the block after the last, how many there are.
+    pub(crate) fn first_record(&self, block: usize) -> u64 {
+        self.firsts[block]
+    }
+
     /// The records of a block, whole.
     pub(crate) fn records(&self, block: usize) -> Result<Vec<u8>, TilesError> {
         let (first, end) = (self.firsts[block], self.firsts[block + 1]);

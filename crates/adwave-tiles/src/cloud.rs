@@ -7,8 +7,8 @@ use adwave_io::{LasReader, LasWriter};
 use rayon::prelude::*;
 
 use crate::TilesError;
-use crate::bands::length;
 use crate::layout::{Layout, Steps, set_whole, whole};
+use crate::outputs::Outputs;
 use crate::plan::{Input, Params, Plan};
 
 /// The work on some files, not yet cut into tiles; `None` where there are no files.
@@ -162,11 +162,10 @@ pub(crate) fn records_of_block(
     layout: Steps,
     records: &[u8],
     points: &[[f64; 3]],
-    outs: &[&[[f64; 3]]],
+    outs: &Outputs<'_>,
 ) -> Result<Vec<u8>, TilesError> {
-    let (changes, bands) = outs.split_at(usize::from(plan.params.moves()));
     let n = records.len() / layout.record_bytes;
-    let mut made = Vec::with_capacity(records.len() + 4 * bands.len() * n);
+    let mut made = Vec::with_capacity(records.len() + plan.params.field_bytes() * n);
     let (mut vertex, mut last) = (0, None);
     for record in records.chunks_exact(layout.record_bytes) {
         let here = whole(record);
@@ -174,7 +173,7 @@ pub(crate) fn records_of_block(
         last = Some(here);
         let start = made.len();
         made.extend_from_slice(record);
-        if let Some(change) = changes.first().map(|change| change[vertex]) {
+        if let Some(change) = outs.change.map(|change| change[vertex]) {
             let moved: [f64; 3] = std::array::from_fn(|c| points[vertex][c] + change[c]);
             let Some(whole) = layout.nearest(moved) else {
                 return Err(TilesError::Input(format!(
@@ -183,9 +182,7 @@ pub(crate) fn records_of_block(
             };
             set_whole(&mut made[start..], whole);
         }
-        for band in bands {
-            made.extend_from_slice(&(length(band[vertex]) as f32).to_le_bytes());
-        }
+        outs.push_fields(vertex, &mut made);
     }
     Ok(made)
 }

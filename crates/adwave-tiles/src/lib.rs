@@ -8,6 +8,8 @@
 //! 3. **Bands** (`bands`): a polynomial of degree d of Φ₁ sees d rings of neighbours. From a tile a breadth-first search over the
 //!    stored neighbourhoods goes as many rings as the polynomial sees, over as many blocks as these need; nothing is guessed in metres.
 //!
+//! 4. **Maps** (`maps`): what the numbers of whole levels decide, where it is asked for: the saliency map, and features.
+//!
 //! A row of T (eq. 1) is made of a vertex, its neighbours in the order of the curve, their areas and E; a step of the recurrence of
 //! its row. Neither depends on the tile, so that all ways to cut a shape into tiles give the same bytes.
 //!
@@ -25,10 +27,12 @@ mod cloud;
 mod error;
 mod files;
 mod layout;
+mod maps;
 mod mesh;
 mod names;
 mod near_file;
 mod neighbours;
+mod outputs;
 mod part;
 mod plan;
 mod run;
@@ -36,10 +40,12 @@ mod sort;
 mod terrain;
 #[cfg(test)]
 mod tests;
+mod totals;
 
 pub use blocks::VERTICES_IN_A_BLOCK;
 pub use error::TilesError;
 pub use mesh::is_mesh;
-pub use plan::{Forecast, Params};
+pub use plan::{Forecast, MapKind, MapWeights, Params};
 pub use run::{Job, Status, Summary, Work, forecast, join, run, run_job};
 pub use terrain::Terrain;
+pub use totals::LevelSummary;

@@ -14,6 +14,8 @@ pub(crate) const TABLE: &str = "blocks.bin";
 pub(crate) const RECORDS: &str = "records.bin";
 /// The lengths of the files of faces, whose presence says that these are whole.
 pub(crate) const FACES: &str = "faces.json";
+/// Numbers of whole levels, for the maps.
+pub(crate) const LEVELS: &str = "levels.json";
 
 /// The names of the files of a folder.
 pub(crate) fn names(folder: &Path) -> Result<Vec<String>, TilesError> {
@@ -56,11 +58,14 @@ pub(crate) fn is_part(name: &str) -> bool {
 
 /// Whether a work has a file of that name.
 pub(crate) fn is_own(name: &str) -> bool {
-    [PLAN, LOCK, TABLE, RECORDS, FACES].contains(&name)
+    [PLAN, LOCK, TABLE, RECORDS, FACES, LEVELS].contains(&name)
         || is_run(name)
         || is_tile(name)
         || is_faces(name)
         || is_part(name)
         || is_numbered(name, "near-", ".bin")
         || is_numbered(name, "tile-", ".json")
+        || is_numbered(name, "made-", ".bin")
+        || is_numbered(name, "lengths-", ".bin")
+        || is_numbered(name, "features-", ".json")
 }

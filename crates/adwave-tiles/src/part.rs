@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use adwave::Progress;
-use adwave::pages::zeros;
+use adwave::pages::{release_freed, zeros};
 use adwave::rows::Pattern;
 use rayon::prelude::*;
 
@@ -91,6 +91,8 @@ pub(crate) struct Part {
     pub(crate) areas: Vec<f64>,
     /// The vertices of the tile.
     pub(crate) own: Range<usize>,
+    /// The places along the curve of all its vertices, as stretches of it.
+    pub(crate) stretches: Vec<Range<usize>>,
 }
 
 struct Search<'a> {
@@ -121,6 +123,31 @@ pub(crate) struct Limits {
     pub(crate) vertices: u64,
     /// Vertices of the blocks that are searched for it.
     pub(crate) searched: u64,
+}
+
+/// `each(part, blocks)` for a tile with its rings, or for pieces of it, in the order of their blocks.
+///
+/// A stretch of the curve can be several patches, which have more around them than one: where the vertices of the tile and its rings
+/// are more than memory allows, one half comes after the other.
+pub(crate) fn each_part(
+    blocks: &Blocks,
+    neighbourhoods: &Neighbourhoods,
+    tile: Range<usize>,
+    limits: Limits,
+    progress: Progress<'_>,
+    mut each: impl FnMut(Part, Range<usize>) -> Result<(), TilesError>,
+) -> Result<(), TilesError> {
+    let mut to_do = vec![tile];
+    while let Some(tile) = to_do.pop() {
+        release_freed();
+        if let Some(part) = part(blocks, neighbourhoods, tile.clone(), limits, progress)? {
+            each(part, tile)?;
+        } else {
+            let middle = tile.start.midpoint(tile.end);
+            to_do.extend([middle..tile.end, tile.start..middle]);
+        }
+    }
+    Ok(())
 }
 
 /// Collects the blocks `tile` and the rings around them; `None` as soon as that is more than the limits allow, unless it is one block.
@@ -314,6 +341,7 @@ impl Search<'_> {
                 own.end = n as usize;
             }
         }
+        let stretches = self.stretches();
         let (points, areas) = self.positions_and_areas(n as usize)?;
         let mut offsets: Vec<usize> = zeros(n as usize + 1);
         let mut at = 0;
@@ -345,7 +373,23 @@ impl Search<'_> {
         let neighbours = Pattern::new(offsets, columns, points.len()).map_err(|e| {
             TilesError::Input(format!("neighbourhoods contradict each other ({e}); begin anew"))
         })?;
-        Ok(Part { points, neighbours, areas, own })
+        Ok(Part { points, neighbours, areas, own, stretches })
+    }
+
+    /// The places of the vertices that were reached.
+    fn stretches(&self) -> Vec<Range<usize>> {
+        let mut stretches: Vec<Range<usize>> = Vec::new();
+        for loaded in &self.loaded {
+            for (place, _) in
+                self.blocks.vertices(loaded.block).zip(&loaded.ring).filter(|(_, ring)| **ring != OUTSIDE)
+            {
+                match stretches.last_mut() {
+                    Some(last) if last.end == place => last.end += 1,
+                    _ => stretches.push(place..place + 1),
+                }
+            }
+        }
+        stretches
     }
 
     /// The positions and areas (eq. 1) of the `n` vertices that were reached, read only now: the search does without.

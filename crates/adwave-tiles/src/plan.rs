@@ -4,11 +4,36 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use adwave::bands::{FixedSeries, Schedule};
+use adwave::features::{FeatureError, FeatureParams};
+use adwave::saliency::SaliencyError;
 use serde::{Deserialize, Serialize};
 
 use crate::layout::Layout;
 use crate::part::Limits;
 use crate::{TilesError, VERTICES_IN_A_BLOCK, mesh};
+
+/// How the levels of a saliency map without a sign, `Λ = Σ_j α_j·‖W_j‖` over j > skip, are weighed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MapWeights {
+    /// How many of the finest levels are skipped.
+    pub skip: usize,
+    /// The α_j.
+    pub kind: MapKind,
+}
+
+/// The α_j that the numbers of whole levels decide (see [`Weighting`](adwave::saliency::Weighting)).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MapKind {
+    /// By how unevenly a level is spread, over its mean.
+    Entropy,
+    /// (max − mean)², as the paper has it (eq. 17).
+    PerLevel,
+    /// 1/mean.
+    Normalised,
+    /// 1.
+    Uniform,
+}
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,6 +45,15 @@ pub struct Params {
     pub gains: Vec<f64>,
     /// The bands, from 1, whose length ‖W_j‖ becomes a field `wavelet_j` of the points, in model units.
     pub magnitudes: Vec<usize>,
+    /// The bands, from 1, whose vectors W_j become fields `wavelet_j_x`, `wavelet_j_y` and `wavelet_j_z`, in model units.
+    #[serde(default)]
+    pub vectors: Vec<usize>,
+    /// How a saliency map is weighed that becomes the field `saliency`; none where there is none.
+    #[serde(default)]
+    pub saliency: Option<MapWeights>,
+    /// θ of the features that are looked for (see [`FeatureParams`]); none where there is none.
+    #[serde(default)]
+    pub theta: Option<f64>,
     /// How many nearest neighbours a step of the walk in a cloud may take in.
     pub neighbours: usize,
     /// Relative error of the bands (see [`FixedSeries`]).
@@ -38,6 +72,9 @@ impl Default for Params {
             levels: 8,
             gains: Vec::new(),
             magnitudes: Vec::new(),
+            vectors: Vec::new(),
+            saliency: None,
+            theta: None,
             neighbours: 10,
             accuracy: 1e-6,
             n_tiles: None,
@@ -50,8 +87,15 @@ impl Default for Params {
 /// More neighbours than this make rows that no tile holds.
 const MOST_NEIGHBOURS: usize = 200;
 
+/// A record of LAS has at most 65 535 bytes, and a field is described by 192 of a record of as many.
+const MOST_FIELDS: usize = 300;
+
 /// Rings are numbers of 16 bits; a tile with so many has hardly anything of its own.
 const MOST_RINGS: usize = 60_000;
+
+fn of_features(error: FeatureError) -> TilesError {
+    TilesError::Input(error.to_string())
+}
 
 impl Params {
     pub(crate) fn check(&self) -> Result<(), TilesError> {
@@ -66,8 +110,23 @@ impl Params {
         if let Some(gain) = self.gains.iter().find(|gain| !gain.is_finite()) {
             return input(format!("the gain {gain} is not finite; give a number"));
         }
-        if let Some(band) = self.magnitudes.iter().find(|band| !(1..=self.levels).contains(*band)) {
+        let mut bands = self.magnitudes.iter().chain(&self.vectors);
+        if let Some(band) = bands.find(|band| !(1..=self.levels).contains(*band)) {
             return input(format!("there is no band {band}; bands are 1 to {}", self.levels));
+        }
+        if self.fields().len() > MOST_FIELDS {
+            return input(format!("{} fields; ask for at most {MOST_FIELDS}", self.fields().len()));
+        }
+        if let Some(MapWeights { skip, .. }) = self.saliency
+            && skip >= self.levels
+        {
+            return input(SaliencyError::NoLevelLeft { skip, n_levels: self.levels }.to_string());
+        }
+        if let Some(theta) = self.theta {
+            FeatureParams::default().with_theta(theta).check().map_err(of_features)?;
+            if self.levels < 3 {
+                return Err(of_features(FeatureError::TooFewLevels { n_levels: self.levels }));
+            }
         }
         if !(1..=MOST_NEIGHBOURS).contains(&self.neighbours) {
             return input(format!("{} neighbours; give 1 to {MOST_NEIGHBOURS}", self.neighbours));
@@ -78,7 +137,23 @@ impl Params {
         Ok(())
     }
 
-    /// The polynomials of the outputs: the change of the coordinates, where any gain is not 1, and the bands.
+    /// The bands that are computed, rising.
+    pub(crate) fn wanted(&self) -> Vec<usize> {
+        if self.has_maps() {
+            return (1..=self.levels).collect();
+        }
+        let mut wanted: Vec<usize> = self.magnitudes.iter().chain(&self.vectors).copied().collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        wanted
+    }
+
+    /// Whether anything is asked for that the bands of all tiles decide.
+    pub(crate) fn has_maps(&self) -> bool {
+        self.saliency.is_some() || self.theta.is_some()
+    }
+
+    /// The polynomials of the outputs: the change of the coordinates, where any gain is not 1, and the bands that are computed.
     pub(crate) fn series(&self) -> Result<Vec<FixedSeries>, TilesError> {
         let bands = FixedSeries::bands(&Schedule::dyadic(self.levels)?, self.accuracy)?;
         let mut series = Vec::new();
@@ -86,7 +161,7 @@ impl Params {
             let factors: Vec<f64> = self.gains.iter().map(|gain| gain - 1.0).collect();
             series.push(FixedSeries::weighted(&bands, &factors));
         }
-        series.extend(self.magnitudes.iter().map(|band| bands[band - 1].clone()));
+        series.extend(self.wanted().into_iter().map(|band| bands[band - 1].clone()));
         Ok(series)
     }
 
@@ -97,7 +172,15 @@ impl Params {
 
     /// The names of the fields that the points get.
     pub(crate) fn fields(&self) -> Vec<String> {
-        self.magnitudes.iter().map(|band| format!("wavelet_{band}")).collect()
+        let lengths = self.magnitudes.iter().map(|band| format!("wavelet_{band}"));
+        let vectors =
+            self.vectors.iter().flat_map(|band| ["x", "y", "z"].map(|c| format!("wavelet_{band}_{c}")));
+        lengths.chain(vectors).chain(self.saliency.map(|_| "saliency".to_owned())).collect()
+    }
+
+    /// Bytes of the fields of a point: 32-bit floats.
+    pub(crate) fn field_bytes(&self) -> usize {
+        4 * (self.magnitudes.len() + 3 * self.vectors.len() + usize::from(self.saliency.is_some()))
     }
 
     /// How many rings around a tile decide its result.
@@ -163,18 +246,21 @@ const SEARCHED_BYTES: u64 = 220;
 impl Cost {
     fn of(plan: &Plan) -> Self {
         let record_bytes = plan.layout.record_bytes() as u64;
+        // Results as they are before the maps, and the lengths of all bands.
+        let made = if plan.params.has_maps() { plan.row_bytes() + 4 * plan.params.levels } else { 0 };
+        let made = made as u64;
         match plan.layout {
             // Neighbours reach further than the mean distance between vertices. On disk are the sorted records, once more while runs are
             // merged; or distances and neighbours.
             Layout::Las(_) => Self {
                 vertex_bytes: 275,
                 vertices_per_ring: 1.8,
-                disk: record_bytes + record_bytes.max(8 + 2 * plan.params.neighbours as u64),
+                disk: record_bytes + record_bytes.max(8 + 2 * plan.params.neighbours as u64 + made),
             },
             // The sorted records, faces, areas and neighbours, and results, once more while they are joined.
             Layout::Mesh(_) => {
                 let faces_per_vertex = plan.n_faces.div_ceil(plan.n_points.max(1)).max(2);
-                let results = 2 * mesh::result_bytes(&plan.params) as u64;
+                let results = 2 * plan.row_bytes() as u64 + made;
                 Self {
                     vertex_bytes: 110 + 40 * faces_per_vertex,
                     vertices_per_ring: 1.3,
@@ -258,9 +344,17 @@ impl Plan {
         Ok((blocks as usize, forecast))
     }
 
+    /// Bytes of a record as it comes out: of a mesh what the join is given for a vertex.
+    pub(crate) fn row_bytes(&self) -> usize {
+        match self.layout {
+            Layout::Las(steps) => steps.record_bytes + self.params.field_bytes(),
+            Layout::Mesh(_) => mesh::result_bytes(&self.params),
+        }
+    }
+
     /// Bytes of memory for each vertex of a tile and its rings, with its outputs and records.
     fn bytes_per_vertex(&self, cost: &Cost) -> u64 {
-        let n_outputs = self.params.magnitudes.len() as u64 + 1;
+        let n_outputs = self.params.wanted().len() as u64 + 1;
         cost.vertex_bytes + OUTPUT_BYTES * n_outputs + 2 * self.layout.record_bytes() as u64
     }
 

@@ -1,29 +1,34 @@
 //! A work from its inputs to its results, stage by stage, each where it was left.
 
 use std::fs::{File, TryLockError};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use adwave::Progress;
+use adwave::features::Feature;
 use adwave::pages::release_freed;
 use serde::{Deserialize, Serialize};
 
-use crate::bands::{BlockOutcome, bands_of_tile};
+use crate::bands::bands_of_tile;
 use crate::blocks::Blocks;
 use crate::box_tree::BoxTree;
-use crate::files::write_whole;
+use crate::files::{At, write_whole};
 use crate::layout::Layout;
+use crate::maps::{Lengths, StoredFeature, features_of_tile, map_of_tile};
 use crate::mesh::{self, is_mesh};
 use crate::names::{
-    FACES, LOCK, PLAN, RECORDS, TABLE, is_faces, is_own, is_part, is_run, is_temporary, is_tile, names,
+    FACES, LEVELS, LOCK, PLAN, RECORDS, TABLE, is_faces, is_own, is_part, is_run, is_temporary, is_tile,
+    names,
 };
 use crate::near_file::NearFile;
 use crate::neighbours::neighbours_of_tile;
 use crate::part::{Kind, Neighbourhoods};
 use crate::plan::{Forecast, Params, Plan};
 use crate::sort::{has_run, n_runs, records_of_a_run, sort, sort_run};
+use crate::totals::{BlockOutcome, LevelSummary, Totals};
 use crate::{TilesError, VERTICES_IN_A_BLOCK, cloud};
 
 /// One tile of one stage: what a process does on its own, in any order within the stage.
@@ -38,6 +43,8 @@ pub enum Job {
     Neighbours(usize),
     /// The bands of a tile, after all neighbourhoods.
     Bands(usize),
+    /// The saliency map and the features of a tile, after all bands, where there are to be any.
+    Maps(usize),
 }
 
 /// A folder with a plan and what has been done of it.
@@ -60,6 +67,10 @@ pub struct Status {
     pub neighbours_done: usize,
     /// Tiles whose bands are computed.
     pub bands_done: usize,
+    /// Whether there are maps to be made once all bands are.
+    pub has_maps: bool,
+    /// Tiles whose maps are made.
+    pub maps_done: usize,
 }
 
 /// What came out.
@@ -77,8 +88,8 @@ pub struct Summary {
     pub mean_length: f64,
     /// Root mean square of the distances moved, and the largest one, in model units.
     pub moved: [f64; 2],
-    /// The same for each band that was asked for.
-    pub magnitudes: Vec<[f64; 2]>,
+    /// The bands that were computed, with what counts in the map.
+    pub levels: Vec<LevelSummary>,
 }
 
 /// The most vertices that numbers of 32 bits name.
@@ -153,7 +164,7 @@ impl Work {
         }
         let json =
             serde_json::to_vec_pretty(&plan).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
-        write_whole(&path, |out| std::io::Write::write_all(out, &json).map_err(TilesError::io(&path)))?;
+        write_whole(&path, |out| out.write_all(&json).map_err(TilesError::io(&path)))?;
         Ok((Self { folder: folder.to_owned(), plan }, forecast))
     }
 
@@ -214,6 +225,25 @@ impl Work {
         matches!(self.plan.layout, Layout::Mesh(_))
     }
 
+    /// Whether the last stage is that of maps.
+    pub fn has_maps(&self) -> bool {
+        self.plan.params.has_maps()
+    }
+
+    /// The records of a tile before its map.
+    fn made(&self, tile: usize) -> PathBuf {
+        self.folder.join(format!("made-{tile:05}.bin"))
+    }
+
+    /// The lengths of all bands at the vertices of a tile.
+    fn lengths(&self, tile: usize) -> PathBuf {
+        self.folder.join(format!("lengths-{tile:05}.bin"))
+    }
+
+    fn stored_features(&self, tile: usize) -> PathBuf {
+        self.folder.join(format!("features-{tile:05}.json"))
+    }
+
     fn outcome(&self, tile: usize) -> PathBuf {
         self.folder.join(format!("tile-{tile:05}.json"))
     }
@@ -264,9 +294,7 @@ impl Work {
 
     /// The lengths of the files of faces, once all are written.
     fn bytes_of_faces(&self) -> Result<Vec<u64>, TilesError> {
-        let path = self.folder.join(FACES);
-        let json = std::fs::read(&path).map_err(TilesError::io(&path))?;
-        serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))
+        read_json(&self.folder.join(FACES))
     }
 
     fn neighbours(
@@ -292,7 +320,11 @@ impl Work {
             }
             Job::Sort => self.is_sorted(),
             Job::Neighbours(tile) => self.near(tile).exists(),
+            Job::Bands(tile) if self.has_maps() => {
+                [self.outcome(tile), self.made(tile), self.lengths(tile)].iter().all(|path| path.exists())
+            }
             Job::Bands(tile) => self.outcome(tile).exists() && self.tile(tile).exists(),
+            Job::Maps(tile) => self.tile(tile).exists() && self.stored_features(tile).exists(),
         }
     }
 
@@ -315,6 +347,8 @@ impl Work {
             n_tiles,
             neighbours_done: of_tiles(Job::Neighbours),
             bands_done: of_tiles(Job::Bands),
+            has_maps: self.has_maps(),
+            maps_done: if self.has_maps() { of_tiles(Job::Maps) } else { 0 },
         })
     }
 
@@ -384,53 +418,130 @@ impl Work {
         tile: usize,
         progress: Progress<'_>,
     ) -> Result<(), TilesError> {
-        let (range, path) = (self.plan.tile(tile, blocks.len()), self.tile(tile));
-        let outcomes = if self.is_mesh() {
-            write_whole(&path, |out| {
-                bands_of_tile(&self.plan, blocks, neighbourhoods, range, progress, |results| {
-                    std::io::Write::write_all(out, results).map_err(TilesError::io(&path))
+        let (plan, range) = (&self.plan, self.plan.tile(tile, blocks.len()));
+        let outcomes = if self.has_maps() {
+            let paths = [self.made(tile), self.lengths(tile)];
+            write_whole(&paths[0], |records| {
+                write_whole(&paths[1], |lengths| {
+                    bands_of_tile(plan, blocks, neighbourhoods, range, progress, |made| {
+                        records.write_all(&made.records).map_err(TilesError::io(&paths[0]))?;
+                        lengths.write_all(&made.lengths).map_err(TilesError::io(&paths[1]))
+                    })
                 })
             })?
         } else {
-            let mut writer = cloud::writer(&self.plan, &path)?;
-            let outcomes = bands_of_tile(&self.plan, blocks, neighbourhoods, range, progress, |records| {
-                Ok(writer.write(records)?)
-            })?;
-            writer.finish()?;
-            outcomes
+            self.write_tile(tile, |out| {
+                bands_of_tile(plan, blocks, neighbourhoods, range, progress, |made| out(&made.records))
+            })?
         };
-        let path = self.outcome(tile);
-        let json =
-            serde_json::to_vec(&outcomes).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
-        write_whole(&path, |out| std::io::Write::write_all(out, &json).map_err(TilesError::io(&path)))
+        write_json(&self.outcome(tile), &outcomes)
+    }
+
+    /// Writes the points of a tile as they come out.
+    fn write_tile<T>(
+        &self,
+        tile: usize,
+        write: impl FnOnce(&mut dyn FnMut(&[u8]) -> Result<(), TilesError>) -> Result<T, TilesError>,
+    ) -> Result<T, TilesError> {
+        let path = self.tile(tile);
+        if self.is_mesh() {
+            return write_whole(&path, |out| {
+                write(&mut |rows| out.write_all(rows).map_err(TilesError::io(&path)))
+            });
+        }
+        let mut writer = cloud::writer(&self.plan, &path)?;
+        let written = write(&mut |records| Ok(writer.write(records)?))?;
+        writer.finish()?;
+        Ok(written)
+    }
+
+    fn maps(
+        &self,
+        blocks: &Blocks,
+        neighbourhoods: &Neighbourhoods,
+        tile: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        if !self.has_maps() {
+            return Err(TilesError::Input(
+                "no maps are asked for; the tiles are done with their bands".into(),
+            ));
+        }
+        let n_tiles = self.plan.n_tiles(blocks.len());
+        let levels = self.levels(blocks, neighbourhoods)?;
+        let paths = (0..n_tiles).map(|tile| self.lengths(tile)).collect();
+        let vertices_per_tile = self.plan.blocks_per_tile * VERTICES_IN_A_BLOCK;
+        let lengths = Lengths::new(paths, levels.len(), vertices_per_tile);
+        let (whole, range) = ((&self.plan, blocks), self.plan.tile(tile, blocks.len()));
+        let features = features_of_tile(whole, neighbourhoods, range.clone(), &lengths, &levels, progress)?;
+        let made = At::open(&self.made(tile))?;
+        self.write_tile(tile, |out| map_of_tile(whole, range, (&made, &lengths), &levels, progress, out))?;
+        write_json(&self.stored_features(tile), &features)
+    }
+
+    /// The numbers of whole levels, from those of all tiles by who comes first.
+    fn levels(
+        &self,
+        blocks: &Blocks,
+        neighbourhoods: &Neighbourhoods,
+    ) -> Result<Vec<LevelSummary>, TilesError> {
+        let path = self.folder.join(LEVELS);
+        if !path.exists() {
+            write_json(&path, &self.totals(blocks, neighbourhoods)?.levels)?;
+        }
+        read_json(&path)
+    }
+
+    fn totals(&self, blocks: &Blocks, neighbourhoods: &Neighbourhoods) -> Result<Totals, TilesError> {
+        let n_tiles = self.plan.n_tiles(blocks.len());
+        let outcomes = (0..n_tiles).map(|tile| read_json::<Vec<BlockOutcome>>(&self.outcome(tile)));
+        let outcomes: Vec<Vec<BlockOutcome>> = outcomes.collect::<Result<_, _>>()?;
+        let (outcomes, unit) = (outcomes.into_iter().flatten(), self.plan.layout.unit());
+        Totals::of(&self.plan.params, outcomes, blocks.n_vertices, neighbourhoods.mean_length, unit)
     }
 
     fn summary(&self, blocks: &Blocks, neighbourhoods: &Neighbourhoods) -> Result<Summary, TilesError> {
-        let n_tiles = self.plan.n_tiles(blocks.len());
-        let n_bands = self.plan.params.magnitudes.len();
-        let mut sums = vec![(0.0, 0.0); n_bands + 1];
-        for tile in 0..n_tiles {
-            let path = self.outcome(tile);
-            let json = std::fs::read(&path).map_err(TilesError::io(&path))?;
-            let outcomes: Vec<BlockOutcome> =
-                serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))?;
-            for outcome in outcomes {
-                let all = std::iter::once(&outcome.moved).chain(&outcome.bands);
-                for (sum, (squares, most)) in sums.iter_mut().zip(all) {
-                    *sum = (sum.0 + squares, f64::max(sum.1, *most));
-                }
-            }
-        }
-        let rms = |(squares, most): &(f64, f64)| [(squares / blocks.n_vertices.max(1) as f64).sqrt(), *most];
+        let Totals { moved, levels } = self.totals(blocks, neighbourhoods)?;
         Ok(Summary {
             n_points: self.plan.n_points,
             n_vertices: blocks.n_vertices,
             n_faces: self.plan.n_faces,
-            n_tiles,
+            n_tiles: self.plan.n_tiles(blocks.len()),
             mean_length: neighbourhoods.mean_length * self.plan.layout.unit(),
-            moved: rms(&sums[0]),
-            magnitudes: sums[1..].iter().map(rms).collect(),
+            moved,
+            levels,
         })
+    }
+
+    /// The features of all tiles, from fine to coarse, on each level the strongest first; `vertex` is of a mesh that of its file, of a
+    /// cloud the point in the order of the curve, which is that of the joined tiles.
+    ///
+    /// # Errors
+    /// When a tile is not done.
+    pub fn features(&self) -> Result<Vec<Feature>, TilesError> {
+        if self.plan.params.theta.is_none() {
+            return Ok(Vec::new());
+        }
+        let blocks = self.blocks()?;
+        let levels = self.levels(&blocks, &self.neighbourhoods(&blocks)?)?;
+        let n_tiles = self.plan.n_tiles(blocks.len());
+        let mut all: Vec<StoredFeature> = Vec::new();
+        for tile in 0..n_tiles {
+            all.extend(read_json::<Vec<StoredFeature>>(&self.stored_features(tile))?);
+        }
+        all.sort_by(|a, b| {
+            a.level.cmp(&b.level).then(b.response.total_cmp(&a.response)).then(a.place.cmp(&b.place))
+        });
+        let feature = |stored: StoredFeature| Feature {
+            vertex: stored.vertex as usize,
+            position: Some(stored.position),
+            level: stored.level,
+            sigma: levels.get(stored.level.wrapping_sub(1)).map_or(0.0, |level| level.sigma),
+            response: stored.response,
+            strength: stored.response,
+            channel: None,
+        };
+        Ok(all.into_iter().map(feature).collect())
     }
 
     /// Deletes what only the work itself needed, and what jobs that were killed left half written; the tiles stay.
@@ -453,6 +564,16 @@ impl Work {
     }
 }
 
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), TilesError> {
+    let json = serde_json::to_vec(value).map_err(std::io::Error::from).map_err(TilesError::io(path))?;
+    write_whole(path, |out| out.write_all(&json).map_err(TilesError::io(path)))
+}
+
+fn read_json<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, TilesError> {
+    let json = std::fs::read(path).map_err(TilesError::io(path))?;
+    serde_json::from_slice(&json).map_err(|e| TilesError::broken(path, e.to_string()))
+}
+
 /// Time between two tries to have the lock.
 const PATIENCE: Duration = Duration::from_millis(100);
 
@@ -465,32 +586,35 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
     match job {
         Job::Run(run) => return work.sort_run(run, progress),
         Job::Sort => return work.sort(progress),
-        Job::Neighbours(_) | Job::Bands(_) => {}
+        Job::Neighbours(_) | Job::Bands(_) | Job::Maps(_) => {}
     }
     let blocks = work.blocks()?;
     let n_tiles = work.plan.n_tiles(blocks.len());
-    let (Job::Neighbours(tile) | Job::Bands(tile)) = job else { return Ok(()) };
+    let (Job::Neighbours(tile) | Job::Bands(tile) | Job::Maps(tile)) = job else { return Ok(()) };
     if tile >= n_tiles {
         return Err(TilesError::Input(format!(
             "there is no tile {tile}; tiles are 0 to {}",
             n_tiles.max(1) - 1
         )));
     }
-    if let Job::Bands(_) = job {
-        return work.bands(&blocks, &work.neighbourhoods(&blocks)?, tile, progress);
+    match job {
+        Job::Bands(_) => return work.bands(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
+        Job::Maps(_) => return work.maps(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
+        _ => {}
     }
     work.neighbours(&blocks, &BoxTree::new(blocks.boxes.clone()), tile, progress)
 }
 
-/// Does all that is not done yet. Reports vertices, of three times as many as there are.
+/// Does all that is not done yet. Reports vertices, of as many times what there are as there are stages.
 ///
 /// # Errors
 /// [`TilesError`]; what was done stays, and the next call goes on there.
 pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
     let n = work.plan.n_points;
+    let all = n * if work.has_maps() { 4 } else { 3 };
     let sorting = |done: u64, total: u64| {
         // Who is asked to stop is asked by the call itself.
-        let _ = progress.step(done * n / total.max(1), 3 * n);
+        let _ = progress.step(done * n / total.max(1), all);
     };
     if !work.is_sorted() {
         work.sort(progress.quiet().with_report(&sorting))?;
@@ -501,7 +625,7 @@ pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
     let finished = |tile: usize| {
         let range = work.plan.tile(tile, blocks.len());
         let more = (range.len() * VERTICES_IN_A_BLOCK) as u64;
-        progress.step((done.fetch_add(more, Ordering::Relaxed) + more).min(3 * n), 3 * n)
+        progress.step((done.fetch_add(more, Ordering::Relaxed) + more).min(all), all)
     };
     let tree = BoxTree::new(blocks.boxes.clone());
     each(work, n_tiles, |tile| {
@@ -519,6 +643,14 @@ pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
         }
         Ok(finished(tile)?)
     })?;
+    if work.has_maps() {
+        each(work, n_tiles, |tile| {
+            if !work.is_done(Job::Maps(tile)) {
+                work.maps(&blocks, &neighbourhoods, tile, progress.quiet())?;
+            }
+            Ok(finished(tile)?)
+        })?;
+    }
     work.summary(&blocks, &neighbourhoods)
 }
 

@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use adwave::bands::Schedule;
+use adwave::features::{Feature, FeatureParams, features};
+use adwave::saliency::{SaliencyParams, Sign, Weighting, saliency};
 use adwave::shape::{PointCloud, Shape};
 use adwave::{Decomposer, Progress};
 use adwave_io::{LasLayout, LasReader, LasWriter};
 
 use crate::layout::{set_whole, whole};
 use crate::part::part;
-use crate::{Job, Params, TilesError, Work, join, run, run_job};
+use crate::{Job, MapKind, MapWeights, Params, TilesError, Work, join, run, run_job};
 
 /// Bytes of a record of point format 0.
 const RECORD: usize = 20;
@@ -51,6 +53,12 @@ fn write(path: &Path, points: &[[i32; 3]], offset: f64) {
     writer.finish().unwrap();
 }
 
+/// Everything that bands are made into.
+fn maps() -> Params {
+    let saliency = Some(MapWeights { skip: 1, kind: MapKind::Entropy });
+    Params { vectors: vec![3], saliency, theta: Some(1.6), ..params() }
+}
+
 fn params() -> Params {
     Params { levels: 5, gains: vec![0.0, 0.2, 1.0, 1.5, 1.0], magnitudes: vec![2, 5], ..Params::default() }
 }
@@ -73,11 +81,93 @@ fn tiles_of_any_size_give_the_bytes_of_one() {
     write(&a, &points[..25_000], 0.0);
     write(&b, &points[25_000..], 64.0);
     let inputs = [a, b];
-    let whole = joined(&folder.path().join("one"), &inputs, &params());
-    for n_tiles in [2, 5, 15] {
-        let params = Params { n_tiles: Some(n_tiles), n_workers: 2, ..params() };
-        let work = folder.path().join(n_tiles.to_string());
-        assert!(joined(&work, &inputs, &params) == whole, "{n_tiles} tiles differ");
+    for (name, params) in [("bands", params()), ("maps", maps())] {
+        let one = folder.path().join(name);
+        let whole = joined(&one, &inputs, &params);
+        let features = Work::open(&one).unwrap().features().unwrap();
+        assert_eq!(features.is_empty(), params.theta.is_none());
+        for n_tiles in [2, 5, 15] {
+            let params = Params { n_tiles: Some(n_tiles), n_workers: 2, ..params.clone() };
+            let work = folder.path().join(format!("{name}-{n_tiles}"));
+            assert!(joined(&work, &inputs, &params) == whole, "{n_tiles} tiles differ");
+            assert_eq!(Work::open(&work).unwrap().features().unwrap(), features);
+        }
+    }
+}
+
+/// The fields of the points in a file, by the number of the point that the intensity is.
+fn fields_of(path: &Path, n_points: usize, n_fields: usize) -> Vec<Vec<f32>> {
+    let mut reader = LasReader::open(path).unwrap();
+    let mut records = Vec::new();
+    while reader.read(usize::MAX, &mut records).unwrap() > 0 {}
+    let size = RECORD + 4 * n_fields;
+    assert_eq!(records.len(), size * n_points);
+    let mut fields = vec![Vec::new(); n_points];
+    for record in records.chunks_exact(size) {
+        let i = usize::from(u16::from_le_bytes([record[12], record[13]]));
+        fields[i] = record[RECORD..].as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b)).collect();
+    }
+    fields
+}
+
+#[test]
+fn vectors_map_and_features_are_those_of_the_cloud_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let points = cloud(30_000);
+    let input = folder.path().join("a.las");
+    write(&input, &points, 0.0);
+    let positions: Vec<[f64; 3]> = points.iter().map(|p| p.map(|c| f64::from(c) * 0.001)).collect();
+    let decomposer = Decomposer::new(&Shape::Cloud(PointCloud::new(positions.clone()).unwrap()));
+    let request_of = |positions: &[[f64; 3]]| {
+        let schedule = Schedule::dyadic(5).unwrap();
+        let bands = decomposer.decompose(positions.as_flattened(), 3, &schedule).unwrap();
+        let wavelets = decomposer.request(positions.as_flattened(), 3, &schedule).norms().unwrap();
+        (bands, wavelets)
+    };
+    let (bands, wavelets) = request_of(&positions);
+    let kinds = [
+        (MapKind::Entropy, Weighting::Entropy),
+        (MapKind::PerLevel, Weighting::PerLevel),
+        (MapKind::Normalised, Weighting::Normalised),
+        (MapKind::Uniform, Weighting::Uniform),
+    ];
+    for (kind, weighting) in kinds {
+        let saliency_asked = Some(MapWeights { skip: 1, kind });
+        let params =
+            Params { n_tiles: Some(4), accuracy: 1e-9, saliency: saliency_asked, gains: vec![], ..maps() };
+        let work_folder = folder.path().join(format!("{kind:?}"));
+        let out = folder.path().join("out.las");
+        std::fs::write(&out, joined(&work_folder, std::slice::from_ref(&input), &params)).unwrap();
+        let asked =
+            SaliencyParams::default().with_sign(Sign::Unsigned).with_skip(1).with_weighting(weighting);
+        let map = saliency(&decomposer, &wavelets, &asked, Progress::none()).unwrap().map;
+        let most = map.iter().copied().fold(0.0, f64::max);
+        for (i, fields) in fields_of(&out, points.len(), 6).iter().enumerate() {
+            for c in 0..3 {
+                let exact = bands.wavelet(3)[3 * i + c];
+                assert!((f64::from(fields[2 + c]) - exact).abs() <= 1e-6 * exact.abs() + 1e-7);
+            }
+            assert!(
+                (f64::from(fields[5]) - map[i]).abs() <= 1e-6 * most,
+                "{kind:?}: {} for {}",
+                fields[5],
+                map[i]
+            );
+        }
+        let asked = FeatureParams::default().with_theta(1.6);
+        let exact = features(&decomposer, &wavelets, &asked, Progress::none()).unwrap();
+        let found = Work::open(&work_folder).unwrap().features().unwrap();
+        assert!(exact.len() > 50);
+        let key = |f: &Feature| (f.level, f.position.unwrap().map(|c| (c * 1000.0).round() as i64));
+        let (mut a, mut b): (Vec<_>, Vec<_>) =
+            (exact.iter().map(key).collect::<Vec<_>>(), found.iter().map(key).collect());
+        a.sort_unstable();
+        b.sort_unstable();
+        assert_eq!(a, b);
+        for (exact, found) in exact.iter().zip(&found) {
+            assert!((exact.strength / found.strength - 1.0).abs() < 1e-5);
+            assert!((exact.sigma / found.sigma - 1.0).abs() < 1e-9, "{} for {}", found.sigma, exact.sigma);
+        }
     }
 }
 
@@ -155,7 +245,7 @@ fn a_work_goes_on_after_any_job_and_jobs_may_be_done_twice_or_by_others() {
     let input = folder.path().join("a.las");
     write(&input, &cloud(20_000), 0.0);
     let inputs = [input];
-    let params = Params { n_tiles: Some(3), ..params() };
+    let params = Params { n_tiles: Some(3), ..maps() };
     let whole = joined(&folder.path().join("whole"), &inputs, &params);
     let path = folder.path().join("parts");
     let work = Work::begin(&path, &inputs, &params).unwrap().0;
@@ -175,6 +265,14 @@ fn a_work_goes_on_after_any_job_and_jobs_may_be_done_twice_or_by_others() {
     run_job(&work, Job::Neighbours(1), Progress::none()).unwrap();
     run_job(&work, Job::Bands(1), Progress::none()).unwrap();
     assert!(run_job(&work, Job::Bands(3), Progress::none()).is_err());
+    let early = run_job(&work, Job::Maps(1), Progress::none());
+    assert!(matches!(early, Err(TilesError::Io { .. })), "{early:?}");
+    run_job(&work, Job::Bands(0), Progress::none()).unwrap();
+    run_job(&work, Job::Bands(2), Progress::none()).unwrap();
+    for job in [Job::Maps(2), Job::Maps(0), Job::Maps(0)] {
+        run_job(&work, job, Progress::none()).unwrap();
+    }
+    assert!(work.is_done(Job::Maps(0)) && !work.is_done(Job::Maps(1)));
     assert!(joined(&path, &inputs, &params) == whole);
     // Another work does not mix with it.
     let other = Params { levels: 6, gains: vec![1.0; 6], ..params.clone() };
@@ -278,5 +376,35 @@ fn broken_files_of_the_folder_are_named() {
             );
         }
         std::fs::remove_dir_all(&path).unwrap();
+    }
+}
+
+#[test]
+fn broken_files_of_the_maps_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("a.las");
+    write(&input, &cloud(9000), 0.0);
+    let params = Params { n_tiles: Some(3), ..maps() };
+    let path = folder.path().join("work");
+    let work = Work::begin(&path, std::slice::from_ref(&input), &params).unwrap().0;
+    run(&work, Progress::none()).unwrap();
+    for name in
+        ["made-00001.bin", "lengths-00001.bin", "tile-00001.json", "levels.json", "features-00001.json"]
+    {
+        let bytes = std::fs::read(path.join(name)).unwrap();
+        for cut in [0, 1, bytes.len() / 2, bytes.len() - 1] {
+            std::fs::write(path.join(name), &bytes[..cut]).unwrap();
+            let again = ["levels.json", "tile-00000.laz", "tile-00001.laz", "tile-00002.laz"];
+            for other in again.iter().filter(|other| *other != &name && !name.starts_with("features")) {
+                let _ = std::fs::remove_file(path.join(other));
+            }
+            let result = run(&work, Progress::none()).and_then(|_| work.features());
+            assert!(
+                result.as_ref().is_err_and(|e| e.to_string().contains(name)),
+                "{name} cut at {cut}: {result:?}"
+            );
+        }
+        std::fs::write(path.join(name), bytes).unwrap();
+        assert!(run(&work, Progress::none()).is_ok());
     }
 }

@@ -32,6 +32,8 @@ def plan(
     *,
     gains: Sequence[float] = (),
     magnitudes: Sequence[int] = (),
+    vectors: Sequence[int] = (),
+    saliency: bool | str = False,
     levels: int | None = None,
     neighbours: int = 10,
     accuracy: float = 1e-6,
@@ -50,6 +52,11 @@ def plan(
         A gain for each band, from fine to coarse: 0 drops it, 1 keeps it.
     magnitudes : sequence of int
         Bands, from 1, whose length each point gets as a field ``wavelet_j``, in the unit of the coordinates.
+    vectors : sequence of int
+        Bands, from 1, that each point gets as fields ``wavelet_j_x``, ``wavelet_j_y`` and ``wavelet_j_z``.
+    saliency : bool or str
+        A field ``saliency``: the lengths of all levels weighed by ``'entropy'`` (which True means), ``'paper'``, ``'normalised'`` or ``'none'``, without a
+        sign.
     levels : int, optional
         Number of dyadic levels; as many as there are gains, else 8.
     neighbours : int
@@ -81,6 +88,10 @@ def plan(
         words.append("--gains=" + ",".join(str(float(gain)) for gain in gains))
     if magnitudes:
         words.append("--magnitudes=" + ",".join(str(int(band)) for band in magnitudes))
+    if vectors:
+        words.append("--vectors=" + ",".join(str(int(band)) for band in vectors))
+    if saliency:
+        words.append("--saliency=" + ("entropy" if saliency is True else str(saliency)))
     for option, value in (("--levels", levels), ("--memory", memory), ("--tiles", tiles)):
         if value is not None:
             words += [option, str(value)]
@@ -97,7 +108,7 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
         What `plan` gave.
     client : dask.distributed.Client
         Its workers do the jobs: several sort some of the points each, one merges these, then one for each tile finds neighbours, then one
-        for each tile computes its bands.
+        for each tile computes its bands, and one its map, where there is to be one.
     threads : int
         Threads of each task: as many as a worker has for it.
     retries : int
@@ -136,7 +147,10 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     done("run", range(int(_adwave(["tile", place, "status"])["n_runs"])))
     n_tiles = int(done("sort", range(1))[0]["n_tiles"])
     done("neighbours", range(n_tiles))
-    return [str(result["path"]) for result in done("bands", range(n_tiles))]
+    results = done("bands", range(n_tiles))
+    if _adwave(["tile", place, "status"])["has_maps"]:
+        results = done("maps", range(n_tiles))
+    return [str(result["path"]) for result in results]
 
 
 def _job(folder: str, kind: str, tile: int, threads: int) -> dict[str, Any]:

@@ -1,14 +1,17 @@
 //! `adwave tiles` and `adwave tile`: clouds and meshes that are larger than memory.
 
 use crate::args::size;
+use crate::commands::features::{output_kind, write_features};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{available_memory, check_writable, note, number, print};
+use crate::output::{available_memory, check_writable, note, number, print, table};
 use crate::progress::with_progress;
+use adwave::features::FeatureParams;
 use adwave::pages::keep_freed;
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_tiles::{
-    Forecast, Job, Params, Status, Summary, TilesError, Work, forecast, is_mesh, join, run_job,
+    Forecast, Job, LevelSummary, MapKind, MapWeights, Params, Status, Summary, TilesError, Work, forecast,
+    is_mesh, join, run_job,
 };
 use clap::Args;
 use serde_json::json;
@@ -24,6 +27,7 @@ A run that was ended goes on where it was when the same command is given again. 
 Examples:
   adwave tiles flight-*.laz -o smooth.laz --gains 0,0,0.5,1,1,1,1,1
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --memory 4G
+  adwave tiles flight-*.laz -o map.laz --saliency --features features.csv
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --forecast
   adwave tiles scan.ply -o smooth.ply --gains 0,0.5,1,1,1,1,1,1 --magnitudes 3,6 --memory 1G
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --plan-only, then on any machine that sees the folder:
@@ -50,6 +54,29 @@ pub(crate) struct TilesArgs {
     /// Bands, from 1, whose length |W_j| each point gets as a field wavelet_j, in model units (an OBJ holds none)
     #[arg(long, value_name = "J,J,…", value_delimiter = ',', help_heading = "Bands")]
     magnitudes: Vec<usize>,
+    /// Bands, from 1, that each point gets as fields wavelet_j_x, wavelet_j_y and wavelet_j_z, in model units (an OBJ holds none)
+    #[arg(long, value_name = "J,J,…", value_delimiter = ',', help_heading = "Bands")]
+    vectors: Vec<usize>,
+    /// A field saliency: a map without a sign, the lengths |W_j| of all levels weighed by KIND
+    #[arg(
+        long,
+        value_name = "KIND",
+        value_enum,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "entropy",
+        help_heading = "Bands"
+    )]
+    saliency: Option<KindArg>,
+    /// How many of the finest levels the map skips [default: 0, with another weighting than entropy 2]
+    #[arg(long, value_name = "N", requires = "saliency", help_heading = "Bands")]
+    skip: Option<usize>,
+    /// Where the features of all tiles go (.csv, .json, or spheres as .ply and others)
+    #[arg(long, value_name = "FILE", help_heading = "Bands")]
+    features: Option<PathBuf>,
+    /// How many times the mean response of its level a feature has
+    #[arg(long, value_name = "T", requires = "features", default_value_t = FeatureParams::default().theta, help_heading = "Bands")]
+    theta: f64,
     /// How many nearest neighbours a step of the walk takes in, in clouds
     #[arg(long, value_name = "K", default_value_t = Params::default().neighbours, help_heading = "Bands")]
     neighbours: usize,
@@ -79,17 +106,31 @@ pub(crate) struct TilesArgs {
     keep_work: bool,
 }
 
+/// How the levels of the map are weighed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum KindArg {
+    /// 1/mean by how unevenly the level is spread
+    Entropy,
+    /// (max − mean)² (eq. 17)
+    Paper,
+    /// 1/mean, so that every level counts alike
+    Normalised,
+    /// 1
+    None,
+}
+
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Jobs of one kind may run in any order, at the same time and on several machines; runs come before the sort, which does those that are
-missing, all neighbours after it, and all bands after all neighbours. 'status' says how many there are of each. A job that is done twice gives the same file again. 'adwave tiles' with the same arguments does what is left and joins.
+missing, all neighbours after it, all bands after all neighbours, and, where there is a map or features, all maps after all bands. 'status' says how many there are of each. A job that is done twice gives the same file again. 'adwave tiles' with the same arguments does what is left and joins.
 
 Examples:
   adwave tile tiles/ status
   adwave tile tiles/ run 2
   adwave tile tiles/ sort
   adwave tile tiles/ neighbours 3
-  adwave tile tiles/ bands 3")]
+  adwave tile tiles/ bands 3
+  adwave tile tiles/ maps 3")]
 pub(crate) struct TileArgs {
     /// The folder of 'adwave tiles --plan-only'
     #[arg(value_name = "FOLDER")]
@@ -117,6 +158,8 @@ enum JobKind {
     Neighbours,
     /// The bands of a tile, and its points as they come out
     Bands,
+    /// The saliency map and the features of a tile, where they were asked for
+    Maps,
 }
 
 fn failed(error: &TilesError) -> CliError {
@@ -155,13 +198,25 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
         let forecast = forecast(&args.files, &params).map_err(|e| failed(&e))?;
         return print(global, &format!("{}\n", told(&forecast)), &json!(forecast));
     }
-    if params.gains.iter().all(|&gain| gain == 1.0) && params.magnitudes.is_empty() {
-        return Err(CliError::Input("say what is wanted: --gains, --magnitudes or both".into()));
+    let wants_fields =
+        !(params.magnitudes.is_empty() && params.vectors.is_empty() && params.saliency.is_none());
+    if params.gains.iter().all(|&gain| gain == 1.0) && !wants_fields && args.features.is_none() {
+        return Err(CliError::Input(
+            "say what is wanted: --gains, --magnitudes, --vectors, --saliency or --features".into(),
+        ));
     }
     let joined = is_joined(args)?;
     if joined {
         check_writable(&args.output)?;
     }
+    let features = match &args.features {
+        Some(path) => {
+            let kind = output_kind(path)?;
+            check_writable(path)?;
+            Some((path, kind))
+        }
+        None => None,
+    };
     let folder = match &args.work {
         Some(folder) => folder.clone(),
         None if joined => {
@@ -197,6 +252,14 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
             return Err(failed(&error));
         }
     };
+    let n_features = match features {
+        Some((path, kind)) => {
+            let features = work.features().map_err(|e| failed(&e))?;
+            write_features(path, kind, &features, params.levels, global)?;
+            Some(features.len())
+        }
+        None => None,
+    };
     if joined {
         with_progress(global, "joining", |progress| join(&work, &args.output, progress))
             .map_err(|e| failed(&e))?;
@@ -211,7 +274,7 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
             let _ = std::fs::remove_dir(&folder);
         }
     }
-    said(global, args, &params, &summary)
+    said(global, args, &summary, n_features)
 }
 
 /// Bytes of memory from which on what is kept of freed memory is little beside the rest, a tenth at most.
@@ -228,6 +291,19 @@ fn params(args: &TilesArgs) -> Params {
     params.levels = args.levels.unwrap_or(levels);
     params.gains.clone_from(&args.gains);
     params.magnitudes.clone_from(&args.magnitudes);
+    params.vectors.clone_from(&args.vectors);
+    params.saliency = args.saliency.map(|kind| {
+        // As 'adwave saliency' has it.
+        const SKIPPED: usize = 2;
+        let (kind, skip) = match kind {
+            KindArg::Entropy => (MapKind::Entropy, 0),
+            KindArg::Paper => (MapKind::PerLevel, SKIPPED),
+            KindArg::Normalised => (MapKind::Normalised, SKIPPED),
+            KindArg::None => (MapKind::Uniform, SKIPPED),
+        };
+        MapWeights { kind, skip: args.skip.unwrap_or(skip) }
+    });
+    params.theta = args.features.as_ref().map(|_| args.theta);
     params.neighbours = args.neighbours;
     params.accuracy = args.accuracy;
     params.n_tiles = args.tiles;
@@ -253,7 +329,12 @@ fn told(forecast: &Forecast) -> String {
     )
 }
 
-fn said(global: &Global<'_>, args: &TilesArgs, params: &Params, summary: &Summary) -> Result<(), CliError> {
+fn said(
+    global: &Global<'_>,
+    args: &TilesArgs,
+    summary: &Summary,
+    n_features: Option<usize>,
+) -> Result<(), CliError> {
     let (what, length) = match summary.n_faces {
         0 => ("points".to_owned(), "distance to a neighbour"),
         n => (format!("vertices of {n} faces"), "length of edges"),
@@ -269,17 +350,28 @@ fn said(global: &Global<'_>, args: &TilesArgs, params: &Params, summary: &Summar
     if most > 0.0 {
         text += &format!("moved by {} (rms), at most {}\n", number(rms), number(most));
     }
-    for (band, [rms, most]) in params.magnitudes.iter().zip(&summary.magnitudes) {
-        text += &format!("|W_{band}| {} (rms), at most {}\n", number(*rms), number(*most));
+    if !summary.levels.is_empty() {
+        let has_map = args.saliency.is_some();
+        let row = |level: &LevelSummary| {
+            let alpha = if has_map { number(level.alpha) } else { String::new() };
+            let LevelSummary { level, sigma, mean, rms, most, .. } = *level;
+            [format!("|W_{level}|"), number(sigma), number(mean), number(rms), number(most), alpha]
+        };
+        let alpha = if has_map { "in the map" } else { "" };
+        text += &table(["band", "sigma", "mean", "rms", "most", alpha], summary.levels.iter().map(row));
+    }
+    if let (Some(n), Some(path)) = (n_features, &args.features) {
+        text += &format!("{n} feature{}: {}\n", if n == 1 { "" } else { "s" }, path.display());
     }
     text += &format!("{}\n", args.output.display());
-    print(global, &text, &json!({ "summary": summary, "output": args.output }))
+    print(global, &text, &json!({ "summary": summary, "output": args.output, "features": n_features }))
 }
 
 fn status_in_words(status: &Status) -> String {
-    let Status { n_runs, runs_done, n_tiles, neighbours_done, bands_done } = status;
+    let Status { n_runs, runs_done, n_tiles, neighbours_done, bands_done, has_maps, maps_done } = status;
+    let maps = if *has_maps { format!(", maps of {maps_done}") } else { String::new() };
     match n_tiles {
-        Some(n) => format!("{n} tiles: neighbours of {neighbours_done}, bands of {bands_done}\n"),
+        Some(n) => format!("{n} tiles: neighbours of {neighbours_done}, bands of {bands_done}{maps}\n"),
         None if *n_runs > 0 => format!("not sorted; {runs_done} of {n_runs} runs\n"),
         None => "not sorted\n".to_owned(),
     }
@@ -296,6 +388,7 @@ pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliEr
         JobKind::Sort => Job::Sort,
         JobKind::Neighbours => Job::Neighbours(args.index),
         JobKind::Bands => Job::Bands(args.index),
+        JobKind::Maps => Job::Maps(args.index),
     };
     if !(args.if_missing && work.is_done(job)) {
         with_progress(global, "working", |progress| run_job(&work, job, progress)).map_err(|e| failed(&e))?;
@@ -305,7 +398,8 @@ pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliEr
         return print(global, &format!("done; {n_runs} runs\n"), &json!({ "job": job, "n_runs": n_runs }));
     }
     let n_tiles = work.n_tiles().map_err(|e| failed(&e))?;
-    let path = matches!(job, Job::Bands(_)).then(|| work.tile(args.index));
+    let is_last = matches!(job, Job::Maps(_)) || (matches!(job, Job::Bands(_)) && !work.has_maps());
+    let path = is_last.then(|| work.tile(args.index));
     let text = match &path {
         Some(path) => format!("{}\n", path.display()),
         None => format!("done; {n_tiles} tiles\n"),

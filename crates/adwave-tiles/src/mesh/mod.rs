@@ -20,9 +20,9 @@ use adwave::shape::{PointCloud, ShapeError, bounding_box};
 use adwave_io::MeshReader;
 
 use crate::TilesError;
-use crate::bands::length;
 use crate::blocks::Blocks;
 use crate::layout::{Layout, Lengths, push_vertex, vertex_number};
+use crate::outputs::Outputs;
 use crate::plan::{Input, Params, Plan};
 use crate::run::MOST_POINTS;
 
@@ -38,8 +38,10 @@ pub(crate) fn planned(inputs: &[PathBuf], params: &Params) -> Result<Plan, Tiles
     };
     let mut reader = MeshReader::open(path)?;
     let named = |what: &str| TilesError::Input(format!("{}: {what}", path.display()));
-    if !reader.holds_fields() && !params.magnitudes.is_empty() {
-        return Err(named("an OBJ holds no fields; leave --magnitudes out, or give a PLY"));
+    if !reader.holds_fields() && params.field_bytes() > 0 {
+        return Err(named(
+            "an OBJ holds no fields; ask for none (magnitudes, vectors, saliency), or give a PLY",
+        ));
     }
     let bytes = std::fs::metadata(path).map_err(TilesError::io(path))?.len();
     let mut bounds = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -133,9 +135,9 @@ pub(crate) fn records(
     })
 }
 
-/// Bytes of what comes out for a vertex: its number, its coordinates where any are to change, the length of each band that was asked for.
+/// Bytes of what comes out for a vertex: its number, its coordinates where any are to change, its fields.
 pub(crate) fn result_bytes(params: &Params) -> usize {
-    4 + if params.moves() { 24 } else { 0 } + 4 * params.magnitudes.len()
+    4 + if params.moves() { 24 } else { 0 } + params.field_bytes()
 }
 
 /// What comes out for the vertices of a block. A coordinate that stays as it is is NaN.
@@ -144,14 +146,13 @@ pub(crate) fn results_of_block(
     blocks: &Blocks,
     records: &[u8],
     points: &[[f64; 3]],
-    outs: &[&[[f64; 3]]],
+    outs: &Outputs<'_>,
 ) -> Vec<u8> {
     let unit = plan.layout.unit();
-    let (changes, bands) = outs.split_at(usize::from(plan.params.moves()));
     let n = records.len() / Lengths::RECORD_BYTES;
     let mut made = Vec::with_capacity(n * result_bytes(&plan.params));
     for (vertex, same) in blocks.of_one_vertex(records).enumerate() {
-        let moved = changes.first().map(|changes| {
+        let moved = outs.change.map(|changes| {
             let (point, change) = (points[vertex], changes[vertex]);
             let coordinate =
                 |c: usize| if change[c] == 0.0 { f64::NAN } else { (point[c] + change[c]) * unit };
@@ -160,9 +161,7 @@ pub(crate) fn results_of_block(
         for record in same.chunks_exact(Lengths::RECORD_BYTES) {
             made.extend(vertex_number(record).to_le_bytes());
             made.extend(moved.iter().flatten().flat_map(|c| c.to_le_bytes()));
-            for band in bands {
-                made.extend(((length(band[vertex]) * unit) as f32).to_le_bytes());
-            }
+            outs.push_fields(vertex, &mut made);
         }
     }
     made

@@ -9,11 +9,11 @@ use adwave::shape::{Adjacency, MeshArea, Polygons, mesh_areas, one_ring, triangu
 use rayon::prelude::*;
 
 use crate::TilesError;
-use crate::bands::length;
 use crate::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::layout::u32_at;
 use crate::near_file::{self, BlockSummary, Near};
 use crate::neighbours::{PositionCache, positions_of_tile};
+use crate::outputs::length;
 
 /// Finds and writes the neighbourhoods of the vertices of the blocks `tile`, whose faces are in the file `faces`, of `n_bytes` bytes.
 pub(crate) fn neighbours_of_tile(

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use adwave::bands::Schedule;
+use adwave::features::{Feature, FeatureParams, features};
+use adwave::saliency::{SaliencyParams, Sign, saliency};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Polygons, Shape};
 use adwave::{Decomposer, Progress};
 use adwave_io::{ReadLimits, ShapeFile, read_path};
 
-use crate::{Job, Params, TilesError, Work, join, run, run_job};
+use crate::{Job, MapKind, MapWeights, Params, TilesError, Work, join, run, run_job};
 
 /// A bumpy square with an open border and: quads in one part, every vertex of a line twice, as where texture coordinates meet, a face
 /// that is there twice, three faces at one edge, a face with a corner twice, one of two corners, an arrow head, one vertex far away and
@@ -129,16 +131,21 @@ fn params() -> Params {
 
 /// The mesh after a work in `folder`, as bytes.
 fn joined(folder: &Path, input: &Path, params: &Params) -> Vec<u8> {
+    joined_with_features(folder, input, params).0
+}
+
+fn joined_with_features(folder: &Path, input: &Path, params: &Params) -> (Vec<u8>, Vec<Feature>) {
     let work = Work::begin(folder, &[input.to_path_buf()], params).unwrap().0;
     let summary = run(&work, Progress::none()).unwrap();
     assert!(params.n_tiles.is_none_or(|n| summary.n_tiles <= n && summary.n_tiles >= n.min(2)));
     let path = folder.join("joined");
     join(&work, &path, Progress::none()).unwrap();
+    let features = work.features().unwrap();
     work.remove_tiles().unwrap();
     work.clean().unwrap();
     let names: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(names, ["joined"]);
-    std::fs::read(path).unwrap()
+    (std::fs::read(path).unwrap(), features)
 }
 
 fn written(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
@@ -155,28 +162,62 @@ fn read(folder: &Path, name: &str, bytes: &[u8]) -> ShapeFile {
 fn tiles_of_any_size_give_the_bytes_of_one() {
     let folder = tempfile::tempdir().unwrap();
     let input = written(folder.path(), "a.ply", &ply(&mesh(42_000), Form::Little));
-    let whole = joined(&folder.path().join("one"), &input, &params());
+    let saliency = Some(MapWeights { skip: 0, kind: MapKind::PerLevel });
+    let asked = Params { vectors: vec![1], saliency, theta: Some(1.6), ..params() };
+    let whole = joined_with_features(&folder.path().join("one"), &input, &asked);
     for n_tiles in [2, 5, 9] {
-        let params = Params { n_tiles: Some(n_tiles), n_workers: 2, ..params() };
+        let params = Params { n_tiles: Some(n_tiles), n_workers: 2, ..asked.clone() };
         let work = folder.path().join(n_tiles.to_string());
-        assert!(joined(&work, &input, &params) == whole, "{n_tiles} tiles differ");
+        assert!(joined_with_features(&work, &input, &params) == whole, "{n_tiles} tiles differ");
     }
 }
 
 #[test]
 fn the_bands_are_those_of_the_mesh_in_memory() {
     let folder = tempfile::tempdir().unwrap();
-    let (points, faces) = mesh(20_000);
+    let (mut points, faces) = mesh(20_000);
+    // Hills of different widths and heights, for features.
+    for [x, y, z] in &mut points[..20_000] {
+        *y += 0.02 * (1.0 + 0.3 * *x + 0.2 * *z) * (40.0 * *x).sin() * (25.0 * *z * (1.5 + *x)).cos();
+    }
     for (k, size) in [1.0, 1e-40, 1e70].into_iter().enumerate() {
         let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(|c| c * size)).collect();
         let bytes = ply(&(points.clone(), faces.clone()), Form::Little);
         let input = written(folder.path(), "a.ply", &bytes);
-        let params = Params { n_tiles: Some(3), accuracy: 1e-9, ..params() };
-        let out = joined(&folder.path().join(k.to_string()), &input, &params);
+        let saliency_asked = Some(MapWeights { skip: 0, kind: MapKind::Entropy });
+        let params = Params {
+            n_tiles: Some(3),
+            accuracy: 1e-9,
+            saliency: saliency_asked,
+            theta: Some(0.1),
+            ..params()
+        };
+        let (out, found) = joined_with_features(&folder.path().join(k.to_string()), &input, &params);
         let out = read(folder.path(), "out.ply", &out);
         let shape = Shape::Mesh(Mesh::new(points.clone(), faces.clone()).unwrap());
         let decomposer = Decomposer::new(&shape);
         let bands = decomposer.decompose(points.as_flattened(), 3, &Schedule::dyadic(4).unwrap()).unwrap();
+        let schedule = Schedule::dyadic(4).unwrap();
+        let wavelets = decomposer.request(points.as_flattened(), 3, &schedule).norms().unwrap();
+        let asked = SaliencyParams::default().with_sign(Sign::Unsigned);
+        let map = saliency(&decomposer, &wavelets, &asked, Progress::none()).unwrap().map;
+        for (i, exact) in map.iter().enumerate() {
+            let found = out.field("saliency").unwrap().get(i, 0);
+            assert!((found - exact).abs() <= 1e-5 * (1.0 + exact), "{size} {i}: {found} for {exact}");
+        }
+        let asked = FeatureParams::default().with_theta(0.1);
+        let exact = features(&decomposer, &wavelets, &asked, Progress::none()).unwrap();
+        assert!(exact.len() > 5, "{}", exact.len());
+        let key = |f: &Feature| (f.level, f.vertex);
+        let (mut a, mut b): (Vec<_>, Vec<_>) =
+            (exact.iter().map(key).collect::<Vec<_>>(), found.iter().map(key).collect());
+        a.sort_unstable();
+        b.sort_unstable();
+        assert_eq!(a, b);
+        for (exact, found) in exact.iter().zip(&found) {
+            assert!((exact.strength / found.strength - 1.0).abs() < 1e-5);
+            assert!((exact.sigma / found.sigma - 1.0).abs() < 1e-9, "{} for {}", found.sigma, exact.sigma);
+        }
         let tolerance = 1e-6 * decomposer.mean_length();
         for (i, point) in points.iter().enumerate() {
             let band = |j: usize, c: usize| bands.wavelet(j)[3 * i + c];

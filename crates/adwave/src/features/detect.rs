@@ -182,32 +182,39 @@ impl Search<'_> {
 
     /// Whether R(j,x) is the largest or the smallest of its neighbourhood in place and scale.
     fn is_extremum(&self, x: usize) -> bool {
-        [1.0, -1.0].into_iter().any(|sign| {
-            let wins = |y: usize| self.wins(sign, x, y);
-            // The finer and coarser value at x itself rule most candidates out, then the first ring.
-            self.wins_over_scale(sign, x)
-                && self.neighbourhood.ring.of(x).iter().all(|&y| wins(y as usize))
-                && (self.neighbourhood.rings == 1
-                    || self.neighbourhood.of(x).iter().all(|&y| wins(y as usize)))
-        })
-    }
-
-    fn wins_over_scale(&self, sign: f64, x: usize) -> bool {
-        let [finer, here, coarser] = self.levels(x).map(|r| sign * r);
-        let tie = TIE * here.abs();
-        here > finer + tie && here >= coarser - tie
-    }
-
-    /// Whether x on this level beats y on this level and the two beside it (Algorithm 2): `R(j,x) > R(i,y)` for i = j − 1, j,
-    /// j + 1. The finer level and the lower index win ties.
-    fn wins(&self, sign: f64, x: usize, y: usize) -> bool {
-        let here = sign * self.layer.levels[self.j - 1].at(x);
-        let [finer, level, coarser] = self.levels(y).map(|r| sign * r);
-        let tie = TIE * here.abs();
-        here > finer + tie && (here > level + tie || (here >= level - tie && x < y)) && here >= coarser - tie
+        let levels = |y: usize| self.levels(y);
+        is_extremum(x, self.neighbourhood.ring.of(x), TIE, levels)
+            && (self.neighbourhood.rings == 1 || is_extremum(x, &self.neighbourhood.of(x), TIE, levels))
     }
 
     fn levels(&self, x: usize) -> [f64; 3] {
         [self.j - 2, self.j - 1, self.j].map(|level| self.layer.levels[level].at(x))
     }
+}
+
+/// Whether R(j,x) is larger, or smaller, than R at the `neighbours` of `x` on level j, and at `x` and these on levels j − 1 and j + 1
+/// (Algorithm 2). `responses(y)` is R(j − 1, y), R(j, y) and R(j + 1, y). O(neighbours).
+///
+/// Where two differ by no more than `tie` of R(j,x), the finer level wins, then the lower number.
+///
+/// ```
+/// use adwave::features::is_extremum;
+/// let responses = |y: usize| [[0.1, 0.4, 0.2], [0.3, 0.9, 0.5], [0.2, 0.8, 0.4]][y];
+/// assert!(is_extremum(1, &[0, 2], 1e-9, responses));
+/// assert!(!is_extremum(2, &[1], 1e-9, responses));
+/// ```
+pub fn is_extremum(x: usize, neighbours: &[u32], tie: f64, responses: impl Fn(usize) -> [f64; 3]) -> bool {
+    let at_x = responses(x);
+    [1.0, -1.0].into_iter().any(|sign| {
+        let [finer, here, coarser] = at_x.map(|r| sign * r);
+        let tie = tie * here.abs();
+        // The finer and coarser value at x itself rule most candidates out.
+        let over_scale = |finer: f64, coarser: f64| here > finer + tie && here >= coarser - tie;
+        over_scale(finer, coarser)
+            && neighbours.iter().all(|&y| {
+                let [finer, level, coarser] = responses(y as usize).map(|r| sign * r);
+                let first = here > level + tie || (here >= level - tie && x < y as usize);
+                first && over_scale(finer, coarser)
+            })
+    })
 }

@@ -16,7 +16,7 @@ mod spheres;
 
 pub use best::spread_best;
 pub use descriptor::{DESCRIPTOR_LENGTH, Descriptor, describe};
-pub use detect::features;
+pub use detect::{features, is_extremum};
 pub use matching::{Match, match_features};
 pub use params::{FEATURE_EXTENT, FeatureParams, Refinement, Response, ThresholdScope};
 pub use spheres::{Spheres, spheres};

@@ -39,8 +39,10 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
     let json = report(args, &found);
     match (kind, &args.output) {
         (Some(OutputKind::Json), Some(path)) => write_text(path, &format!("{json:#}\n"))?,
-        (Some(OutputKind::Csv), Some(path)) => write_text(path, &csv(&found))?,
-        (Some(OutputKind::Spheres), Some(path)) => write_spheres(path, &found, global)?,
+        (Some(kind), Some(path)) => {
+            let n_levels = found.analysis.schedule.n_levels();
+            write_list(path, kind, &found.features, &found.descriptors, n_levels, global)?;
+        }
         _ => {}
     }
     print(global, &text(args, &found), &json)
@@ -61,20 +63,50 @@ fn find(args: &FeaturesArgs, global: &Global<'_>) -> Result<Found, CliError> {
     Ok(Found { analysis, features, descriptors, seconds })
 }
 
+/// What a file of features is.
 #[derive(Clone, Copy)]
-enum OutputKind {
+pub(crate) enum OutputKind {
     Csv,
     Json,
     Spheres,
 }
 
-fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
+pub(crate) fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match (ending.as_deref(), Format::from_path(path)) {
         (Some("csv"), _) => Ok(OutputKind::Csv),
         (Some("json"), _) => Ok(OutputKind::Json),
         (_, Some(format)) if format.holds_fields() && format.holds_faces() => Ok(OutputKind::Spheres),
         _ => Err(no_fields_of(path, "features are", Format::holds_faces, &[".csv", ".json"])),
+    }
+}
+
+/// Writes features of a shape's bands, which have `n_levels`.
+pub(crate) fn write_features(
+    path: &Path,
+    kind: OutputKind,
+    features: &[Feature],
+    n_levels: usize,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    write_list(path, kind, features, &[], n_levels, global)
+}
+
+fn write_list(
+    path: &Path,
+    kind: OutputKind,
+    features: &[Feature],
+    descriptors: &[Descriptor],
+    n_levels: usize,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    match kind {
+        OutputKind::Json => {
+            let features: Vec<Value> = features.iter().map(feature_json).collect();
+            write_text(path, &format!("{:#}\n", json!({ "features": features })))
+        }
+        OutputKind::Csv => write_text(path, &csv(features, descriptors)),
+        OutputKind::Spheres => write_spheres(path, features, n_levels, global),
     }
 }
 
@@ -173,12 +205,12 @@ fn feature_json(f: &Feature) -> Value {
     })
 }
 
-fn csv(found: &Found) -> String {
+fn csv(features: &[Feature], descriptors: &[Descriptor]) -> String {
     let head = ["vertex", "x", "y", "z", "level", "sigma", "response", "strength", "sign", "channel"];
     let mut table = Table::new("features.csv", "", &head);
-    let n_numbers = found.descriptors.first().map_or(0, |d| d.len());
+    let n_numbers = descriptors.first().map_or(0, |d| d.len());
     table.head.extend((0..n_numbers).map(|k| format!("d{k}")));
-    for (k, f) in found.features.iter().enumerate() {
+    for (k, f) in features.iter().enumerate() {
         let [x, y, z] = f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(|c| c.to_string()));
         let [sigma, response, strength] = [f.sigma, f.response, f.strength].map(|v| v.to_string());
         let (sign, channel) = (f.sign().to_string(), f.channel.map_or(String::new(), |c| c.to_string()));
@@ -194,7 +226,7 @@ fn csv(found: &Found) -> String {
             sign,
             channel,
         ];
-        row.extend(found.descriptors.get(k).into_iter().flatten().map(ToString::to_string));
+        row.extend(descriptors.get(k).into_iter().flatten().map(ToString::to_string));
         table.rows.push(row);
     }
     table.csv()
@@ -204,18 +236,23 @@ fn write_text(path: &Path, text: &str) -> Result<(), CliError> {
     atomic_write(path, |out| Ok(out.write_all(text.as_bytes())?)).map_err(write_error)
 }
 
-fn write_spheres(path: &Path, found: &Found, global: &Global<'_>) -> Result<(), CliError> {
-    let spheres = spheres(&found.features);
-    if spheres.points.is_empty() && !found.features.is_empty() {
+fn write_spheres(
+    path: &Path,
+    features: &[Feature],
+    n_levels: usize,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let spheres = spheres(features);
+    if spheres.points.is_empty() && !features.is_empty() {
         return Err(CliError::Input(
             "a graph's features have no position; write them as .csv or .json".to_owned(),
         ));
     }
     let mut file = ShapeFile::from_mesh(spheres.points, spheres.faces);
     let at = |value: &dyn Fn(&Feature) -> f64| -> Vec<f64> {
-        spheres.feature_of.iter().map(|&k| value(&found.features[k as usize])).collect()
+        spheres.feature_of.iter().map(|&k| value(&features[k as usize])).collect()
     };
-    let last = found.analysis.schedule.n_levels() as f64;
+    let last = n_levels as f64;
     let levels = at(&|f| f.level as f64);
     let color = ColorMap::from_name("turbo").expect("a name of the list").colors(&levels, 1.0, last);
     let numbers: [(&str, Vec<f64>); 5] = [
