@@ -2,55 +2,55 @@ from adwave import baselines as baselines
 from adwave._bands import Bands as Bands
 from adwave._bands import Layer as Layer
 from adwave._decomposer import Decomposer as Decomposer
-from adwave._environment import show_versions as show_versions
-from adwave._environment import threads as threads
-from adwave._functions import (
+from adwave._edits import (
     Denoised as Denoised,
 )
-from adwave._functions import (
-    Features as Features,
-)
-from adwave._functions import (
-    Info as Info,
-)
-from adwave._functions import (
-    Saliency as Saliency,
-)
-from adwave._functions import (
+from adwave._edits import (
     decompose as decompose,
 )
-from adwave._functions import (
+from adwave._edits import (
     denoise as denoise,
 )
-from adwave._functions import (
-    features as features,
-)
-from adwave._functions import (
+from adwave._edits import (
     filter as filter,
 )
-from adwave._functions import (
-    gaze_scores as gaze_scores,
+from adwave._environment import show_versions as show_versions
+from adwave._environment import threads as threads
+from adwave._info import (
+    Info as Info,
 )
-from adwave._functions import (
+from adwave._info import (
     info as info,
 )
-from adwave._functions import (
+from adwave._info import (
     memory_needed as memory_needed,
 )
-from adwave._functions import (
+from adwave._info import (
     preset_gains as preset_gains,
 )
-from adwave._functions import (
+from adwave._info import (
     region as region,
 )
-from adwave._functions import (
+from adwave._info import (
     report as report,
 )
-from adwave._functions import (
-    saliency as saliency,
-)
-from adwave._functions import (
+from adwave._info import (
     signal as signal,
+)
+from adwave._measures import (
+    Features as Features,
+)
+from adwave._measures import (
+    Saliency as Saliency,
+)
+from adwave._measures import (
+    features as features,
+)
+from adwave._measures import (
+    gaze_scores as gaze_scores,
+)
+from adwave._measures import (
+    saliency as saliency,
 )
 from adwave._native import InternalError as InternalError
 from adwave._picture import Picture as Picture

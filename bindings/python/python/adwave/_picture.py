@@ -16,7 +16,7 @@ from adwave._progress import ProgressLike, reporting
 from adwave._shape import Path, Shape, as_shape
 
 if TYPE_CHECKING:
-    from adwave._functions import Features
+    from adwave._measures import Features
 
 Color = Union[tuple[int, int, int], "list[int]"]
 Ball = tuple[ArrayLike, float, Color]
@@ -202,7 +202,7 @@ def shape_html(shape: Shape) -> str:
     """A table of what a shape consists of, and a small picture, for notebooks."""
     import base64
 
-    from adwave._functions import info
+    from adwave._info import info
 
     rows = [("kind", shape.kind), ("vertices", f"{shape.n_vertices:,}")]
     try:

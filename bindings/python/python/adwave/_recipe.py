@@ -73,7 +73,7 @@ class Recipe:
         Shape
             With new positions, or with the field changed.
         """
-        from adwave._functions import edited_shape
+        from adwave._edits import edited_shape
 
         own, content = as_shape(shape, faces), self._content
         by_width = "lengths" in content

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
 from adwave._decomposer import Length, prepared
-from adwave._functions import Features, features
+from adwave._measures import Features, features
 from adwave._progress import ProgressLike, reporting
 from adwave._shape import Shape
 

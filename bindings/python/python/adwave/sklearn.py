@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
 
-from adwave._functions import decompose
+from adwave._edits import decompose
 
 __all__ = ["WaveletFeatures"]
 
