@@ -69,6 +69,10 @@ fn tiles_are_an_input() {
         assert_eq!(said["octree"]["points"], serde_json::json!([10_000]));
     }
     assert_eq!(json(path, "convert tiles -o f.laz --resolution 100")["vertices"], 10_000);
+    for name in ["tiles", "tiles/ept.json"] {
+        let said = json(path, &format!("tiles {name} -o t.laz --magnitudes 1 --levels 3"));
+        assert_eq!(said["summary"]["n_points"], 10_000);
+    }
 }
 
 #[test]

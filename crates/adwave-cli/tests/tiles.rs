@@ -51,9 +51,16 @@ fn tiles_join_to_the_bytes_of_one_and_leave_nothing_behind() {
     run(path, "tile jobs run 0");
     assert_eq!(json(path, "tile jobs status")["runs_done"], 1);
     says(path, "tile jobs run 1", "runs are 0 to 0");
+    says(path, "tiles jobs -o b.laz --magnitudes 1", "not all done");
     let n_tiles = all_jobs(path);
     run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2");
     assert_eq!(fs::read_dir(path.join("jobs")).unwrap().count() as u64, n_tiles);
+    // A folder of tiles is an input like the file that they were joined to.
+    run(path, "tiles jobs -o from-tiles.laz --magnitudes 1 --levels 4");
+    run(path, "tiles many.laz -o from-file.laz --magnitudes 1 --levels 4");
+    assert!(fs::read(path.join("from-tiles.laz")).unwrap() == fs::read(path.join("from-file.laz")).unwrap());
+    fs::create_dir(path.join("none")).unwrap();
+    says(path, "tiles none -o b.laz --magnitudes 1", "no .las or .laz");
 }
 
 #[test]
@@ -105,8 +112,8 @@ fn a_killed_run_goes_on_and_gives_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     run(path, "sample terrain --points 6e4 -o a.laz");
-    let line = "tiles a.laz -o out.laz --magnitudes 3 --tiles 8";
-    run(path, "tiles a.laz -o whole.laz --magnitudes 3 --tiles 8");
+    let line = "tiles a.laz -o out.laz --magnitudes 3 --saliency --tiles 8";
+    run(path, "tiles a.laz -o whole.laz --magnitudes 3 --saliency --tiles 8");
     let mut n_killed = 0;
     for kill in 0..20_u64 {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin("adwave"));

@@ -105,6 +105,7 @@ pub fn forecast(inputs: &[PathBuf], params: &Params) -> Result<Forecast, TilesEr
 
 fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), TilesError> {
     params.check()?;
+    let inputs = &files_of(inputs)?;
     let plan = if inputs.iter().any(|path| is_mesh(path)) {
         Some(mesh::planned(inputs, params)?)
     } else {
@@ -125,6 +126,42 @@ fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), Tile
     let (blocks_per_tile, forecast) = plan.cut()?;
     plan.blocks_per_tile = blocks_per_tile;
     Ok((plan, forecast))
+}
+
+/// The files that inputs stand for: of a folder the LAS and LAZ in it, by name; of an EPT (its folder, or the `ept.json` in it) its data.
+fn files_of(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, TilesError> {
+    const EPT: &str = "ept.json";
+    let mut files = Vec::new();
+    for input in inputs {
+        let of_ept = |folder: &Path| folder.join("ept-data");
+        let folder = match input.parent() {
+            Some(parent) if input.file_name().is_some_and(|name| name == EPT) => of_ept(parent),
+            _ if input.join(EPT).exists() => of_ept(input),
+            _ if input.is_dir() => input.clone(),
+            _ => {
+                files.push(input.clone());
+                continue;
+            }
+        };
+        let refused = |what: &str| Err(TilesError::Input(format!("{}: {what}", folder.display())));
+        if folder.join(PLAN).exists() {
+            let Status { n_tiles, bands_done, has_maps, maps_done, .. } = Work::open(&folder)?.status()?;
+            if n_tiles != Some(if has_maps { maps_done } else { bands_done }) {
+                return refused("its tiles are not all done; finish that work first");
+            }
+        }
+        let mut names = names(&folder)?;
+        names.retain(|name| {
+            let ending = Path::new(name).extension().unwrap_or_default();
+            ending.eq_ignore_ascii_case("las") || ending.eq_ignore_ascii_case("laz")
+        });
+        if names.is_empty() {
+            return refused("no .las or .laz is in that folder; name the files");
+        }
+        names.sort();
+        files.extend(names.iter().map(|name| folder.join(name)));
+    }
+    Ok(files)
 }
 
 impl Work {

@@ -33,7 +33,7 @@ Examples:
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --plan-only, then on any machine that sees the folder:
   adwave tile tiles/ sort; adwave tile tiles/ neighbours 0; adwave tile tiles/ bands 0")]
 pub(crate) struct TilesArgs {
-    /// LAS or LAZ files, of one point format and scale, or one PLY or OBJ with faces
+    /// LAS or LAZ files of one point format and scale, folders of such (tiles, an EPT), or one PLY or OBJ with faces
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
     /// A folder for the tiles, or a .las or .laz for all of them in one; of a mesh, a file of its format
