@@ -24,6 +24,11 @@ impl<'a> Population<'a> {
         Self { masked, areas: Some(decomposer.welded_areas()), total }
     }
 
+    /// Whether all vertices count alike.
+    pub(crate) fn is_even(&self) -> bool {
+        self.masked.is_none() && self.areas.is_none()
+    }
+
     /// How much a vertex counts.
     pub(crate) fn weight(&self, x: usize) -> f64 {
         self.areas.map_or(1.0, |areas| areas[x])

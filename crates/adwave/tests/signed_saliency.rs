@@ -2,7 +2,7 @@
 
 use adwave::bands::Schedule;
 use adwave::operator::{OperatorKind, OperatorParams};
-use adwave::saliency::{SaliencyParams, Sign, saliency};
+use adwave::saliency::{SaliencyParams, Sign, drawn_saliency, saliency};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Polygons, Shape, triangulate};
 use adwave::signal::outward_normals;
@@ -48,6 +48,44 @@ fn map(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: OperatorKind) -> Vec<f
         }
     }
     saliency(&decomposer, &along, &SaliencyParams::default(), Progress::none()).unwrap().map
+}
+
+#[test]
+fn a_drawn_map_is_within_less_than_a_colour_of_the_exact_one() {
+    /// What the studio asks for.
+    const ACCURACY: f64 = 3e-3;
+    const COLOURS: f64 = 256.0;
+    let Sample { points, faces } = Sample::by_name("creature", Some(20_000)).unwrap();
+    let shape = Shape::Mesh(Mesh::new(points.clone(), faces).unwrap());
+    for (kind, schedule) in [
+        (OperatorKind::Walk, Schedule::dyadic(N_LEVELS).unwrap()),
+        (OperatorKind::Walk, Schedule::voices(5, 2).unwrap()),
+        (OperatorKind::Surface, Schedule::dyadic(N_LEVELS).unwrap()),
+    ] {
+        let params = OperatorParams::default().with_kind(kind);
+        let decomposer = Decomposer::with_params(&shape, &params, Progress::none()).unwrap();
+        let outward = outward_normals(decomposer.geometry(), None, Progress::none()).unwrap();
+        // Rough, smooth, and equal levels.
+        let mut x = 1_u32;
+        let mut noise = || {
+            x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(x) / f64::from(u32::MAX) - 0.5
+        };
+        for size in [0.0, 1e-3, 0.02] {
+            let edited: Vec<[f64; 3]> = points.iter().map(|p| p.map(|c| c + size * noise())).collect();
+            let request = decomposer.request(edited.as_flattened(), 3, &schedule);
+            let exact = request.along(&outward.normals).unwrap();
+            let exact =
+                saliency(&decomposer, &exact, &SaliencyParams::default(), Progress::none()).unwrap().map;
+            let drawn = request.accuracy(ACCURACY).along_at_once(&outward.normals).unwrap();
+            let drawn = drawn_saliency(&decomposer, &drawn, Progress::none()).unwrap();
+            let mut sizes: Vec<f64> = exact.iter().map(|v| v.abs()).collect();
+            sizes.sort_by(f64::total_cmp);
+            let step = 2.0 * sizes[sizes.len() * 24 / 25] / COLOURS;
+            let off = exact.iter().zip(&drawn).map(|(e, d)| (e - f64::from(*d)).abs()).fold(0.0, f64::max);
+            assert!(off < step, "{kind:?}, {size}: {off:e}, a step is {step:e}");
+        }
+    }
 }
 
 #[test]

@@ -117,14 +117,13 @@ export class Studio {
     const cloud = triangles.length === 0;
     this.view.setShape(positions, triangles, cloud, shape.mean_length || shape.diagonal / 100);
     const coarsen = () => this.view.setCoarse(coarseTriangles(positions, triangles, COARSE));
-    if (this.view.heavy && shape.n_triangles > COARSE_FIRST) {
+    const few = this.view.heavy && shape.n_triangles > COARSE_FIRST;
+    if (few) {
       // Fewer triangles are there sooner; all of them follow when the page is at rest.
       coarsen();
       this.view.touch();
     }
     this.view.draw();
-    if (this.view.heavy && shape.n_triangles <= COARSE_FIRST)
-      window.setTimeout(() => generation === this.generation && coarsen());
     if (!this.watch.timings.firstPixels) {
       this.view.finish();
       this.watch.timings.firstPixels = performance.now();
@@ -158,6 +157,8 @@ export class Studio {
     });
     await bands;
     if (generation !== this.generation) return;
+    // Until then the worker sums what a slider moves.
+    if (this.view.heavy && !few) coarsen();
     if (!isNeutral(this.doc)) this.settle();
     void this.engine.call('warm', {});
   }

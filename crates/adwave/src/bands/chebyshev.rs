@@ -4,7 +4,7 @@ use super::series::{Growth, Rest, Series};
 use crate::operator::Diffusion;
 use crate::pages::zeros;
 use crate::parallel::{self, SERIAL};
-use crate::sparse::{MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, copied};
+use crate::sparse::{Kept, MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, copied};
 use crate::{Cancelled, Progress};
 use std::sync::Arc;
 
@@ -157,7 +157,7 @@ impl Prepared {
     }
 
     /// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most
-    /// `accuracy` in the norm of `weights`.
+    /// `accuracy` in the norm of `weights`; or of each the part along normals, n_vertices, with that error relative to its own norm.
     ///
     /// A series is cut where its tail times `‖u‖` is at most `accuracy` times a lower bound of the norm of its value, which is
     /// known as soon as its sum so far exceeds what is missing. So the degree follows the signal: it is lower for a smooth one.
@@ -168,7 +168,7 @@ impl Prepared {
     pub(crate) fn evaluate(
         &self,
         signal: &[f64],
-        n_channels: usize,
+        (n_channels, kept): (usize, Kept<'_>),
         (series, guard, passes): (&[Series], &[f64], &mut Passes),
         accuracy: f64,
         outs: &mut [&mut [f64]],
@@ -181,7 +181,8 @@ impl Prepared {
         let guard_degree = guard.len().saturating_sub(1);
         for (block, at) in (0..n_channels).step_by(MAX_CHANNELS).enumerate() {
             let width = MAX_CHANNELS.min(n_channels - at);
-            let mut recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width), progress)?;
+            let recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width), progress)?;
+            let mut recurrence = recurrence.keeping(kept);
             let start = recurrence.square().sqrt();
             let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
             let mut guard_norm = 0.0;
@@ -336,7 +337,8 @@ mod tests {
             [(0, 1), (8, 16), (64, 128)].map(|(a, b)| Series::band(a, b, Growth::Bounded)).to_vec();
         let mut bands = vec![vec![0.0; signal.len()]; series.len()];
         let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
-        prepared.evaluate(signal, d, (&series, &[], &mut Passes::default()), 0.0, &mut outs, progress)?; // all terms
+        let polynomials = (&series[..], &[][..], &mut Passes::default());
+        prepared.evaluate(signal, (d, Kept::Channels), polynomials, 0.0, &mut outs, progress)?; // all terms
         Ok(bands)
     }
 

@@ -6,6 +6,7 @@ use super::series::{Growth, Rest, Series};
 use super::transform::whole;
 use super::{BandsError, BandsParams, Schedule, Transform};
 use crate::Progress;
+use crate::sparse::Kept;
 
 /// A band, or a weighted sum of bands, as a polynomial of Φ₁ of a degree that the levels and the accuracy decide alone.
 ///
@@ -84,7 +85,8 @@ impl Transform {
         check_buffer(len, series.len() * signal.len())?;
         let series: Vec<Series> = series.iter().map(|s| s.0.clone()).collect();
         let polynomials = (&series[..], &[][..], &mut Passes::default());
-        self.prepared(progress)?.evaluate(signal, n_channels, polynomials, 1.0, outs, progress)?;
+        let prepared = self.prepared(progress)?;
+        prepared.evaluate(signal, (n_channels, Kept::Channels), polynomials, 1.0, outs, progress)?;
         Ok(())
     }
 }

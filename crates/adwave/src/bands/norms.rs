@@ -7,6 +7,7 @@ use super::series::Series;
 use super::wavelets::Measure;
 use super::{BandsError, Engine, Schedule, Transform, Wavelets};
 use crate::pages::zeros;
+use crate::sparse::Kept;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
 
@@ -70,7 +71,8 @@ impl Transform {
             let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
             let polynomials = (&series[range], &[][..], passes);
             let accuracy = self.params().accuracy;
-            let outcome = prepared.evaluate(mean, n_channels, polynomials, accuracy, &mut outs, progress)?;
+            let channels = (n_channels, Kept::Channels);
+            let outcome = prepared.evaluate(mean, channels, polynomials, accuracy, &mut outs, progress)?;
             for level in &mut levels {
                 *level = measure.of(level, n_channels);
             }
@@ -93,6 +95,40 @@ impl Transform {
             missed: Vec::new(),
         };
         let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, n_channels));
+        Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
+    }
+
+    /// [`Wavelets::into_along`] of the wavelets of a signal of three channels, but for other last bits: the parts along the normals are
+    /// taken of the vectors that the bands are sums of, so that no band has three channels. The accuracy is that of the parts.
+    ///
+    /// Nothing where powers are needed.
+    ///
+    /// # Errors
+    /// As for [`wavelets`](Self::wavelets).
+    pub(crate) fn along_at_once(
+        &self,
+        mean: &[f64],
+        normals: &[[f64; 3]],
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<Option<Wavelets>, BandsError> {
+        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() {
+            return Ok(None);
+        }
+        let (n, n_levels) = (self.diffusion().n_vertices(), schedule.n_levels());
+        check_signal(mean, n, 3)?;
+        self.check_memory_of_wavelets(3, schedule)?;
+        let prepared = self.prepared(progress)?;
+        let steps = schedule.steps_from_zero();
+        let band = |level: usize| self.band(&steps[level..level + 2], LADDER[0], prepared.growth);
+        let series: Vec<Series> = parallel::map_items(n, n_levels, band);
+        let mut levels: Vec<Vec<f64>> = series.iter().map(|_| zeros(n)).collect();
+        let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
+        let (channels, polynomials) =
+            ((3, Kept::Along(normals)), (&series[..], &[][..], &mut Passes::default()));
+        let accuracy = self.params().accuracy;
+        let outcome = prepared.evaluate(mean, channels, polynomials, accuracy, &mut outs, progress)?;
+        let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, 3));
         Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
     }
 }
@@ -138,6 +174,33 @@ mod tests {
             }
         }
         assert!(n_compared > 6, "{n_compared} of 12 in two calls");
+    }
+
+    #[test]
+    fn parts_along_normals_at_once_are_those_of_the_bands() {
+        let (decomposer, mean) = creature();
+        let none = Progress::none();
+        let normals: Vec<[f64; 3]> =
+            mean.as_chunks().0.iter().map(|p| crate::vector::unit(p).expect("no vertex at 0")).collect();
+        for (n_levels, accuracy) in [(1, 1e-3), (5, 1e-3), (8, 1e-10), (11, 1e-6)] {
+            let schedule = Schedule::dyadic(n_levels).expect("levels");
+            let transform = decomposer.transform();
+            let exact = transform.wavelets_of_mean(&mean, 3, &schedule, none);
+            let exact = exact.expect("a signal").into_along(&normals);
+            let transform = transform.with_params(&transform.params().with_accuracy(accuracy));
+            let found = transform.expect("an accuracy").along_at_once(&mean, &normals, &schedule, none);
+            let found = found.expect("a signal").expect("no powers");
+            assert_eq!((&found.steps, &found.sigma), (&exact.steps, &exact.sigma));
+            assert!(found.info.error_bound <= accuracy, "{:?}", found.info);
+            for (found, exact) in found.levels.iter().zip(&exact.levels) {
+                let mu = decomposer.diffusion().stationary();
+                let square = |value: &dyn Fn(usize) -> f64| -> f64 {
+                    (0..mu.len()).map(|x| mu[x] * value(x) * value(x)).sum()
+                };
+                let (off, all) = (square(&|x| found[x] - exact[x]), square(&|x| exact[x]));
+                assert!(off.sqrt() <= (accuracy + 1e-10) * all.sqrt(), "{n_levels}: {off:e} of {all:e}");
+            }
+        }
     }
 
     #[test]

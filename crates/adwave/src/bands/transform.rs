@@ -7,7 +7,7 @@ use super::series::{Growth, Series};
 use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule, heat_series};
 use crate::operator::{Diffusion, Semigroup};
 use crate::parallel;
-use crate::sparse::{apply, difference};
+use crate::sparse::{Kept, apply, difference};
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
 
@@ -214,8 +214,8 @@ impl Transform {
                 .map(|(_, out)| &mut **out)
                 .collect();
             let polynomials = (&these[..], &guard[..], &mut Passes::default());
-            let outcome =
-                prepared.evaluate(signal, n_channels, polynomials, accuracy, &mut outs, progress)?;
+            let channels = (n_channels, Kept::Channels);
+            let outcome = prepared.evaluate(signal, channels, polynomials, accuracy, &mut outs, progress)?;
             sum.degree = sum.degree.max(outcome.degree);
             sum.products += outcome.products;
             sum.terms += outcome.terms;

@@ -20,6 +20,7 @@ use std::borrow::Cow;
 /// | [`wavelets`](Self::wavelets) | W_f(1..J) | analysis | J·n·d |
 /// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n; less where that is much |
 /// | [`along`](Self::along) | W_f(1..J)·n, along the normals | analysis | as for norms |
+/// | [`along_at_once`](Self::along_at_once) | the same but for the last bits | analysis | J·n |
 /// | [`weighted`](Self::weighted) | Σ_j a_j·W_f(j) by one polynomial | the shape's | 2·n·d |
 /// | [`filter`](Self::filter), [`filter_layers`](Self::filter_layers) | the edited signal (eq. 18), once | the shape's | 2·n·d for one layer |
 /// | [`editor`](Self::editor) | an [`Editor`](crate::Editor) that keeps the bands | both | (J + 3)·n·d |
@@ -192,6 +193,24 @@ impl<'a> BandsRequest<'a> {
         let n_welded = self.decomposer.geometry().n_vertices();
         assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
         self.one_channel(Measure::Along(normals))
+    }
+
+    /// [`along`](Self::along) but for other last bits, in a third of its memory and less time: what a picture of signed saliency reads
+    /// ([`drawn_saliency`](crate::saliency::drawn_saliency)).
+    ///
+    /// # Errors
+    /// As for [`wavelets`](Self::wavelets).
+    ///
+    /// # Panics
+    /// As for [`along`](Self::along).
+    pub fn along_at_once(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
+        let n_welded = self.decomposer.geometry().n_vertices();
+        assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
+        let (filled, transform) = (self.filled()?, self.transform()?);
+        let found = transform.along_at_once(&self.mean(&filled)?, normals, self.schedule, self.progress)?;
+        let Some(mut found) = found else { return self.along(normals) };
+        self.clear_masked(&mut found);
+        Ok(found)
     }
 
     fn one_channel(&self, measure: Measure<'_>) -> Result<Wavelets, BandsError> {

@@ -4,9 +4,11 @@
 //! them. It ties a bump with a dent. The signed map keeps the sign of a scalar signal, and of coordinates that of the part along
 //! the outward normal, so that it is positive where the shape is convex and negative where it is concave.
 
+mod drawn;
 mod height;
 mod params;
 
+pub use drawn::drawn_saliency;
 pub use height::with_height;
 pub use params::{SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
 

@@ -8,5 +8,5 @@ mod tiles;
 
 pub use product::apply;
 pub(crate) use product::{copied, try_apply};
-pub(crate) use recurrence::{Next, Recurrence, Sum, Weighing};
+pub(crate) use recurrence::{Kept, Next, Recurrence, Sum, Weighing};
 pub(crate) use tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};

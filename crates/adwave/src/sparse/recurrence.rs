@@ -16,7 +16,8 @@ use rayon::prelude::*;
 pub(crate) struct Sum<'a> {
     /// a_0 … a_d.
     pub(crate) coefficients: &'a [f64],
-    /// n_vertices × n_channels of the whole signal, of which the block's channels are written.
+    /// n_vertices × n_channels of the whole signal, of which the block's channels are written; n_vertices where the parts along
+    /// normals are kept.
     pub(crate) out: &'a mut [f64],
     /// Whether it is to be weighed after the next pass.
     pub(crate) weighing: Weighing,
@@ -31,6 +32,15 @@ pub(crate) enum Weighing {
     Weighed,
     /// It is not.
     Unweighed,
+}
+
+/// What is kept of each row of a sum.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Kept<'a> {
+    /// All channels.
+    Channels,
+    /// The part along the normal of the vertex, of three channels.
+    Along(&'a [[f64; 3]]),
 }
 
 /// Whether the recurrence goes on after a pass.
@@ -59,6 +69,7 @@ pub(crate) struct Recurrence<'a> {
     width: usize,
     at: usize,
     stride: usize,
+    normals: &'a [[f64; 3]],
 }
 
 /// What lets the next vectors be written while others still read the present ones. Taken when a second pass is needed.
@@ -110,11 +121,30 @@ impl<'a> Recurrence<'a> {
             width,
             at,
             stride: n_channels,
+            normals: &[],
         };
         let u = &mut recurrence.now[..len];
         (recurrence.square, recurrence.moves) =
             difference(operator.diffusion(), weights, signal, n_channels, at, u, progress)?;
         Ok(recurrence)
+    }
+
+    /// Of each sum `kept` is kept.
+    ///
+    /// # Panics
+    /// Unless there are three channels and a normal at each vertex, where the parts along normals are.
+    #[must_use]
+    pub(crate) fn keeping(mut self, kept: Kept<'a>) -> Self {
+        if let Kept::Along(normals) = kept {
+            let n = self.operator.n_vertices();
+            assert_eq!(
+                (self.width, self.stride, normals.len()),
+                (3, 3, n),
+                "a vector and a normal at each vertex"
+            );
+            (self.normals, self.stride) = (normals, 1);
+        }
+        self
     }
 
     pub(crate) fn k(&self) -> usize {
@@ -212,6 +242,7 @@ impl<'a> Recurrence<'a> {
         };
         let (terms, pool, target, weights) =
             (&terms, &self.operator.pool, self.operator.target, self.weights);
+        let normals = self.normals;
         let jobs: Vec<_> = tiles.iter().zip(outs).zip(outputs).collect();
         let squares = map_tiles(jobs, len / width, progress, |((tile, mut outs), output)| {
             let whole = Input::Whole { before: whole_before, now: whole_now };
@@ -235,6 +266,7 @@ impl<'a> Recurrence<'a> {
                 outs: &mut outs,
                 stride,
                 at,
+                normals: if normals.is_empty() { normals } else { &normals[tile.first()..] },
             };
             let len = kernel::scratch_len(tile, n_steps, kernel::lanes(width));
             pool.with(len, |scratch| kernel::run(target, tile, width, pass, scratch))

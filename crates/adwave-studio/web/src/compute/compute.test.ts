@@ -293,6 +293,29 @@ test('bands are read whatever the pieces they come in', async () => {
   await expect(readBands(cut, n, 2, false, () => {})).rejects.toThrow('ended too early');
 });
 
+test('stamps added one after the other have the distances of all of them in one search', () => {
+  const s = sheet(40, 0.01);
+  const stamps = Array.from({ length: 12 }, (_, k) => nearestVertex(s.positions, 0.2 + 0.04 * k, 0.5, 0));
+  const whole = new SurfaceSearch(surfaceOf(s));
+  whole.run(stamps, 0.2);
+  const added = new SurfaceSearch(surfaceOf(s));
+  added.run([0], 0.5); // what was measured before does not count
+  added.run(stamps.slice(0, 1), 0.2);
+  let found = added.nReached;
+  for (const stamp of stamps.slice(1)) {
+    added.add([stamp], 0.2);
+    found += added.nReached;
+  }
+  let off = 0;
+  for (let v = 0; v < s.n; v++) {
+    expect(added.distance(v) === Infinity).toBe(whole.distance(v) === Infinity);
+    // A straight line over two edges may begin at another stamp.
+    if (whole.distance(v) < Infinity) off = Math.max(off, Math.abs(added.distance(v) - whole.distance(v)));
+  }
+  expect(off).toBeLessThan(0.25 / 40); // a part of an edge
+  expect(found).toBeLessThan(6 * whole.nReached);
+});
+
 test('the circle of the brush is closed, and at its distance', () => {
   const s = sheet(40);
   const { around } = rows(s);

@@ -218,9 +218,12 @@ function shape(): Shape {
 }
 
 const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls[C][1]> } = {
-  shape(what) {
-    current = new Shape(what);
-    return { normals: current.normals(what.positions) };
+  async shape(what) {
+    const opened = new Shape(what);
+    current = opened;
+    // The bands are asked for by the next message: normals are computed while they are on their way.
+    await new Promise((done) => setTimeout(done));
+    return { normals: opened.normals(what.positions) };
   },
   async edges() {
     return { pairs: await shape().edges() };

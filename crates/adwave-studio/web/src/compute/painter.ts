@@ -6,6 +6,7 @@ import { packBefore, unpackBefore } from './delta';
 import type { BrushShape, RegionNews } from './messages';
 import { nearestVertex } from './pick';
 import { facingWeight, type Ground, isLocal, maskOf, toByte, visitStroke, weightAt } from './regions';
+import { SurfaceSearch } from './search';
 
 /** What is told to the page: `bytes` are the mask's values from vertex `from` on. */
 type Tell = (key: number, from: number, bytes: Uint8Array) => void;
@@ -46,6 +47,8 @@ export class Painter {
   private stroke: Stroke | null = null;
   private beforeOnce: Before | null = null;
   private smoothed: { key: number; bytes: Uint8Array } | null = null;
+  /** Distances from all stamps of the stroke, beside what else is measured meanwhile. */
+  private searchOnce: SurfaceSearch | null = null;
 
   constructor(
     private readonly ground: Ground,
@@ -140,27 +143,30 @@ export class Painter {
 
   /** Stamps the brush at `vertices`, each once a stroke. How many were new. */
   stamp(key: number, vertices: readonly number[], brush: BrushShape): number {
-    const { search } = this.ground;
     if (this.stroke?.key !== key) this.begin(key, brush);
     const stroke = this.stroke!;
     const { bytes } = this.masks.get(key)!;
+    this.searchOnce ??= new SurfaceSearch(this.ground.surface);
+    const search = this.searchOnce;
     const all = [...vertices];
     if (brush.mirror !== null) for (const v of vertices) all.push(this.mirrored(v, brush.mirror));
-    const range = new Range();
-    let stamped = 0;
-    for (const v of all) {
-      if (stroke.stamped.has(v)) continue;
+    const fresh = new Set(all.filter((v) => !stroke.stamped.has(v)));
+    if (fresh.size === 0) return 0;
+    const stamps = [...fresh];
+    // What an earlier stamp is nearer to has its weight already.
+    if (stroke.indices.length === 0) search.run(stamps, stroke.brush.radius);
+    else search.add(stamps, stroke.brush.radius);
+    for (const v of stamps) {
       stroke.stamped.add(v);
       stroke.indices.push(v);
-      stamped++;
-      search.run([v], brush.radius);
-      for (let i = 0; i < search.nReached; i++) {
-        const w = search.reached[i]!;
-        if (touch(stroke, bytes, w, search.distance(w))) range.add(w);
-      }
+    }
+    const range = new Range();
+    for (let i = 0; i < search.nReached; i++) {
+      const v = search.reached[i]!;
+      if (touch(stroke, bytes, v, search.distance(v))) range.add(v);
     }
     range.tell(this.tell, key, bytes);
-    return stamped;
+    return fresh.size;
   }
 
   private begin(key: number, brush: BrushShape): void {

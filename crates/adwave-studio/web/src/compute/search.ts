@@ -9,7 +9,7 @@ import type { Surface } from './surface';
 const NONE = 0xffffffff;
 
 export class SurfaceSearch {
-  /** Vertices within the radius of the last search. */
+  /** Vertices that the last search found: all within its radius, or those that `add` has brought nearer. */
   reached = new Uint32Array(1024);
   nReached = 0;
   /** The same as places of the surface, in the order in which they were first seen. */
@@ -19,19 +19,25 @@ export class SurfaceSearch {
   private readonly before: Uint32Array;
   private readonly stamps: Uint32Array;
   private stamp = 0;
+  /** The stamp of the search that later ones were added to. */
+  private first = 0;
   private heapKeys = new Float64Array(1024);
   private heapPlaces = new Uint32Array(1024);
   private heapSize = 0;
 
-  /** The longest edge. */
-  readonly longest: number;
+  private longestOnce: number | null = null;
 
   constructor(private readonly surface: Surface) {
     const n = surface.points.length / 3;
-    this.longest = longestEdge(surface);
     this.distances = new Float64Array(n);
     this.before = new Uint32Array(n);
     this.stamps = new Uint32Array(n);
+  }
+
+  /** The longest edge. */
+  get longest(): number {
+    this.longestOnce ??= longestEdge(this.surface);
+    return this.longestOnce;
   }
 
   /** The distance of a vertex from the nearest source of the last search; infinite beyond its radius. */
@@ -40,11 +46,17 @@ export class SurfaceSearch {
   }
 
   private distanceOf(place: number): number {
-    return this.stamps[place] === this.stamp ? this.distances[place]! : Infinity;
+    return this.stamps[place]! >= this.first ? this.distances[place]! : Infinity;
   }
 
   /** Searches from `sources`, all with distance 0. At most `most` places are looked at; false where there were more. */
   run(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
+    this.first = this.stamp + 1;
+    return this.add(sources, radius, most);
+  }
+
+  /** The same beside the sources of the searches since the last `run`: costs what is nearer to the new ones. */
+  add(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
     const { places, neighbours, points } = this.surface;
     this.stamp++;
     this.nFound = 0;
@@ -55,7 +67,7 @@ export class SurfaceSearch {
       if (this.distanceOf(source) > 0) this.label(source, 0, NONE);
     }
     const { offsets, entries } = neighbours;
-    const { stamps, distances, stamp } = this;
+    const { stamps, distances, first } = this;
     while (this.heapSize > 0) {
       const key = this.heapKeys[0]!;
       const x = this.heapPlaces[0]!;
@@ -67,7 +79,7 @@ export class SurfaceSearch {
       const start = before === NONE ? 0 : distances[before]!;
       for (let e = offsets[x]!, end = offsets[x + 1]!; e < end; e++) {
         const y = entries[e]!;
-        const known = stamps[y] === stamp ? distances[y]! : Infinity;
+        const known = stamps[y]! >= first ? distances[y]! : Infinity;
         let there = here + apart(points, x, y);
         if (before !== NONE) {
           const straight = start + apart(points, before, y);

@@ -368,6 +368,50 @@ fn combine_all<const L: usize, const D: usize, const FMA: bool>(
     squares
 }
 
+/// Vertices whose sums stay in registers while one vector after the other is added.
+const SUMMED_TOGETHER: usize = 16;
+
+/// [`combine_all`] of the parts along the normals, `v·n` of each vector v once for all bands.
+#[inline(always)]
+fn combine_along<const L: usize, const FMA: bool>(
+    pass: &mut Pass<'_, '_>,
+    vectors: &[&[[f64; L]]],
+    n_own: usize,
+) -> Vec<f64> {
+    let mut squares = vec![0.0; pass.terms.len()];
+    let mut parts = [[[0.0; SUMMED_TOGETHER]; COMBINED_TOGETHER / SUMMED_TOGETHER]; MAX_DEPTH + 1];
+    for from in (0..n_own).step_by(COMBINED_TOGETHER) {
+        let to = (from + COMBINED_TOGETHER).min(n_own);
+        let (normals, weights) = (&pass.normals[from..to], &pass.weights[from..to]);
+        for (parts, vector) in parts.iter_mut().zip(vectors) {
+            for ((part, v), n) in parts.as_flattened_mut().iter_mut().zip(&vector[from..to]).zip(normals) {
+                *part = fma::<FMA>(v[0], n[0], fma::<FMA>(v[1], n[1], v[2] * n[2]));
+            }
+        }
+        for ((term, out), square) in pass.terms.iter().zip(&mut *pass.outs).zip(&mut squares) {
+            let rows = out[from..to].chunks_mut(SUMMED_TOGETHER).zip(weights.chunks(SUMMED_TOGETHER));
+            for (i, (out, weights)) in rows.enumerate() {
+                let mut sum = [0.0; SUMMED_TOGETHER];
+                if !term.is_new {
+                    sum[..out.len()].copy_from_slice(out);
+                }
+                for (a, parts) in term.coefficients.iter().zip(&parts[term.first..]) {
+                    for (sum, part) in sum.iter_mut().zip(&parts[i]) {
+                        *sum = fma::<FMA>(*a, *part, *sum);
+                    }
+                }
+                out.copy_from_slice(&sum[..out.len()]);
+                if term.is_weighed {
+                    for (weight, sum) in weights.iter().zip(&sum) {
+                        *square += weight * sum * sum;
+                    }
+                }
+            }
+        }
+    }
+    squares
+}
+
 /// Where the vectors before a pass are, n_vertices × D.
 #[derive(Clone, Copy)]
 pub(super) enum Input<'a> {
@@ -397,6 +441,8 @@ pub(super) struct Pass<'a, 'b> {
     pub(super) outs: &'a mut [&'b mut [f64]],
     pub(super) stride: usize,
     pub(super) at: usize,
+    /// The normals of the own vertices, where a band is its part along them: then it has one number a vertex. Else empty.
+    pub(super) normals: &'a [[f64; 3]],
 }
 
 /// Values that a pass over `tile` keeps at hand, in f64.
@@ -482,7 +528,11 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
         }
     }
     let read: [&[[f64; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
-    let squares = combine_all::<L, D, FMA>(&mut pass, &read, tile.n_own());
+    let squares = if pass.normals.is_empty() {
+        combine_all::<L, D, FMA>(&mut pass, &read, tile.n_own())
+    } else {
+        combine_along::<L, FMA>(&mut pass, &read[..=n_steps], tile.n_own())
+    };
     if !pass.next_now.is_empty() && n_steps > 0 {
         for (out, v) in pass.next_now.as_chunks_mut::<D>().0.iter_mut().zip(read[n_steps]) {
             out.copy_from_slice(&v[..D]);

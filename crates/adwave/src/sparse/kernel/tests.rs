@@ -78,6 +78,7 @@ fn pass<I: Index>(
             outs: &mut [&mut out.bands[own]],
             stride: width,
             at: 0,
+            normals: &[],
         };
         let mut scratch = vec![f64::NAN; scratch_len(tile, n_steps, lanes(width))];
         out.squares.extend(kernel(tile, pass, &mut scratch));
