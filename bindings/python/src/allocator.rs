@@ -11,8 +11,10 @@ mod linux {
 
     /// Vectors of so many bytes have pages of their own.
     const LARGE: usize = 1 << 20;
-    /// Vectors of so many bytes are asked for in pages of 2 MiB, whose first touch costs less.
-    const HUGE: usize = 4 << 20;
+    /// Vectors of so many bytes are whole pages of 2 MiB, whose first touch costs less than that of as much in pages of 4 KiB: at most
+    /// half as much memory again.
+    const HUGE: usize = 3 << 20;
+    const HUGE_PAGE: usize = 2 << 20;
     /// Pages are aligned to at least so many bytes on every system.
     const PAGE: usize = 4096;
 
@@ -25,7 +27,15 @@ mod linux {
         layout.size() >= LARGE && layout.align() <= PAGE
     }
 
+    /// Bytes of the mapping of a vector. The system lays mappings at the start of a large page where they are so many large pages;
+    /// any other would begin and end in small ones, up to 1022 of them.
+    fn mapped(n_bytes: usize) -> usize {
+        // Layouts are at most `isize::MAX` bytes long: nothing overflows.
+        if n_bytes >= HUGE { n_bytes.next_multiple_of(HUGE_PAGE) } else { n_bytes }
+    }
+
     fn map(n_bytes: usize) -> *mut u8 {
+        let n_bytes = mapped(n_bytes);
         // SAFETY: a new private mapping touches no memory that anyone uses.
         let start = unsafe {
             libc::mmap(
@@ -49,7 +59,7 @@ mod linux {
     }
 
     // SAFETY: `alloc`, `dealloc` and `realloc` choose by the layout, which is the same for one vector in all of them, so that each
-    // vector is freed by who made it; mappings are as large as asked for, aligned to pages and zeroed.
+    // vector is freed by who made it; mappings are at least as large as asked for, aligned to pages and zeroed.
     unsafe impl GlobalAlloc for LargeToSystem {
         unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
             if is_large(layout) {
@@ -70,7 +80,7 @@ mod linux {
         unsafe fn dealloc(&self, start: *mut u8, layout: Layout) {
             if is_large(layout) {
                 // SAFETY: `start` came from `map` with this size.
-                unsafe { libc::munmap(start.cast(), layout.size()) };
+                unsafe { libc::munmap(start.cast(), mapped(layout.size())) };
                 return;
             }
             // SAFETY: as above.
@@ -84,9 +94,9 @@ mod linux {
                 // SAFETY: as above.
                 (false, false) => unsafe { System.realloc(start, layout, n_bytes) },
                 (true, true) => {
+                    let (old, new) = (mapped(layout.size()), mapped(n_bytes));
                     // SAFETY: `start` came from `map` with the old size.
-                    let moved =
-                        unsafe { libc::mremap(start.cast(), layout.size(), n_bytes, libc::MREMAP_MAYMOVE) };
+                    let moved = unsafe { libc::mremap(start.cast(), old, new, libc::MREMAP_MAYMOVE) };
                     if moved == libc::MAP_FAILED { ptr::null_mut() } else { moved.cast() }
                 }
                 _ => {

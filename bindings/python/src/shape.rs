@@ -112,14 +112,13 @@ impl ShapeData {
     ) -> PyResult<Self> {
         let kind = kind_of(kind)?;
         let points = arrays::points(&points, "points")?.to_vec();
-        let corners = corners.as_slice()?.to_vec();
-        let offsets: Vec<u32> = match offsets {
-            Some(offsets) => offsets.as_slice()?.to_vec(),
-            None if corners.len().is_multiple_of(3) => (0..=corners.len() as u32).step_by(3).collect(),
+        let corners = corners.as_slice()?;
+        let faces = match offsets {
+            Some(offsets) => Polygons::from_parts(offsets.as_slice()?.to_vec(), corners.to_vec())
+                .ok_or_else(|| value("faces: the offsets do not rise from 0 to the number of corners"))?,
+            None if corners.len().is_multiple_of(3) => Polygons::from_triangles(corners.as_chunks().0),
             None => return Err(value(format!("faces: {} corners are no triangles", corners.len()))),
         };
-        let faces = Polygons::from_parts(offsets, corners)
-            .ok_or_else(|| value("faces: the offsets do not rise from 0 to the number of corners"))?;
         Ok(Self::new(ShapeFile::from_mesh(points, faces), kind, "arrays".to_owned()))
     }
 

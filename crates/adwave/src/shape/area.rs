@@ -59,19 +59,22 @@ pub(crate) fn try_mesh_areas(
     kind: MeshArea,
     progress: Progress<'_>,
 ) -> Result<Vec<f64>, Cancelled> {
+    if kind == MeshArea::Barycentric {
+        let thirds = parallel::try_collect(triangles.len(), progress, |f| {
+            let [a, b, c] = triangles[f].map(|v| &points[v as usize]);
+            triangle_area(a, b, c) / 3.0
+        })?;
+        let share = |&f: &u32| thirds[f as usize];
+        return parallel::try_collect(points.len(), progress, |x| at_vertex.of(x).iter().map(share).sum());
+    }
     parallel::try_collect(points.len(), progress, |x| {
         let around = at_vertex.of(x);
         let share = |(k, f): (usize, &u32)| {
-            let corners = triangles[*f as usize];
-            match kind {
-                MeshArea::Barycentric => {
-                    let [a, b, c] = corners.map(|v| &points[v as usize]);
-                    triangle_area(a, b, c) / 3.0
-                }
-                // A triangle with a repeated corner is listed once for each of them; it has no area.
-                MeshArea::MixedVoronoi if around[..k].contains(f) => 0.0,
-                MeshArea::MixedVoronoi => mixed_voronoi(points, corners, x as u32),
+            // A triangle with a repeated corner is listed once for each of them; it has no area.
+            if around[..k].contains(f) {
+                return 0.0;
             }
+            mixed_voronoi(points, triangles[*f as usize], x as u32)
         };
         around.iter().enumerate().map(share).sum()
     })
