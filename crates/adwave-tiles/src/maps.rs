@@ -48,12 +48,11 @@ impl Lengths {
             let tile = next / self.vertices_per_tile;
             let first = tile * self.vertices_per_tile;
             let end = places.end.min(first + self.vertices_per_tile);
-            let file = match self.files[tile].get() {
-                Some(file) => file,
-                None => {
-                    let opened = At::open(&self.paths[tile])?;
-                    self.files[tile].get_or_init(|| opened)
-                }
+            let file = if let Some(file) = self.files[tile].get() {
+                file
+            } else {
+                let opened = At::open(&self.paths[tile])?;
+                self.files[tile].get_or_init(|| opened)
             };
             let bytes = file.read(((next - first) * row_bytes) as u64, (end - next) * row_bytes)?;
             out.extend(bytes.as_chunks::<4>().0.iter().map(|&l| f32::from_le_bytes(l)));
