@@ -217,12 +217,16 @@ function shape(): Shape {
   return current;
 }
 
+/** The normals of as many triangles take less time than the first bands. */
+const FEW_TRIANGLES = 200_000;
+
 const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls[C][1]> } = {
   async shape(what) {
     const opened = new Shape(what);
     current = opened;
-    // The bands are asked for by the next message: normals are computed while they are on their way.
-    await new Promise((done) => setTimeout(done));
+    // The bands are asked for by the next message: few normals are computed while they are on their way. Of many, what is unpacked
+    // meanwhile would wait for them.
+    if (what.triangles.length <= 3 * FEW_TRIANGLES) await new Promise((done) => setTimeout(done));
     return { normals: opened.normals(what.positions) };
   },
   async edges() {
