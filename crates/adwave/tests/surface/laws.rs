@@ -17,8 +17,8 @@ const ROW_SUM: f64 = 1e-14;
 const ACCURACY: f64 = 1e-10;
 /// A few bands, or what they are made of, computed from coordinates that are rounded differently.
 const COMMUTES: f64 = 1e-9;
-/// What rounding adds to values at each jump: up to 2.6e-13 in the cases that were found; needles take 1e9 of them.
-const ROUNDED_JUMPS: f64 = 1e-12;
+/// What rounding adds to values at each jump; needles take 1e9 of them.
+const ROUNDED_JUMPS: f64 = 1e-13;
 /// Rounding in the eigenvalues of some hundred rows.
 const EIGENVALUES: f64 = 1e-12;
 
