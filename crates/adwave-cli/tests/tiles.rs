@@ -89,6 +89,10 @@ fn a_map_and_features_come_with_the_tiles() {
     run(path, &format!("tiles a.laz -o again.laz {what} --work jobs"));
     assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("again.laz")).unwrap());
     says(path, "tiles a.laz -o b.laz --features f.txt", "f.txt");
+    fs::write(path.join("one.xyz"), "0 0 0\n").unwrap();
+    run(path, "convert one.xyz -o one-point.laz");
+    let said = json(path, "tiles one-point.laz -o b.laz --saliency --features f.csv");
+    assert_eq!((&said["summary"]["n_points"], &said["features"]), (&1.into(), &0.into()));
     says(path, "tiles a.laz -o b.laz --features f.csv --theta 0", "θ is 0");
     says(path, "tiles a.laz -o b.laz --features f.csv --levels 2", "at least 3 levels");
     says(path, "tiles a.laz -o b.laz --saliency=paper --levels 2", "skips the 2 finest levels");

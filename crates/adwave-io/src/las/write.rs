@@ -182,7 +182,9 @@ impl Parts {
             let all = || shape.points.iter().map(|p| p[axis]);
             let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
             let extent = (high - low).max(f64::EPSILON * high.abs().max(low.abs())).max(f64::MIN_POSITIVE);
-            scales[axis] = 10_f64.powf((extent / MOST_STEPS).log10().ceil());
+            // Points that share a coordinate have it exactly by any scale: the usual one.
+            scales[axis] =
+                if low == high { 0.001 } else { 10_f64.powf((extent / MOST_STEPS).log10().ceil()) };
             lows[axis] = low;
         }
         let mut header = new_header(if is_old { 2 } else { 4 }, id, size as u16, scales, lows);
