@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use adwave::bands::{BandsError, ScheduleError};
+use adwave::denoise::DenoiseError;
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
 use adwave_io::{ReadError, WriteError};
 
@@ -43,6 +44,9 @@ pub enum TilesError {
     /// The bands cannot be computed.
     #[error(transparent)]
     Bands(#[from] BandsError),
+    /// The noise cannot be taken off.
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
     /// The call was told to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -68,6 +72,7 @@ impl ClassifiedError for TilesError {
             Self::Write(error) => error.kind(),
             Self::Schedule(error) => error.kind(),
             Self::Bands(error) => error.kind(),
+            Self::Denoise(error) => error.kind(),
             Self::Cancelled(error) => error.kind(),
         }
     }

@@ -25,6 +25,10 @@ impl At {
         &self.path
     }
 
+    pub(crate) fn len(&self) -> u64 {
+        self.len
+    }
+
     /// `len` bytes from `offset` on.
     pub(crate) fn read(&self, offset: u64, len: usize) -> Result<Vec<u8>, TilesError> {
         if offset.checked_add(len as u64).is_none_or(|end| end > self.len) {

@@ -207,7 +207,7 @@ impl<'a> Search<'a> {
     ) -> Result<Self, TilesError> {
         let mut all: Vec<f32> = zeros(part.points.len() * scales.len());
         all.clear();
-        for stretch in &part.stretches {
+        for stretch in part.stretches.ranges() {
             lengths.read(stretch.clone(), &mut all)?;
         }
         Ok(Self { neighbours: &part.neighbours, lengths: all, scales, rings, theta })

@@ -17,6 +17,11 @@ pub(crate) const FACES: &str = "faces.json";
 /// Numbers of whole levels, for the maps.
 pub(crate) const LEVELS: &str = "levels.json";
 
+/// What a sample decides of the noise.
+pub(crate) const CHOICE: &str = "choice.json";
+/// Which pieces of a cloud are turned, over all tiles.
+pub(crate) const SIDES: &str = "sides.bin";
+
 /// The names of the files of a folder.
 pub(crate) fn names(folder: &Path) -> Result<Vec<String>, TilesError> {
     let entries = std::fs::read_dir(folder).map_err(TilesError::io(folder))?;
@@ -58,12 +63,13 @@ pub(crate) fn is_part(name: &str) -> bool {
 
 /// Whether a work has a file of that name.
 pub(crate) fn is_own(name: &str) -> bool {
-    [PLAN, LOCK, TABLE, RECORDS, FACES, LEVELS].contains(&name)
+    [PLAN, LOCK, TABLE, RECORDS, FACES, LEVELS, CHOICE, SIDES].contains(&name)
         || is_run(name)
         || is_tile(name)
         || is_faces(name)
         || is_part(name)
         || is_numbered(name, "near-", ".bin")
+        || is_numbered(name, "sides-", ".bin")
         || is_numbered(name, "tile-", ".json")
         || is_numbered(name, "made-", ".bin")
         || is_numbered(name, "lengths-", ".bin")

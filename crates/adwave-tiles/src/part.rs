@@ -12,6 +12,7 @@ use crate::TilesError;
 use crate::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::box_tree::{Bounds, BoxTree};
 use crate::near_file::{Near, NearFile};
+use crate::stretches::Stretches;
 
 /// What the neighbourhoods of all tiles are, on disk.
 #[derive(Debug)]
@@ -45,6 +46,14 @@ impl Kind {
 }
 
 impl Neighbourhoods {
+    /// The distance of the k-th nearest neighbour of a vertex of a cloud, by its area.
+    pub(crate) fn radius(&self, area: f64) -> f64 {
+        match self.kind {
+            Kind::Nearest(k) => (area * k.max(1) as f64 / PI).sqrt(),
+            Kind::Faces => 0.0,
+        }
+    }
+
     pub(crate) fn new(files: Vec<NearFile>, blocks: &Blocks, blocks_per_tile: usize, kind: Kind) -> Self {
         let summaries = || files.iter().flat_map(|file| &file.summaries);
         let balls = blocks.boxes.iter().zip(summaries());
@@ -91,8 +100,8 @@ pub(crate) struct Part {
     pub(crate) areas: Vec<f64>,
     /// The vertices of the tile.
     pub(crate) own: Range<usize>,
-    /// The places along the curve of all its vertices, as stretches of it.
-    pub(crate) stretches: Vec<Range<usize>>,
+    /// The places along the curve of all its vertices.
+    pub(crate) stretches: Stretches,
 }
 
 struct Search<'a> {
@@ -377,17 +386,11 @@ impl Search<'_> {
     }
 
     /// The places of the vertices that were reached.
-    fn stretches(&self) -> Vec<Range<usize>> {
-        let mut stretches: Vec<Range<usize>> = Vec::new();
+    fn stretches(&self) -> Stretches {
+        let mut stretches = Stretches::default();
         for loaded in &self.loaded {
-            for (place, _) in
-                self.blocks.vertices(loaded.block).zip(&loaded.ring).filter(|(_, ring)| **ring != OUTSIDE)
-            {
-                match stretches.last_mut() {
-                    Some(last) if last.end == place => last.end += 1,
-                    _ => stretches.push(place..place + 1),
-                }
-            }
+            let places = self.blocks.vertices(loaded.block).zip(&loaded.ring);
+            places.filter(|(_, ring)| **ring != OUTSIDE).for_each(|(place, _)| stretches.push(place));
         }
         stretches
     }

@@ -4,10 +4,12 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use adwave::bands::{FixedSeries, Schedule};
+use adwave::denoise::{DenoiseChoice, DenoiseParams};
 use adwave::features::{FeatureError, FeatureParams};
 use adwave::saliency::SaliencyError;
 use serde::{Deserialize, Serialize};
 
+use crate::denoise::MOST_SAMPLED;
 use crate::layout::Layout;
 use crate::part::Limits;
 use crate::{TilesError, VERTICES_IN_A_BLOCK, mesh};
@@ -54,6 +56,9 @@ pub struct Params {
     /// θ of the features that are looked for (see [`FeatureParams`]); none where there is none.
     #[serde(default)]
     pub theta: Option<f64>,
+    /// How noise is taken off the positions; nothing else is done then. Nothing where none is.
+    #[serde(default)]
+    pub denoise: Option<DenoiseParams>,
     /// How many nearest neighbours a step of the walk in a cloud may take in.
     pub neighbours: usize,
     /// Relative error of the bands (see [`FixedSeries`]).
@@ -75,6 +80,7 @@ impl Default for Params {
             vectors: Vec::new(),
             saliency: None,
             theta: None,
+            denoise: None,
             neighbours: 10,
             accuracy: 1e-6,
             n_tiles: None,
@@ -131,6 +137,14 @@ impl Params {
         if !(1..=MOST_NEIGHBOURS).contains(&self.neighbours) {
             return input(format!("{} neighbours; give 1 to {MOST_NEIGHBOURS}", self.neighbours));
         }
+        if let Some(denoise) = &self.denoise {
+            denoise.check()?;
+            if !self.gains.is_empty() || self.has_maps() || !self.wanted().is_empty() {
+                return input(
+                    "noise is taken off by a work of its own; ask for gains, bands, maps and features of its result".into(),
+                );
+            }
+        }
         if self.n_workers == 0 || self.n_tiles == Some(0) {
             return input("0 workers or tiles do nothing; give at least 1".into());
         }
@@ -167,7 +181,7 @@ impl Params {
 
     /// Whether any coordinate changes.
     pub(crate) fn moves(&self) -> bool {
-        self.gains.iter().any(|&gain| gain != 1.0)
+        self.denoise.is_some() || self.gains.iter().any(|&gain| gain != 1.0)
     }
 
     /// The names of the fields that the points get.
@@ -185,6 +199,9 @@ impl Params {
 
     /// How many rings around a tile decide its result.
     pub(crate) fn reach(&self) -> Result<usize, TilesError> {
+        if self.denoise.is_some() {
+            return Ok(DenoiseChoice::reach()?);
+        }
         let reach = self.series()?.iter().map(FixedSeries::reach).max().unwrap_or(0);
         if reach > MOST_RINGS {
             return Err(TilesError::Input(format!(
@@ -240,6 +257,10 @@ struct Cost {
 /// Bytes of memory for each output of a vertex.
 const OUTPUT_BYTES: u64 = 24;
 
+/// Bytes of memory for each vertex of a cloud that is denoised, and each face of a mesh.
+const DENOISED_CLOUD_BYTES: u64 = 1000;
+const DENOISED_FACE_BYTES: u64 = 500;
+
 /// The same for each vertex of the blocks that the rings are searched in, and what is made of these.
 const SEARCHED_BYTES: u64 = 220;
 
@@ -249,20 +270,27 @@ impl Cost {
         // Results as they are before the maps, and the lengths of all bands.
         let made = if plan.params.has_maps() { plan.row_bytes() + 4 * plan.params.levels } else { 0 };
         let made = made as u64;
+        let denoises = plan.params.denoise.is_some();
         match plan.layout {
             // Neighbours reach further than the mean distance between vertices. On disk are the sorted records, once more while runs are
-            // merged; or distances and neighbours.
+            // merged; or distances and neighbours, and sides.
             Layout::Las(_) => Self {
-                vertex_bytes: 275,
+                vertex_bytes: if denoises { DENOISED_CLOUD_BYTES } else { 275 },
                 vertices_per_ring: 1.8,
-                disk: record_bytes + record_bytes.max(8 + 2 * plan.params.neighbours as u64 + made),
+                disk: record_bytes
+                    + record_bytes
+                        .max(8 + 2 * plan.params.neighbours as u64 + made + if denoises { 5 } else { 0 }),
             },
             // The sorted records, faces, areas and neighbours, and results, once more while they are joined.
             Layout::Mesh(_) => {
                 let faces_per_vertex = plan.n_faces.div_ceil(plan.n_points.max(1)).max(2);
                 let results = 2 * plan.row_bytes() as u64 + made;
                 Self {
-                    vertex_bytes: 110 + 40 * faces_per_vertex,
+                    vertex_bytes: if denoises {
+                        DENOISED_FACE_BYTES * faces_per_vertex
+                    } else {
+                        110 + 40 * faces_per_vertex
+                    },
                     vertices_per_ring: 1.3,
                     disk: record_bytes + record_bytes.max(18 * faces_per_vertex + 20 + results),
                 }
@@ -323,6 +351,14 @@ impl Plan {
             blocks = n_blocks.div_ceil(n_blocks.div_ceil(fits));
         }
         let memory = taken(size(blocks)).min(whole) * params.n_workers as u64 + fixed;
+        let sample = n_points.min(MOST_SAMPLED as u64) * per_vertex + fixed;
+        if params.denoise.is_some() && sample > params.memory {
+            return Err(TilesError::Memory(format!(
+                "the sample that the noise is estimated by takes about {} MB and {} MB may be used; allow more memory",
+                sample >> 20,
+                params.memory >> 20
+            )));
+        }
         if memory > params.memory {
             return Err(TilesError::Memory(format!(
                 "tiles of {} points with {rings} rings around them take about {} MB and {} MB may be used; allow more memory{}",

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use adwave::Progress;
+use adwave::denoise::{DenoiseChoice, DenoiseInfo};
 use adwave::features::Feature;
 use adwave::pages::release_freed;
 use serde::{Deserialize, Serialize};
@@ -15,63 +16,18 @@ use serde::{Deserialize, Serialize};
 use crate::bands::bands_of_tile;
 use crate::blocks::Blocks;
 use crate::box_tree::BoxTree;
+use crate::denoise::{Surface, choose, denoised_tile};
 use crate::files::{At, write_whole};
 use crate::layout::Layout;
 use crate::maps::{Lengths, StoredFeature, features_of_tile, map_of_tile};
-use crate::mesh::{self, is_mesh};
-use crate::names::{
-    FACES, LEVELS, LOCK, PLAN, RECORDS, TABLE, is_faces, is_own, is_part, is_run, is_temporary, is_tile,
-    names,
-};
-use crate::near_file::NearFile;
+use crate::names::{CHOICE, FACES, LEVELS, LOCK, SIDES, is_faces, is_part, is_run, is_temporary};
 use crate::neighbours::neighbours_of_tile;
-use crate::part::{Kind, Neighbourhoods};
-use crate::plan::{Forecast, Params, Plan};
-use crate::sort::{has_run, n_runs, records_of_a_run, sort, sort_run};
+use crate::part::Neighbourhoods;
+use crate::sides::{Sides, sides_of_tile};
+use crate::sort::{records_of_a_run, sort, sort_run};
 use crate::totals::{BlockOutcome, LevelSummary, Totals};
-use crate::{TilesError, VERTICES_IN_A_BLOCK, cloud};
-
-/// One tile of one stage: what a process does on its own, in any order within the stage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Job {
-    /// Some points of a cloud, as the inputs have them, in the order of the curve; the sort does those that are missing.
-    Run(usize),
-    /// All points in the order of the curve, and the faces of a mesh to its tiles; there is one of these.
-    Sort,
-    /// The neighbourhoods of a tile, after the sort.
-    Neighbours(usize),
-    /// The bands of a tile, after all neighbourhoods.
-    Bands(usize),
-    /// The saliency map and the features of a tile, after all bands, where there are to be any.
-    Maps(usize),
-}
-
-/// A folder with a plan and what has been done of it.
-#[derive(Debug)]
-pub struct Work {
-    folder: PathBuf,
-    pub(crate) plan: Plan,
-}
-
-/// What is done of a work, and what there is to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Status {
-    /// Runs that a cloud is sorted in, and those that are done; 0 for a mesh.
-    pub n_runs: usize,
-    /// Of these.
-    pub runs_done: usize,
-    /// Tiles, known once all is sorted.
-    pub n_tiles: Option<usize>,
-    /// Tiles whose neighbours are found.
-    pub neighbours_done: usize,
-    /// Tiles whose bands are computed.
-    pub bands_done: usize,
-    /// Whether there are maps to be made once all bands are.
-    pub has_maps: bool,
-    /// Tiles whose maps are made.
-    pub maps_done: usize,
-}
+use crate::work::{Job, Work, read_json, write_json};
+use crate::{TilesError, VERTICES_IN_A_BLOCK, cloud, mesh};
 
 /// What came out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,250 +46,11 @@ pub struct Summary {
     pub moved: [f64; 2],
     /// The bands that were computed, with what counts in the map.
     pub levels: Vec<LevelSummary>,
-}
-
-/// The most vertices that numbers of 32 bits name.
-pub(crate) const MOST_POINTS: u64 = u32::MAX as u64 - 1;
-
-/// What the work of some inputs will take.
-///
-/// # Errors
-/// [`TilesError`] when an input cannot be read, the inputs do not fit together, or the memory does not suffice.
-pub fn forecast(inputs: &[PathBuf], params: &Params) -> Result<Forecast, TilesError> {
-    Ok(planned(inputs, params)?.1)
-}
-
-fn planned(inputs: &[PathBuf], params: &Params) -> Result<(Plan, Forecast), TilesError> {
-    params.check()?;
-    let inputs = &files_of(inputs)?;
-    let plan = if inputs.iter().any(|path| is_mesh(path)) {
-        Some(mesh::planned(inputs, params)?)
-    } else {
-        cloud::planned(inputs, params)?
-    };
-    let Some(mut plan) = plan else {
-        return Err(TilesError::Input("no input; give one or several LAS or LAZ files, or a mesh".into()));
-    };
-    if plan.n_points == 0 {
-        return Err(TilesError::Input("the inputs have no points; give others".into()));
-    }
-    if plan.n_points > MOST_POINTS {
-        return Err(TilesError::Input(format!(
-            "{} points, and places along the curve are numbers of 32 bits: at most {MOST_POINTS}; split the work",
-            plan.n_points
-        )));
-    }
-    let (blocks_per_tile, forecast) = plan.cut()?;
-    plan.blocks_per_tile = blocks_per_tile;
-    Ok((plan, forecast))
-}
-
-/// The files that inputs stand for: of a folder the LAS and LAZ in it, by name; of an EPT (its folder, or the `ept.json` in it) its data.
-fn files_of(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, TilesError> {
-    const EPT: &str = "ept.json";
-    let mut files = Vec::new();
-    for input in inputs {
-        let of_ept = |folder: &Path| folder.join("ept-data");
-        let folder = match input.parent() {
-            Some(parent) if input.file_name().is_some_and(|name| name == EPT) => of_ept(parent),
-            _ if input.join(EPT).exists() => of_ept(input),
-            _ if input.is_dir() => input.clone(),
-            _ => {
-                files.push(input.clone());
-                continue;
-            }
-        };
-        let refused = |what: &str| Err(TilesError::Input(format!("{}: {what}", folder.display())));
-        if folder.join(PLAN).exists() {
-            let Status { n_tiles, bands_done, has_maps, maps_done, .. } = Work::open(&folder)?.status()?;
-            if n_tiles != Some(if has_maps { maps_done } else { bands_done }) {
-                return refused("its tiles are not all done; finish that work first");
-            }
-        }
-        let mut names = names(&folder)?;
-        names.retain(|name| {
-            let ending = Path::new(name).extension().unwrap_or_default();
-            ending.eq_ignore_ascii_case("las") || ending.eq_ignore_ascii_case("laz")
-        });
-        if names.is_empty() {
-            return refused("no .las or .laz is in that folder; name the files");
-        }
-        names.sort();
-        files.extend(names.iter().map(|name| folder.join(name)));
-    }
-    Ok(files)
+    /// What was assumed of the noise, where it was taken off.
+    pub noise: Option<DenoiseInfo>,
 }
 
 impl Work {
-    /// Begins a work in `folder`, or goes on with the one that is there, if it is the same.
-    ///
-    /// # Errors
-    /// As [`forecast`], and when the folder holds another work or cannot be written.
-    pub fn begin(folder: &Path, inputs: &[PathBuf], params: &Params) -> Result<(Self, Forecast), TilesError> {
-        let (mut plan, forecast) = planned(inputs, params)?;
-        std::fs::create_dir_all(folder).map_err(TilesError::io(folder))?;
-        let path = folder.join(PLAN);
-        if path.exists() {
-            let there = Self::open(folder)?.plan;
-            let same = |plan: &Plan| (plan.inputs.clone(), plan.params.decides());
-            if same(&there) != same(&plan) {
-                return Err(TilesError::Input(format!(
-                    "{} holds another work (other files or parameters); delete it or name another folder",
-                    folder.display()
-                )));
-            }
-            if params.n_tiles.is_none() || params.n_tiles == there.params.n_tiles {
-                plan.blocks_per_tile = there.blocks_per_tile;
-            } else if plan.blocks_per_tile != there.blocks_per_tile {
-                return Err(TilesError::Input(format!(
-                    "{} holds this work in tiles of another size; leave --tiles out, or delete the folder",
-                    folder.display()
-                )));
-            }
-            return Ok((Self { folder: folder.to_owned(), plan }, forecast));
-        }
-        // Neighbourhoods of other points would pass for those of these, and tiles, which may be inputs, would be replaced.
-        if let Some(name) = names(folder)?.iter().find(|name| is_own(name)) {
-            return Err(TilesError::Input(format!(
-                "{} is of an earlier work; move or delete such files, or name another folder",
-                folder.join(name).display()
-            )));
-        }
-        let json =
-            serde_json::to_vec_pretty(&plan).map_err(std::io::Error::from).map_err(TilesError::io(&path))?;
-        write_whole(&path, |out| out.write_all(&json).map_err(TilesError::io(&path)))?;
-        Ok((Self { folder: folder.to_owned(), plan }, forecast))
-    }
-
-    /// The work of a folder.
-    ///
-    /// # Errors
-    /// When there is no plan, or none that can be read.
-    pub fn open(folder: &Path) -> Result<Self, TilesError> {
-        let path = folder.join(PLAN);
-        if !path.exists() {
-            return Err(TilesError::Input(format!(
-                "{} is not there; make a plan first (adwave tiles … --plan-only)",
-                path.display()
-            )));
-        }
-        let json = std::fs::read(&path).map_err(TilesError::io(&path))?;
-        let plan: Plan =
-            serde_json::from_slice(&json).map_err(|e| TilesError::broken(&path, e.to_string()))?;
-        plan.params.check()?;
-        let is_whole = plan.blocks_per_tile > 0
-            && plan.layout.record_bytes() >= plan.layout.position_bytes()
-            && plan.n_points <= MOST_POINTS
-            && !plan.inputs.is_empty();
-        if !is_whole {
-            return Err(TilesError::broken(&path, "its numbers make no sense"));
-        }
-        Ok(Self { folder: folder.to_owned(), plan })
-    }
-
-    fn records(&self) -> PathBuf {
-        self.folder.join(RECORDS)
-    }
-
-    fn table(&self) -> PathBuf {
-        self.folder.join(TABLE)
-    }
-
-    fn near(&self, tile: usize) -> PathBuf {
-        self.folder.join(format!("near-{tile:05}.bin"))
-    }
-
-    /// The points of a tile, as they come out; of a mesh what becomes of its vertices, to be joined.
-    pub fn tile(&self, tile: usize) -> PathBuf {
-        let ending = match self.plan.layout {
-            Layout::Las(_) => "laz",
-            Layout::Mesh(_) => "bin",
-        };
-        self.folder.join(format!("tile-{tile:05}.{ending}"))
-    }
-
-    /// The faces of a tile.
-    fn faces(&self, tile: usize) -> PathBuf {
-        self.folder.join(format!("faces-{tile:05}.bin"))
-    }
-
-    /// Whether the work is on a mesh.
-    pub fn is_mesh(&self) -> bool {
-        matches!(self.plan.layout, Layout::Mesh(_))
-    }
-
-    /// Whether the last stage is that of maps.
-    pub fn has_maps(&self) -> bool {
-        self.plan.params.has_maps()
-    }
-
-    /// The records of a tile before its map.
-    fn made(&self, tile: usize) -> PathBuf {
-        self.folder.join(format!("made-{tile:05}.bin"))
-    }
-
-    /// The lengths of all bands at the vertices of a tile.
-    fn lengths(&self, tile: usize) -> PathBuf {
-        self.folder.join(format!("lengths-{tile:05}.bin"))
-    }
-
-    fn stored_features(&self, tile: usize) -> PathBuf {
-        self.folder.join(format!("features-{tile:05}.json"))
-    }
-
-    fn outcome(&self, tile: usize) -> PathBuf {
-        self.folder.join(format!("tile-{tile:05}.json"))
-    }
-
-    /// Whether all points are sorted, and the faces of a mesh dealt out; tiles can be counted then.
-    pub fn is_sorted(&self) -> bool {
-        self.has_blocks() && (!self.is_mesh() || self.folder.join(FACES).exists())
-    }
-
-    fn has_blocks(&self) -> bool {
-        self.table().exists() && self.records().exists()
-    }
-
-    pub(crate) fn blocks(&self) -> Result<Blocks, TilesError> {
-        if !self.is_sorted() {
-            return Err(TilesError::Input(format!(
-                "{}: its points are not sorted yet; do that first (adwave tile FOLDER sort)",
-                self.folder.display()
-            )));
-        }
-        self.read_blocks()
-    }
-
-    fn read_blocks(&self) -> Result<Blocks, TilesError> {
-        Blocks::open(&self.table(), &self.records(), self.plan.layout)
-    }
-
-    /// How many tiles there are, once all points are sorted.
-    ///
-    /// # Errors
-    /// When the sorted points are not there.
-    pub fn n_tiles(&self) -> Result<usize, TilesError> {
-        Ok(self.plan.n_tiles(self.blocks()?.len()))
-    }
-
-    pub(crate) fn neighbourhoods(&self, blocks: &Blocks) -> Result<Neighbourhoods, TilesError> {
-        let n_tiles = self.plan.n_tiles(blocks.len());
-        let open = |tile| NearFile::open(&self.near(tile), &self.plan.tile(tile, blocks.len()));
-        let files = (0..n_tiles).map(open).collect::<Result<Vec<_>, _>>()?;
-        let kind = match self.plan.layout {
-            Layout::Las(_) => {
-                Kind::Nearest(self.plan.params.neighbours.min((blocks.n_vertices as usize).saturating_sub(1)))
-            }
-            Layout::Mesh(_) => Kind::Faces,
-        };
-        Ok(Neighbourhoods::new(files, blocks, self.plan.blocks_per_tile, kind))
-    }
-
-    /// The lengths of the files of faces, once all are written.
-    fn bytes_of_faces(&self) -> Result<Vec<u64>, TilesError> {
-        read_json(&self.folder.join(FACES))
-    }
-
     fn neighbours(
         &self,
         blocks: &Blocks,
@@ -347,46 +64,6 @@ impl Work {
         }
         let n_bytes = self.bytes_of_faces()?.get(tile).copied().unwrap_or(0);
         mesh::neighbours_of_tile(blocks, range, (&self.faces(tile), n_bytes), &path, progress)
-    }
-
-    /// Whether a job is done: its file is there.
-    pub fn is_done(&self, job: Job) -> bool {
-        match job {
-            Job::Run(run) => {
-                self.is_sorted() || has_run(&self.plan, &self.folder, records_of_a_run(&self.plan), run)
-            }
-            Job::Sort => self.is_sorted(),
-            Job::Neighbours(tile) => self.near(tile).exists(),
-            Job::Bands(tile) if self.has_maps() => {
-                [self.outcome(tile), self.made(tile), self.lengths(tile)].iter().all(|path| path.exists())
-            }
-            Job::Bands(tile) => self.outcome(tile).exists() && self.tile(tile).exists(),
-            Job::Maps(tile) => self.tile(tile).exists() && self.stored_features(tile).exists(),
-        }
-    }
-
-    /// How many runs a cloud is sorted in, which can be jobs of their own; 0 for a mesh.
-    pub fn n_runs(&self) -> usize {
-        n_runs(&self.plan, records_of_a_run(&self.plan))
-    }
-
-    /// What is done.
-    ///
-    /// # Errors
-    /// When the sorted points cannot be read.
-    pub fn status(&self) -> Result<Status, TilesError> {
-        let (n_runs, n_tiles) = (self.n_runs(), if self.is_sorted() { Some(self.n_tiles()?) } else { None });
-        let done = |n: usize, job: fn(usize) -> Job| (0..n).filter(|&i| self.is_done(job(i))).count();
-        let of_tiles = |job| done(n_tiles.unwrap_or(0), job);
-        Ok(Status {
-            n_runs,
-            runs_done: done(n_runs, Job::Run),
-            n_tiles,
-            neighbours_done: of_tiles(Job::Neighbours),
-            bands_done: of_tiles(Job::Bands),
-            has_maps: self.has_maps(),
-            maps_done: if self.has_maps() { of_tiles(Job::Maps) } else { 0 },
-        })
     }
 
     fn sort_run(&self, run: usize, progress: Progress<'_>) -> Result<(), TilesError> {
@@ -436,31 +113,68 @@ impl Work {
         Ok(())
     }
 
-    /// Removes files of the folder.
-    fn remove(&self, is_meant: impl Fn(&str) -> bool) -> Result<(), TilesError> {
-        for name in names(&self.folder)?.iter().filter(|name| is_meant(name)) {
-            let path = self.folder.join(name);
-            match std::fs::remove_file(&path) {
-                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(TilesError::io(&path)(e)),
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    fn bands(
+    fn sides_of_tile(
         &self,
         blocks: &Blocks,
         neighbourhoods: &Neighbourhoods,
         tile: usize,
         progress: Progress<'_>,
     ) -> Result<(), TilesError> {
-        let (plan, range) = (&self.plan, self.plan.tile(tile, blocks.len()));
-        let outcomes = if self.has_maps() {
+        if !self.has_sides() {
+            return Err(TilesError::Input(
+                "no sides are asked for; they are where the noise of a cloud is taken off".into(),
+            ));
+        }
+        let range = self.plan.tile(tile, blocks.len());
+        sides_of_tile(blocks, neighbourhoods, range, self.plan.limits()?, &self.sides(tile), progress)
+    }
+
+    /// What tiles are denoised by, where they are: what is not there yet is found by who comes first.
+    fn denoiser(
+        &self,
+        blocks: &Blocks,
+        progress: Progress<'_>,
+    ) -> Result<Option<(DenoiseChoice, Surface)>, TilesError> {
+        if self.plan.params.denoise.is_none() {
+            return Ok(None);
+        }
+        let faces = if self.is_mesh() { Some(self.face_files()?) } else { None };
+        let path = self.folder.join(CHOICE);
+        if !path.exists() {
+            write_json(&path, &choose(&self.plan, blocks, faces.as_ref(), progress)?)?;
+            release_freed();
+        }
+        let surface = if let Some(faces) = faces {
+            Surface::Mesh(faces)
+        } else {
+            let tiles: Vec<PathBuf> =
+                (0..self.plan.n_tiles(blocks.len())).map(|tile| self.sides(tile)).collect();
+            let per_tile = self.plan.blocks_per_tile * VERTICES_IN_A_BLOCK;
+            let (path, n) = (self.folder.join(SIDES), blocks.n_vertices as usize);
+            Surface::Cloud(Sides::open(&tiles, &path, n, per_tile, progress)?)
+        };
+        Ok(Some((read_json(&path)?, surface)))
+    }
+
+    fn bands(
+        &self,
+        blocks: &Blocks,
+        neighbourhoods: &Neighbourhoods,
+        denoiser: Option<&(DenoiseChoice, Surface)>,
+        tile: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        let (whole, range) = ((&self.plan, blocks), self.plan.tile(tile, blocks.len()));
+        let outcomes = if let Some((choice, surface)) = denoiser {
+            let by = (choice, surface);
+            self.write_tile(tile, |out| {
+                denoised_tile(whole, neighbourhoods, by, range, progress, |made| out(&made.records))
+            })?
+        } else if self.has_maps() {
             let paths = [self.made(tile), self.lengths(tile)];
             write_whole(&paths[0], |records| {
                 write_whole(&paths[1], |lengths| {
-                    bands_of_tile(plan, blocks, neighbourhoods, range, progress, |made| {
+                    bands_of_tile(whole, neighbourhoods, range, progress, |made| {
                         records.write_all(&made.records).map_err(TilesError::io(&paths[0]))?;
                         lengths.write_all(&made.lengths).map_err(TilesError::io(&paths[1]))
                     })
@@ -468,7 +182,7 @@ impl Work {
             })?
         } else {
             self.write_tile(tile, |out| {
-                bands_of_tile(plan, blocks, neighbourhoods, range, progress, |made| out(&made.records))
+                bands_of_tile(whole, neighbourhoods, range, progress, |made| out(&made.records))
             })?
         };
         write_json(&self.outcome(tile), &outcomes)
@@ -538,7 +252,11 @@ impl Work {
     }
 
     fn summary(&self, blocks: &Blocks, neighbourhoods: &Neighbourhoods) -> Result<Summary, TilesError> {
-        let Totals { moved, levels } = self.totals(blocks, neighbourhoods)?;
+        let Totals { moved, n_far, levels } = self.totals(blocks, neighbourhoods)?;
+        let noise = match self.plan.params.denoise {
+            Some(_) => Some(self.noise(moved[1], n_far)?),
+            None => None,
+        };
         Ok(Summary {
             n_points: self.plan.n_points,
             n_vertices: blocks.n_vertices,
@@ -547,7 +265,15 @@ impl Work {
             mean_length: neighbourhoods.mean_length * self.plan.layout.unit(),
             moved,
             levels,
+            noise,
         })
+    }
+
+    /// What was assumed of the noise and done, in model units.
+    fn noise(&self, furthest: f64, n_far: u64) -> Result<DenoiseInfo, TilesError> {
+        let DenoiseChoice { info, .. } = read_json(&self.folder.join(CHOICE))?;
+        let noise = info.noise * self.plan.layout.unit();
+        Ok(DenoiseInfo { noise, n_far: n_far as usize, furthest, ..info })
     }
 
     /// The features of all tiles, from fine to coarse, on each level the strongest first; `vertex` is of a mesh that of its file, of a
@@ -580,35 +306,6 @@ impl Work {
         };
         Ok(all.into_iter().map(feature).collect())
     }
-
-    /// Deletes what only the work itself needed, and what jobs that were killed left half written; the tiles stay.
-    ///
-    /// # Errors
-    /// When a file cannot be deleted.
-    pub fn clean(&self) -> Result<(), TilesError> {
-        // First what says that the rest can be relied on, last what says that there is a work.
-        self.remove(|name| name == TABLE || name == FACES)?;
-        self.remove(|name| is_own(name) && name != PLAN && !is_tile(name) || is_temporary(name))?;
-        self.remove(|name| name == PLAN)
-    }
-
-    /// Deletes the tiles, after they were joined.
-    ///
-    /// # Errors
-    /// When a file cannot be deleted.
-    pub fn remove_tiles(&self) -> Result<(), TilesError> {
-        self.remove(is_tile)
-    }
-}
-
-fn write_json(path: &Path, value: &impl Serialize) -> Result<(), TilesError> {
-    let json = serde_json::to_vec(value).map_err(std::io::Error::from).map_err(TilesError::io(path))?;
-    write_whole(path, |out| out.write_all(&json).map_err(TilesError::io(path)))
-}
-
-fn read_json<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, TilesError> {
-    let json = std::fs::read(path).map_err(TilesError::io(path))?;
-    serde_json::from_slice(&json).map_err(|e| TilesError::broken(path, e.to_string()))
 }
 
 /// Time between two tries to have the lock.
@@ -623,11 +320,13 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
     match job {
         Job::Run(run) => return work.sort_run(run, progress),
         Job::Sort => return work.sort(progress),
-        Job::Neighbours(_) | Job::Bands(_) | Job::Maps(_) => {}
+        Job::Neighbours(_) | Job::Sides(_) | Job::Bands(_) | Job::Maps(_) => {}
     }
     let blocks = work.blocks()?;
     let n_tiles = work.plan.n_tiles(blocks.len());
-    let (Job::Neighbours(tile) | Job::Bands(tile) | Job::Maps(tile)) = job else { return Ok(()) };
+    let (Job::Neighbours(tile) | Job::Sides(tile) | Job::Bands(tile) | Job::Maps(tile)) = job else {
+        return Ok(());
+    };
     if tile >= n_tiles {
         return Err(TilesError::Input(format!(
             "there is no tile {tile}; tiles are 0 to {}",
@@ -635,7 +334,12 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
         )));
     }
     match job {
-        Job::Bands(_) => return work.bands(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
+        Job::Sides(_) => return work.sides_of_tile(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
+        Job::Bands(_) => {
+            let (neighbourhoods, denoiser) =
+                (work.neighbourhoods(&blocks)?, work.denoiser(&blocks, progress.quiet())?);
+            return work.bands(&blocks, &neighbourhoods, denoiser.as_ref(), tile, progress);
+        }
         Job::Maps(_) => return work.maps(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
         _ => {}
     }
@@ -648,7 +352,7 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
 /// [`TilesError`]; what was done stays, and the next call goes on there.
 pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
     let n = work.plan.n_points;
-    let all = n * if work.has_maps() { 4 } else { 3 };
+    let all = n * (3 + u64::from(work.has_maps()) + u64::from(work.has_sides()));
     let sorting = |done: u64, total: u64| {
         // Who is asked to stop is asked by the call itself.
         let _ = progress.step(done * n / total.max(1), all);
@@ -674,9 +378,18 @@ pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
     drop(tree);
     release_freed();
     let neighbourhoods = work.neighbourhoods(&blocks)?;
+    if work.has_sides() {
+        each(work, n_tiles, |tile| {
+            if !work.is_done(Job::Sides(tile)) {
+                work.sides_of_tile(&blocks, &neighbourhoods, tile, progress.quiet())?;
+            }
+            Ok(finished(tile)?)
+        })?;
+    }
+    let denoiser = work.denoiser(&blocks, progress.quiet())?;
     each(work, n_tiles, |tile| {
         if !work.is_done(Job::Bands(tile)) {
-            work.bands(&blocks, &neighbourhoods, tile, progress.quiet())?;
+            work.bands(&blocks, &neighbourhoods, denoiser.as_ref(), tile, progress.quiet())?;
         }
         Ok(finished(tile)?)
     })?;

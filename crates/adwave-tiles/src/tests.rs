@@ -14,7 +14,7 @@ use crate::part::part;
 use crate::{Job, MapKind, MapWeights, Params, TilesError, Work, join, run, run_job};
 
 /// Bytes of a record of point format 0.
-const RECORD: usize = 20;
+pub(crate) const RECORD: usize = 20;
 
 fn random(i: u32, salt: u32) -> f64 {
     let mixed = (i ^ salt.wrapping_mul(0x9e37_79b9)).wrapping_mul(2_654_435_761).rotate_left(13);
@@ -22,7 +22,7 @@ fn random(i: u32, salt: u32) -> f64 {
 }
 
 /// A hilly sheet, denser on one side, with points above it, some far away, and some twice.
-fn cloud(n: u32) -> Vec<[i32; 3]> {
+pub(crate) fn cloud(n: u32) -> Vec<[i32; 3]> {
     (0..n)
         .map(|i| {
             let i = if i % 97 == 5 { i - 1 } else { i };
@@ -34,7 +34,7 @@ fn cloud(n: u32) -> Vec<[i32; 3]> {
         .collect()
 }
 
-fn write(path: &Path, points: &[[i32; 3]], offset: f64) {
+pub(crate) fn write(path: &Path, points: &[[i32; 3]], offset: f64) {
     let layout = LasLayout {
         format: 0,
         record_bytes: RECORD,
@@ -64,7 +64,7 @@ fn params() -> Params {
 }
 
 /// The bytes of all tiles joined.
-fn joined(folder: &Path, inputs: &[PathBuf], params: &Params) -> Vec<u8> {
+pub(crate) fn joined(folder: &Path, inputs: &[PathBuf], params: &Params) -> Vec<u8> {
     let work = Work::begin(folder, inputs, params).unwrap().0;
     let summary = run(&work, Progress::none()).unwrap();
     assert!(params.n_tiles.is_none_or(|n| summary.n_tiles <= n));

@@ -16,6 +16,9 @@ pub(crate) struct BlockOutcome {
     pub(crate) n_points: u64,
     /// The distances that its vertices moved.
     pub(crate) moved: LengthSums,
+    /// How many moved farther than noise does.
+    #[serde(default)]
+    pub(crate) n_far: u64,
     /// The lengths of each band that is computed.
     pub(crate) bands: Vec<LengthSums>,
     pub(crate) steps: StepSums,
@@ -136,6 +139,8 @@ pub struct LevelSummary {
 pub(crate) struct Totals {
     /// Root mean square and largest of the distances moved.
     pub(crate) moved: [f64; 2],
+    /// How many vertices moved farther than noise does.
+    pub(crate) n_far: u64,
     /// The bands that are computed.
     pub(crate) levels: Vec<LevelSummary>,
 }
@@ -150,11 +155,12 @@ impl Totals {
         unit: f64,
     ) -> Result<Self, TilesError> {
         let wanted = params.wanted();
-        let mut moved = LengthSums::default();
+        let (mut moved, mut n_far) = (LengthSums::default(), 0);
         let mut bands = vec![LengthSums::default(); wanted.len()];
         let mut steps = StepSums::default();
         for outcome in outcomes {
             moved.add(&outcome.moved);
+            n_far += outcome.n_far;
             for (sums, band) in bands.iter_mut().zip(&outcome.bands) {
                 sums.add(band);
             }
@@ -182,6 +188,7 @@ impl Totals {
         };
         Ok(Self {
             moved: [rms(&moved), moved.most * unit],
+            n_far,
             levels: wanted.iter().zip(&bands).map(level).collect(),
         })
     }

@@ -34,8 +34,12 @@ def plan(
     magnitudes: Sequence[int] = (),
     vectors: Sequence[int] = (),
     saliency: bool | str = False,
+    denoise: bool = False,
+    strength: float = 1.0,
+    creases: str = "auto",
+    noise: float | None = None,
     levels: int | None = None,
-    neighbours: int = 10,
+    neighbours: int | None = None,
     accuracy: float = 1e-6,
     memory: str | int | None = None,
     tiles: int | None = None,
@@ -57,10 +61,18 @@ def plan(
     saliency : bool or str
         A field ``saliency``: the lengths of all levels weighed by ``'entropy'`` (which True means), ``'paper'``, ``'normalised'`` or ``'none'``, without a
         sign.
+    denoise : bool
+        Takes the noise off the positions, as `adwave.denoise` does, in place of all that bands give.
+    strength : float
+        By how much the noise counts: 0 changes nothing, 2 takes it for twice as large.
+    creases : str
+        What becomes of creases: ``'auto'``, ``'keep'`` or ``'none'``.
+    noise : float, optional
+        Standard deviation of the noise along the normals, in the unit of the coordinates; estimated, where it is left out.
     levels : int, optional
         Number of dyadic levels; as many as there are gains, else 8.
-    neighbours : int
-        How many nearest neighbours a step of the walk takes in.
+    neighbours : int, optional
+        How many nearest neighbours a step of the walk takes in; 10, of a work that denoises 12.
     accuracy : float
         Relative error of the bands.
     memory : str or int, optional
@@ -83,7 +95,7 @@ def plan(
     for name in [os.fspath(name) for name in names]:
         found += sorted(glob.glob(name)) if glob.has_magic(name) else [name]
     words = ["tiles", *found, "-o", os.fspath(folder), "--plan-only"]
-    words += ["--neighbours", str(neighbours), "--accuracy", str(accuracy)]
+    words += ["--accuracy", str(accuracy)]
     if gains:
         words.append("--gains=" + ",".join(str(float(gain)) for gain in gains))
     if magnitudes:
@@ -92,7 +104,12 @@ def plan(
         words.append("--vectors=" + ",".join(str(int(band)) for band in vectors))
     if saliency:
         words.append("--saliency=" + ("entropy" if saliency is True else str(saliency)))
-    for option, value in (("--levels", levels), ("--memory", memory), ("--tiles", tiles)):
+    options: list[tuple[str, object]] = [("--levels", levels), ("--memory", memory), ("--tiles", tiles)]
+    options.append(("--neighbours", neighbours))
+    if denoise:
+        words.append("--denoise")
+        options += [("--strength", float(strength)), ("--creases", creases), ("--noise-sigma", noise)]
+    for option, value in options:
         if value is not None:
             words += [option, str(value)]
     _adwave(words)
@@ -107,8 +124,9 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     folder : path
         What `plan` gave.
     client : dask.distributed.Client
-        Its workers do the jobs: several sort some of the points each, one merges these, then one for each tile finds neighbours, then one
-        for each tile computes its bands, and one its map, where there is to be one.
+        Its workers do the jobs: several sort some of the points each, one merges these, then one for each tile finds neighbours, of a cloud
+        that is denoised one the sides of its normals, then one for each tile computes its bands or takes the noise off, and one its map,
+        where there is to be one.
     threads : int
         Threads of each task: as many as a worker has for it.
     retries : int
@@ -147,8 +165,11 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     done("run", range(int(_adwave(["tile", place, "status"])["n_runs"])))
     n_tiles = int(done("sort", range(1))[0]["n_tiles"])
     done("neighbours", range(n_tiles))
+    status = _adwave(["tile", place, "status"])
+    if status["has_sides"]:
+        done("sides", range(n_tiles))
     results = done("bands", range(n_tiles))
-    if _adwave(["tile", place, "status"])["has_maps"]:
+    if status["has_maps"]:
         results = done("maps", range(n_tiles))
     return [str(result["path"]) for result in results]
 

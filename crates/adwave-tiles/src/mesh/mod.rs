@@ -7,12 +7,14 @@
 mod faces;
 mod join;
 mod neighbours;
+mod part_faces;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use faces::{deal, places_at_a_time};
 pub(crate) use join::join;
 pub(crate) use neighbours::neighbours_of_tile;
+pub(crate) use part_faces::FaceFiles;
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +26,7 @@ use crate::blocks::Blocks;
 use crate::layout::{Layout, Lengths, push_vertex, vertex_number};
 use crate::outputs::Outputs;
 use crate::plan::{Input, Params, Plan};
-use crate::run::MOST_POINTS;
+use crate::work::MOST_POINTS;
 
 /// Whether a file is a mesh by its name: a PLY or OBJ.
 pub fn is_mesh(path: &Path) -> bool {

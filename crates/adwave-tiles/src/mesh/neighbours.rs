@@ -10,7 +10,6 @@ use rayon::prelude::*;
 
 use crate::TilesError;
 use crate::blocks::{Blocks, VERTICES_IN_A_BLOCK};
-use crate::layout::u32_at;
 use crate::near_file::{self, BlockSummary, Near};
 use crate::neighbours::{PositionCache, positions_of_tile};
 use crate::outputs::length;
@@ -63,7 +62,7 @@ impl Around {
             return Err(broken());
         }
         let own = blocks.vertices(tile.start).start..blocks.vertices(tile.end - 1).end;
-        let others = places(&bytes).filter(|&place| !own.contains(&(place as usize)));
+        let others = all_places(&bytes).filter(|&place| !own.contains(&(place as usize)));
         let mut before: Vec<u32> = others.collect();
         before.par_sort_unstable();
         before.dedup();
@@ -85,9 +84,7 @@ impl Around {
             let (corners, after) = first_face(rest).ok_or_else(broken)?;
             rest = after;
             face.clear();
-            face.extend(
-                corners.as_chunks::<4>().0.iter().map(|place| around.number(u32::from_le_bytes(*place))),
-            );
+            face.extend(places(corners).map(|place| around.number(place)));
             around.faces.push(&face);
         }
         Ok(around)
@@ -138,18 +135,23 @@ impl Around {
 }
 
 /// The corners of the first face, four bytes each, and what follows it.
-fn first_face(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+pub(super) fn first_face(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (n, rest) = bytes.split_first_chunk::<4>()?;
     rest.split_at_checked((u32::from_le_bytes(*n) as usize).checked_mul(4)?)
 }
 
+/// The places of the corners of a face.
+pub(super) fn places(corners: &[u8]) -> impl Iterator<Item = u32> {
+    corners.as_chunks::<4>().0.iter().map(|place| u32::from_le_bytes(*place))
+}
+
 /// The places of the corners of all faces.
-fn places(bytes: &[u8]) -> impl Iterator<Item = u32> {
+fn all_places(bytes: &[u8]) -> impl Iterator<Item = u32> {
     let mut rest = bytes;
     let faces = std::iter::from_fn(move || {
         let (corners, after) = first_face(rest)?;
         rest = after;
         Some(corners)
     });
-    faces.flat_map(|corners| (0..corners.len() / 4).map(|i| u32_at(corners, 4 * i)))
+    faces.flat_map(places)
 }

@@ -7,6 +7,7 @@
 //! Sources: bilateral weights on normals `zheng2011`, points from normals `sun2007`, Stein's estimate of the risk with
 //! probes `ramani2008`, mixtures of estimates by it `leung2006`.
 
+mod choice;
 mod error;
 mod noise_level;
 mod params;
@@ -17,6 +18,7 @@ mod signal;
 mod smoothed_normals;
 mod surface;
 
+pub use choice::DenoiseChoice;
 pub use error::DenoiseError;
 pub use params::{Creases, DenoiseInfo, DenoiseParams, Denoised};
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
@@ -29,6 +31,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use risk::Risk;
+use sample::Sample;
 use smoothed_normals::{LEVELS, Walks, Wanted};
 use surface::Surface;
 
@@ -92,30 +95,21 @@ pub fn denoise(
     let Some(original) = geometry.shape().points() else { return Err(DenoiseError::NoPositions) };
     let (points, unit) = geometry.unit_points(progress)?;
     progress.step(0, STAGES)?;
-    let surface = match geometry.shape() {
-        Shape::Mesh(_) => Surface::mesh(points.len(), geometry.triangles().to_vec(), progress)?,
-        _ => Surface::cloud(&points, progress)?,
-    };
-    let mean_length = mean_distance(&surface, &points, progress)?;
-    let noise = match params.noise {
-        Some(noise) => noise / unit,
-        None => noise_level(&surface, &points, progress)?,
-    };
-    let mut info = DenoiseInfo {
-        noise: noise * unit,
-        noise_in_edges: if mean_length > 0.0 { noise / mean_length } else { 0.0 },
-        kept: 1.0,
-        ..DenoiseInfo::default()
-    };
+    let surface = surface_of(geometry, &points, progress)?;
+    let mut info = noise_of(&surface, (&points, unit), params, progress)?;
+    let noise = info.noise / unit;
     progress.step(1, STAGES)?;
-    if noise * params.strength == 0.0 || surface.n_sites() == 0 {
+    if !is_anything_to_do(&surface, noise, params) {
         progress.step(STAGES, STAGES)?;
         return Ok(Denoised { points: original.to_vec(), info });
     }
     let mut moved = points.to_vec();
-    let normals = best_normals(&surface, &points, noise, params, &mut info, progress)?;
+    let sample = surface.sample(&points, progress)?;
+    let used = best_mixture(&surface, &points, sample, noise, params, &mut info, progress)?;
     progress.step(4, STAGES)?;
-    if let Some(normals) = normals {
+    if let Some((walks, weights)) = used {
+        let normals = walks.mixture(&weights, progress)?;
+        drop(walks);
         surface.move_to(&mut moved, &normals, MOVES, progress)?;
     }
     let moves = parallel::try_collect(moved.len(), progress, |x| subtract(&moved[x], &points[x]))?;
@@ -129,27 +123,64 @@ pub fn denoise(
     Ok(Denoised { points, info })
 }
 
-/// The normals of least estimated risk; `None` where those that are there are.
-fn best_normals(
+/// The surface of a shape, whose points are at `points`.
+fn surface_of(
+    geometry: &PreparedGeometry,
+    points: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<Surface, Cancelled> {
+    match geometry.shape() {
+        Shape::Mesh(_) => Surface::mesh(points.len(), geometry.triangles().to_vec(), progress),
+        _ => Surface::cloud(points, progress),
+    }
+}
+
+/// The noise of a surface, in model units, as it is estimated or given; `unit` is that of the points.
+fn noise_of(
+    surface: &Surface,
+    (points, unit): (&[[f64; 3]], f64),
+    params: &DenoiseParams,
+    progress: Progress<'_>,
+) -> Result<DenoiseInfo, Cancelled> {
+    let mean_length = mean_distance(surface, points, progress)?;
+    let noise = match params.noise {
+        Some(noise) => noise / unit,
+        None => noise_level(surface, points, progress)?,
+    };
+    Ok(DenoiseInfo {
+        noise: noise * unit,
+        noise_in_edges: if mean_length > 0.0 { noise / mean_length } else { 0.0 },
+        kept: 1.0,
+        ..DenoiseInfo::default()
+    })
+}
+
+fn is_anything_to_do(surface: &Surface, noise: f64, params: &DenoiseParams) -> bool {
+    noise * params.strength != 0.0 && surface.n_sites() > 0
+}
+
+/// The walks of a surface and the weights of their mixture of least risk, estimated on all of it or on a `sample`; `None` where its normals
+/// are best as they are.
+fn best_mixture(
     surface: &Surface,
     points: &[[f64; 3]],
+    sample: Option<Sample>,
     noise: f64,
     params: &DenoiseParams,
     info: &mut DenoiseInfo,
     progress: Progress<'_>,
-) -> Result<Option<Vec<[f64; 3]>>, DenoiseError> {
+) -> Result<Option<(Walks, Vec<f64>)>, DenoiseError> {
     let wanted = Wanted::from(params.creases);
-    let sample = surface.sample(points, progress)?;
     let (part, part_points) = sample.as_ref().map_or((surface, points), |(part, points)| (part, points));
     let n_times = if part.n_sites() <= FEW_SITES { 2 } else { 1 };
     let shaken = |k: u64| {
         let points = shaken(part_points, SHAKE * noise, SEED + k);
-        Walks::new(part, &points, wanted, progress)?.candidates(progress)
+        Walks::new(part, &points, wanted, None, progress)?.candidates(progress)
     };
     // Side by side: the parts of each that a single thread works on are many, and short.
     let (as_they_are, shaken) = rayon::join(
         || {
-            let walks = Walks::new(part, part_points, wanted, progress)?;
+            let walks = Walks::new(part, part_points, wanted, None, progress)?;
             let candidates = walks.candidates(progress)?;
             Ok::<_, DenoiseError>((walks, candidates))
         },
@@ -163,24 +194,28 @@ fn best_normals(
     info.n_sampled = part.n_sites();
     info.kept = weights[0];
     let by_walk: Vec<Vec<f64>> = weights[1..].chunks(LEVELS).map(<[f64]>::to_vec).collect();
-    let [crease, smooth] = match params.creases {
+    [info.crease_weights, info.smooth_weights] = match params.creases {
         Creases::Auto => [by_walk[0].clone(), by_walk[1].clone()],
         Creases::Keep => [by_walk[0].clone(), Vec::new()],
         Creases::None => [Vec::new(), by_walk[0].clone()],
     };
-    let is_used = |weights: &[f64]| weights.iter().any(|w| *w > 0.0);
-    let used = Wanted { creases: is_used(&crease), smooth: wanted.smooth.filter(|_| is_used(&smooth)) };
-    (info.crease_weights, info.smooth_weights) = (crease, smooth);
     if info.kept >= 1.0 {
         return Ok(None);
     }
     if sample.is_none() {
-        return walks.mixture(&weights, progress).map(Some);
+        return Ok(Some((walks, weights)));
     }
-    let walks = Walks::new(surface, points, used, progress)?;
-    let in_use = by_walk.iter().filter(|w| is_used(w)).flatten();
-    let weights: Vec<f64> = std::iter::once(&weights[0]).chain(in_use).copied().collect();
-    walks.mixture(&weights, progress).map(Some)
+    let (used, weights) = used(info, params.creases);
+    Ok(Some((Walks::new(surface, points, used, None, progress)?, weights)))
+}
+
+/// The walks that have any weight, and the weights of what they give.
+fn used(info: &DenoiseInfo, creases: Creases) -> (Wanted, Vec<f64>) {
+    let is_used = |weights: &[f64]| weights.iter().any(|w| *w > 0.0);
+    let (crease, smooth) = (is_used(&info.crease_weights), is_used(&info.smooth_weights));
+    let used = Wanted { creases: crease, smooth: Wanted::from(creases).smooth.filter(|_| smooth) };
+    let in_use = [&info.crease_weights, &info.smooth_weights].into_iter().filter(|w| is_used(w)).flatten();
+    (used, std::iter::once(&info.kept).chain(in_use).copied().collect())
 }
 
 /// The weights without those that are all but nothing.

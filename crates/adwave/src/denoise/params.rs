@@ -23,7 +23,7 @@ pub enum Creases {
 /// let params = DenoiseParams::default().with_creases(Creases::Keep);
 /// assert_eq!((params.strength, params.noise), (1.0, None));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DenoiseParams {
     /// By how much the noise counts: 0 changes nothing, 1 is the least estimated risk, 2 takes the noise for twice as large.
     pub strength: f64,
@@ -58,7 +58,11 @@ impl DenoiseParams {
         Self { noise: Some(noise), ..self }
     }
 
-    pub(super) fn check(&self) -> Result<(), DenoiseError> {
+    /// Whether all is in its range.
+    ///
+    /// # Errors
+    /// [`DenoiseError::Number`] for what is not finite or below 0.
+    pub fn check(&self) -> Result<(), DenoiseError> {
         let number = |what, value: f64| {
             if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(DenoiseError::Number { what, value }) }
         };
@@ -68,7 +72,7 @@ impl DenoiseParams {
 }
 
 /// What was assumed of the noise, and what was done.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DenoiseInfo {
     /// Standard deviation of the noise along the normals, in model units: as estimated or given.
     pub noise: f64,

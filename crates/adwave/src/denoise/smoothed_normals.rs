@@ -4,21 +4,22 @@ use super::scaling::{scaling_functions, transform};
 use super::surface::Surface;
 use super::{Creases, DenoiseError};
 use crate::Progress;
-use crate::bands::{Schedule, Transform};
-use crate::operator::site_diffusion;
+use crate::bands::{BandsError, FixedSeries, Schedule, Transform};
+use crate::operator::{site_diffusion, typical_square};
 use crate::vector::unit;
+use serde::{Deserialize, Serialize};
 
 /// Levels that normals are split into: 1, 2, 4, … 32 steps.
 pub(super) const LEVELS: usize = 6;
 
 /// Levels, so that 16 steps, by which normals are smoothed for the guide of the walk that respects creases.
-const GUIDE_LEVELS: usize = 5;
+pub(super) const GUIDE_LEVELS: usize = 5;
 
 /// Lazy steps by which a surface is smoothed for its first guide.
-const GUIDE_STEPS: usize = 2;
+pub(super) const GUIDE_STEPS: usize = 2;
 
 /// Steps towards the smoothed normals of the surface whose normals are the second guide.
-const GUIDE_MOVES: usize = 10;
+pub(super) const GUIDE_MOVES: usize = 10;
 
 /// How far normals may turn from one site to the next for the walk that respects creases, in root medians of their squared differences.
 const CREASE_REACH: f64 = 2.5;
@@ -28,6 +29,17 @@ const SMOOTH_REACH: f64 = 6.0;
 
 /// Largest relative error of a band of normals: far below what is left of the noise.
 const ACCURACY: f64 = 1e-4;
+
+/// What the walks go by that all of a surface decides: medians over neighbouring sites.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Scales {
+    /// Of the squared distances, in squared units of the points.
+    pub(super) distance: f64,
+    /// Of the squared differences of the first guide.
+    pub(super) first: f64,
+    /// The same of the second guide; 0 where the walk that respects creases is not wanted.
+    pub(super) second: f64,
+}
 
 /// The noisy normals of a surface and the walks that smooth them.
 pub(super) struct Walks {
@@ -39,6 +51,19 @@ pub(super) struct Walks {
     creases: Option<Transform>,
     /// The walk that all but ignores them.
     smooth: Option<Transform>,
+    /// What they go by.
+    pub(super) scales: Scales,
+    /// How polynomials of them are cut.
+    cut: Cut,
+}
+
+/// What decides the degree of a polynomial of a walk.
+#[derive(Clone, Copy)]
+enum Cut {
+    /// The normals, all of them.
+    BySignal,
+    /// Steps and accuracy alone, so that a part of a surface has the bits of the whole.
+    Fixed,
 }
 
 /// Which of the walks are wanted.
@@ -64,40 +89,53 @@ impl Walks {
     ///
     /// The first guide is the normals of the surface after [`GUIDE_STEPS`] steps; the walk that respects creases takes a second one:
     /// those of the surface that has been moved to the normals which the first guide gives after 16 steps.
+    ///
+    /// A part of a surface is given the `known` scales of the whole.
     pub(super) fn new(
         surface: &Surface,
         points: &[[f64; 3]],
         wanted: Wanted,
+        known: Option<&Scales>,
         progress: Progress<'_>,
     ) -> Result<Self, DenoiseError> {
+        let cut = if known.is_some() { Cut::Fixed } else { Cut::BySignal };
         let normals = surface.normals(points, progress)?;
         let areas = surface.areas(points, progress)?;
         let positions = surface.positions(points, progress)?;
         let sites = surface.sites(&positions, &areas);
-        let base = site_diffusion(&sites, progress)?;
-        let guided = |guide: &[[f64; 3]], reach: f64| {
+        let distance = known.map_or_else(|| typical_square(surface.graph(), &positions), |s| s.distance);
+        let base = site_diffusion(&sites, distance, progress)?;
+        let typical = |guide: &[[f64; 3]], known: Option<f64>| {
+            known.map_or_else(|| base.typical_difference(guide, progress), Ok)
+        };
+        let guided = |guide: &[[f64; 3]], reach: f64, typical: f64| {
             // Lengths of steps are not asked for.
-            let led = base.guided(guide, reach, |_, _| 0.0, progress)?;
+            let led = base.guided_within(guide, reach * reach * typical, |_, _| 0.0, progress)?;
             transform(led, ACCURACY)
         };
-        let first = surface.normals(&surface.smoothed(points, GUIDE_STEPS, progress)?, progress)?;
-        let smooth = || wanted.smooth.map(|reach| guided(&first, reach)).transpose();
+        let guide = surface.normals(&surface.smoothed(points, GUIDE_STEPS, progress)?, progress)?;
+        let first = typical(&guide, known.map(|scales| scales.first))?;
+        let smooth = || wanted.smooth.map(|reach| guided(&guide, reach, first)).transpose();
         let creases = || {
             if !wanted.creases {
-                return Ok(None);
+                return Ok::<_, DenoiseError>((None, 0.0));
             }
             let mut weights = [0.0; GUIDE_LEVELS];
             weights[GUIDE_LEVELS - 1] = 1.0;
-            let mut guide = vec![[0.0; 3]; normals.len()];
-            add_levels(&guided(&first, CREASE_REACH)?, &normals, &weights, &mut guide, progress)?;
-            normalise(&mut guide);
+            let mut smoothed = vec![[0.0; 3]; normals.len()];
+            let walk = guided(&guide, CREASE_REACH, first)?;
+            add_levels(&walk, cut, &normals, &weights, &mut smoothed, progress)?;
+            drop(walk);
+            normalise(&mut smoothed);
             let mut moved = points.to_vec();
-            surface.move_to(&mut moved, &guide, GUIDE_MOVES, progress)?;
-            guided(&surface.normals(&moved, progress)?, CREASE_REACH).map(Some)
+            surface.move_to(&mut moved, &smoothed, GUIDE_MOVES, progress)?;
+            let guide = surface.normals(&moved, progress)?;
+            let second = typical(&guide, known.map(|scales| scales.second))?;
+            Ok((Some(guided(&guide, CREASE_REACH, second)?), second))
         };
         let (smooth, creases) = rayon::join(smooth, creases);
-        let (smooth, creases) = (smooth?, creases?);
-        Ok(Self { normals, areas, creases, smooth })
+        let (smooth, (creases, second)) = (smooth?, creases?);
+        Ok(Self { normals, areas, creases, smooth, scales: Scales { distance, first, second }, cut })
     }
 
     /// All that the normals of the result are mixed from, three numbers each: the normals as they are, then `S(1) … S(LEVELS)` by
@@ -119,7 +157,7 @@ impl Walks {
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
         let mut out: Vec<[f64; 3]> = self.normals.iter().map(|n| n.map(|c| weights[0] * c)).collect();
         for (walk, weights) in self.creases.iter().chain(&self.smooth).zip(weights[1..].chunks(LEVELS)) {
-            add_levels(walk, &self.normals, weights, &mut out, progress)?;
+            add_levels(walk, self.cut, &self.normals, weights, &mut out, progress)?;
         }
         normalise(&mut out);
         Ok(out)
@@ -131,6 +169,11 @@ fn dyadic(n_levels: usize) -> Schedule {
     Schedule::dyadic(n_levels).expect("one to six levels")
 }
 
+/// The bands of so many levels with degrees that steps and accuracy decide alone.
+pub(super) fn fixed(n_levels: usize) -> Result<Vec<FixedSeries>, BandsError> {
+    FixedSeries::bands(&dyadic(n_levels), ACCURACY)
+}
+
 fn normalise(vectors: &mut [[f64; 3]]) {
     for v in vectors {
         *v = unit(v).unwrap_or_default();
@@ -140,6 +183,7 @@ fn normalise(vectors: &mut [[f64; 3]]) {
 /// Adds `Σ_j weights[j−1]·S(j)` of the normals to `out`: as a polynomial, with `S(j) = f − W(1) − … − W(j)`.
 fn add_levels(
     walk: &Transform,
+    cut: Cut,
     normals: &[[f64; 3]],
     weights: &[f64],
     out: &mut [[f64; 3]],
@@ -151,8 +195,16 @@ fn add_levels(
         factors[j] += factors[j + 1];
     }
     let mut bands = vec![0.0; 3 * normals.len()];
-    let schedule = dyadic(last + 1);
-    walk.weighted_into(normals.as_flattened(), 3, &schedule, &factors, &mut bands, progress.quiet())?;
+    let (schedule, data) = (dyadic(last + 1), normals.as_flattened());
+    match cut {
+        Cut::BySignal => {
+            walk.weighted_into(data, 3, &schedule, &factors, &mut bands, progress.quiet())?;
+        }
+        Cut::Fixed => {
+            let series = FixedSeries::weighted(&fixed(last + 1)?, &factors);
+            walk.fixed_into(data, 3, &[series], &mut [&mut bands], progress.quiet())?;
+        }
+    }
     for ((o, f), w) in out.as_flattened_mut().iter_mut().zip(normals.as_flattened()).zip(&bands) {
         *o += factors[0] * f - w;
     }

@@ -12,7 +12,7 @@ use crate::{Cancelled, Progress, rows::Pattern};
 const MAX_VALENCE: usize = 64;
 
 /// Nearest neighbours that a point of a cloud has.
-const NEIGHBOURS: usize = 12;
+pub(super) const NEIGHBOURS: usize = 12;
 
 /// Rows that a thread treats at a time.
 const ROWS_AT_A_TIME: usize = 1 << 12;
@@ -22,8 +22,8 @@ pub(super) struct Surface {
     pub(super) kind: Kind,
     /// Points next to each point.
     pub(super) ring: Adjacency,
-    /// Sites next to each site.
-    pub(super) graph: Adjacency,
+    /// Sites next to each site, where these are not the points.
+    of_triangles: Option<Adjacency>,
 }
 
 pub(super) enum Kind {
@@ -57,7 +57,7 @@ impl Surface {
                 out.extend(around.filter(|at| at.len() <= MAX_VALENCE).flatten());
             },
         )?;
-        Ok(Self { kind: Kind::Mesh { triangles, at_vertex }, ring, graph })
+        Ok(Self { kind: Kind::Mesh { triangles, at_vertex }, ring, of_triangles: Some(graph) })
     }
 
     /// A cloud, and its nearest neighbours.
@@ -65,11 +65,21 @@ impl Surface {
         let near = try_nearest_neighbours(points, NEIGHBOURS, progress)?;
         let normals = try_cloud_normals(points, &near, progress)?;
         let ring = near.adjacency.union_with_transpose(progress)?;
-        Ok(Self { kind: Kind::Cloud { normals }, graph: ring.clone(), ring })
+        Ok(Self::cloud_of_neighbours(ring, normals))
+    }
+
+    /// A cloud whose neighbours are known, and its normals but for their lengths.
+    pub(super) fn cloud_of_neighbours(neighbours: Adjacency, normals: Vec<[f64; 3]>) -> Self {
+        Self { kind: Kind::Cloud { normals }, ring: neighbours, of_triangles: None }
+    }
+
+    /// Sites next to each site.
+    pub(super) fn graph(&self) -> &Adjacency {
+        self.of_triangles.as_ref().unwrap_or(&self.ring)
     }
 
     pub(super) fn n_sites(&self) -> usize {
-        self.graph.n_rows()
+        self.graph().n_rows()
     }
 
     /// Where the sites are.
@@ -174,7 +184,7 @@ impl Surface {
 
     /// The sites as a walk sees them.
     pub(super) fn sites<'a>(&'a self, positions: &'a [[f64; 3]], areas: &'a [f64]) -> Sites<'a> {
-        Sites { neighbours: &self.graph, positions, areas }
+        Sites { neighbours: self.graph(), positions, areas }
     }
 }
 

@@ -23,18 +23,27 @@ pub(crate) struct Sites<'a> {
 /// One step of the lazy walk `Φ₁ = ½I + ½[w]_r` with `w(x,y) = A(y)·exp(−d²/2d̄²)`, d the distance of the sites and d̄ its median over
 /// neighbours. The step length is in units of the positions. O(entries).
 ///
-/// Sites none of whose neighbours has an area stay where they are.
+/// Sites none of whose neighbours has an area stay where they are. `typical` is d̄² (see [`typical_square`]).
 ///
 /// # Errors
 /// [`Cancelled`].
-pub(crate) fn site_diffusion(sites: &Sites<'_>, progress: Progress<'_>) -> Result<Diffusion, Cancelled> {
+pub(crate) fn site_diffusion(
+    sites: &Sites<'_>,
+    typical: f64,
+    progress: Progress<'_>,
+) -> Result<Diffusion, Cancelled> {
     let &Sites { neighbours, positions, areas } = sites;
     let squared = |x: usize, y: usize| squared_distance(&positions[x], &positions[y]);
-    let sharpness = sharpness(median(neighbours, squared));
+    let sharpness = sharpness(typical);
     let at = |x: usize, k: usize| neighbours.of(x)[k] as usize;
     let (rows, per_row) =
         weighted_rows(neighbours, |x, k| areas[at(x, k)], |x, k| sharpness * squared(x, at(x, k)), progress)?;
     diffusion(rows, &per_row, areas, squared, progress)
+}
+
+/// The median of `‖v_x − v_y‖²` over neighbours.
+pub(crate) fn typical_square(neighbours: &Adjacency, vectors: &[[f64; 3]]) -> f64 {
+    median(neighbours, |x, y| squared_distance(&vectors[x], &vectors[y]))
 }
 
 impl Diffusion {
@@ -73,15 +82,36 @@ impl Diffusion {
         squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
+        let typical = self.typical_difference(guide, progress)?;
+        self.guided_within(guide, reach * reach * typical, squared_length, progress)
+    }
+
+    /// The median of `‖g_x − g_y‖²` over neighbours.
+    pub(crate) fn typical_difference(
+        &self,
+        guide: &[[f64; 3]],
+        progress: Progress<'_>,
+    ) -> Result<f64, Cancelled> {
         let n = self.n_vertices();
         assert_eq!(guide.len(), n, "a vector for each vertex");
-        let neighbours = self.neighbours();
-        let squared = |x: usize, y: usize| squared_distance(&guide[x], &guide[y]);
         let square: f64 = parallel::try_sum(n, progress, |x| squared_distance(&guide[x], &[0.0; 3]))?;
         // Where most neighbours are alike any difference is a step, however little rounding has made of it.
         let least = LEAST_DIFFERENCE * square / n.max(1) as f64;
-        let scale = reach * reach * median(neighbours, squared).max(least);
-        let sharpness = if reach.is_finite() { sharpness(scale) } else { 0.0 };
+        Ok(typical_square(self.neighbours(), guide).max(least))
+    }
+
+    /// [`guided`](Self::guided) by `scale`, the s² of its formula.
+    pub(crate) fn guided_within(
+        &self,
+        guide: &[[f64; 3]],
+        scale: f64,
+        squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        assert_eq!(guide.len(), self.n_vertices(), "a vector for each vertex");
+        let neighbours = self.neighbours();
+        let squared = |x: usize, y: usize| squared_distance(&guide[x], &guide[y]);
+        let sharpness = if scale.is_finite() { sharpness(scale) } else { 0.0 };
         let values = self.weights();
         if let Semigroup::Heat { .. } = self.semigroup() {
             let factor = |x: usize, y: usize| (-sharpness * squared(x, y)).exp();

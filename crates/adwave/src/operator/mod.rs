@@ -9,7 +9,7 @@ mod spectrum;
 mod surface;
 
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
-pub(crate) use guided::{Sites, site_diffusion};
+pub(crate) use guided::{Sites, site_diffusion, typical_square};
 pub use local::{LocalOperator, local_operator, local_operator_of_neighbours};
 pub use surface::{SurfaceDiffusion, SurfaceInfo, surface_diffusion};
 

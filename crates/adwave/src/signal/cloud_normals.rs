@@ -46,11 +46,47 @@ pub(crate) fn try_cloud_normals(
     Ok(normals.into_iter().map(Into::into).collect())
 }
 
+/// Unit normals of the planes that fit each point and its `neighbours` best, each on any side; zero where these all coincide with it.
+/// O(n k).
+///
+/// ```
+/// use adwave::{Progress, rows::Pattern, signal::plane_normals};
+/// let neighbours = Pattern::new(vec![0, 2, 2, 2], vec![1, 2], 3)?;
+/// let normals = plane_normals(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &neighbours, Progress::none())?;
+/// assert!((normals[0][2].abs() - 1.0).abs() < 1e-12 && normals[1] == [0.0; 3]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`Cancelled`].
+///
+/// # Panics
+/// Unless there are as many rows of neighbours as points.
+pub fn plane_normals(
+    points: &[[f64; 3]],
+    neighbours: &Adjacency,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    assert_eq!(neighbours.n_rows(), points.len(), "a row of neighbours for each point");
+    each_plane_normal(points, neighbours, |_, n| n, progress)
+}
+
 /// Normals of points that moved a little, each to the side of its old one. O(n k).
 pub(crate) fn aligned_normals(
     points: &[[f64; 3]],
     neighbours: &Adjacency,
     old: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let aligned = |x: usize, n: Vector3<f64>| if n.dot(&Vector3::from(old[x])) < 0.0 { -n } else { n };
+    each_plane_normal(points, neighbours, aligned, progress)
+}
+
+/// What `made` makes of the normal of each point.
+fn each_plane_normal(
+    points: &[[f64; 3]],
+    neighbours: &Adjacency,
+    made: impl Fn(usize, Vector3<f64>) -> Vector3<f64> + Sync + Send,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     let mut normals = crate::pages::zeros(points.len());
@@ -61,8 +97,7 @@ pub(crate) fn aligned_normals(
         progress,
         |first, normals: &mut [[f64; 3]]| {
             for (x, normal) in (first..).zip(normals) {
-                let n = plane_normal(points, neighbours.of(x), x);
-                *normal = if n.dot(&Vector3::from(old[x])) < 0.0 { -n } else { n }.into();
+                *normal = made(x, plane_normal(points, neighbours.of(x), x)).into();
             }
         },
     )?;

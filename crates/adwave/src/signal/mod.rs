@@ -14,13 +14,14 @@ mod outward;
 mod quadric;
 
 pub(crate) use cloud_normals::cloud_border;
-pub use cloud_normals::cloud_normals;
 pub(crate) use cloud_normals::{aligned_normals, try_cloud_normals};
+pub use cloud_normals::{cloud_normals, plane_normals};
 pub use curvature::Curvature;
 pub use degree::degree;
 pub use luminance::{lightness, luminance};
 pub use mesh_curvature::mesh_curvature;
 use mesh_curvature::try_mesh_curvature;
+pub use orientation::{SideStep, side_step};
 pub use outward::{OutwardError, OutwardInfo, OutwardNormals, outward_normals};
 pub use quadric::cloud_curvature;
 use quadric::try_cloud_curvature;

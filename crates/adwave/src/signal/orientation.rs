@@ -52,17 +52,51 @@ struct Way {
 }
 
 impl Way {
-    fn new(points: &[[f64; 3]], normals: &[Vector3<f64>], x: usize, y: usize) -> Self {
-        let (n, m) = (normals[x], normals[y]);
-        let way = Vector3::from(points[y]) - Vector3::from(points[x]);
+    fn new([p, q]: [&[f64; 3]; 2], [n, m]: [&Vector3<f64>; 2]) -> Self {
+        let way = Vector3::from(*q) - Vector3::from(*p);
         let along = way.try_normalize(0.0).unwrap_or_default();
         let (here, there) = (n.dot(&along), m.dot(&along));
         Self {
-            alike: n.dot(&m) - 2.0 * here * there,
+            alike: n.dot(m) - 2.0 * here * there,
             across: 0.5 * (here * here + there * there),
             length: way.norm(),
         }
     }
+
+    /// What a step costs, ≥ 0: the less, the surer the side. `radius` is the larger of the two points' distances of their furthest
+    /// neighbours.
+    fn cost(&self, [n, m]: [&Vector3<f64>; 2], radius: f64) -> f64 {
+        let is_blind = *n == Vector3::zeros() || *m == Vector3::zeros();
+        // Across a thin part the reflection is sure only when the normals are; along the surface it needs no luck.
+        let turn = (1.0 - self.alike.abs()).max(0.0) + self.across;
+        let is_far = self.length > NEAR * radius;
+        (if is_blind { BLIND } else { turn }) + if is_far { FAR } else { 0.0 }
+    }
+}
+
+/// How the side of a surface is carried from one point of a cloud to a neighbour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideStep {
+    /// ≥ 0; the less, the surer: a spanning tree takes the least first. Whichever sides the two normals are on.
+    pub cost: f64,
+    /// Whether the two normals are on different sides.
+    pub turns: bool,
+}
+
+/// The step of the spanning tree of [`cloud_normals`](super::cloud_normals) between two points: of each its position, its unit normal (on
+/// any side; zero where there is none) and the distance of its furthest neighbour.
+///
+/// ```
+/// use adwave::signal::side_step;
+/// let here = ([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 1.0);
+/// let there = ([0.5, 0.0, 0.0], [0.0, 0.0, -1.0], 1.0);
+/// let step = side_step(here, there);
+/// assert!(step.turns && step.cost == 0.0); // one plane, seen from both sides
+/// ```
+pub fn side_step((p, n, r): ([f64; 3], [f64; 3], f64), (q, m, s): ([f64; 3], [f64; 3], f64)) -> SideStep {
+    let (n, m) = (Vector3::from(n), Vector3::from(m));
+    let way = Way::new([&p, &q], [&n, &m]);
+    SideStep { cost: way.cost([&n, &m], r.max(s)), turns: way.alike < 0.0 }
 }
 
 /// A step of the tree: the one with the least cost first, then by the points' order. Costs are ≥ 0, so that their bits are
@@ -100,12 +134,16 @@ impl Tree<'_> {
             if part.len().is_multiple_of(POINTS_AT_A_TIME) {
                 progress.check()?;
             }
-            if Way::new(self.points, normals, from as usize, x).alike < 0.0 {
+            if self.way(normals, from as usize, x).alike < 0.0 {
                 normals[x] = -normals[x];
             }
             self.reach_from(x, normals);
         }
         Ok(part)
+    }
+
+    fn way(&self, normals: &[Vector3<f64>], x: usize, y: usize) -> Way {
+        Way::new([&self.points[x], &self.points[y]], [&normals[x], &normals[y]])
     }
 
     fn reach_from(&mut self, x: usize, normals: &[Vector3<f64>]) {
@@ -114,12 +152,9 @@ impl Tree<'_> {
             if known == f64::NEG_INFINITY {
                 continue;
             }
-            let is_blind = normals[x] == Vector3::zeros() || normals[y as usize] == Vector3::zeros();
-            let way = Way::new(self.points, normals, x, y as usize);
-            // Across a thin part the reflection is sure only when the normals are; along the surface it needs no luck.
-            let turn = (1.0 - way.alike.abs()).max(0.0) + way.across;
-            let is_far = way.length > NEAR * self.radius[x].max(self.radius[y as usize]);
-            let cost = if is_blind { BLIND } else { turn } + if is_far { FAR } else { 0.0 };
+            let radius = self.radius[x].max(self.radius[y as usize]);
+            let way = self.way(normals, x, y as usize);
+            let cost = way.cost([&normals[x], &normals[y as usize]], radius);
             if cost < known {
                 self.cost[y as usize] = cost;
                 self.queue.push(Reverse((cost.to_bits(), y, x as u32)));

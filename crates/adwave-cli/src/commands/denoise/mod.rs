@@ -12,7 +12,7 @@ use crate::shape_input::{Input, load, refresh_normals};
 use crate::signal::{self, COORDS};
 use adwave::denoise::{DenoiseInfo, denoise, denoise_signal};
 use adwave::shape::{PreparedGeometry, Shape};
-pub(crate) use args::DenoiseArgs;
+pub(crate) use args::{CreasesArg, DenoiseArgs};
 use serde_json::json;
 use std::fmt::Write;
 
@@ -99,7 +99,7 @@ fn denoise_field(
 }
 
 /// What was assumed, and how much was smoothed by what.
-fn describe(text: &mut String, info: &DenoiseInfo, is_mesh: bool) {
+pub(crate) fn describe(text: &mut String, info: &DenoiseInfo, is_mesh: bool) {
     let unit = if is_mesh { "mean edges" } else { "mean distances of neighbours" };
     let _ = writeln!(
         text,
