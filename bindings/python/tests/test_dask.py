@@ -70,6 +70,20 @@ def test_a_worker_that_is_killed_loses_nothing(cloud: Path, tmp_path: Path) -> N
         assert [Path(path).read_bytes() for path in paths] == tiles(tmp_path / "one")
 
 
+def test_noise_is_taken_off_by_workers_as_by_one_process(cloud: Path, tmp_path: Path) -> None:
+    words = ["--denoise", "--strength", "0.7", "--creases", "keep", "--tiles", 5]
+    adwave_command("tiles", cloud, "-o", tmp_path / "one", *words)
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        folder = adwave.dask.plan(cloud, tmp_path / "many", denoise=True, strength=0.7, creases="keep", tiles=5)
+        paths = adwave.dask.run(folder, client)
+        assert [Path(path).read_bytes() for path in paths] == tiles(tmp_path / "one")
+    with pytest.raises(RuntimeError, match="denoise"):
+        adwave.dask.plan(cloud, tmp_path / "plan", denoise=True, magnitudes=[2])
+
+
 def test_what_is_wrong_comes_back_as_a_sentence(cloud: Path, tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="there is no band 9"):
         adwave.dask.plan(cloud, tmp_path / "plan", magnitudes=[9])

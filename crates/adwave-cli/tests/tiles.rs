@@ -2,6 +2,7 @@
 
 mod common;
 
+use adwave_io::{ReadLimits, read_path};
 use common::{adwave, json, refused, words};
 use std::fs;
 use std::path::Path;
@@ -97,6 +98,61 @@ fn a_map_and_features_come_with_the_tiles() {
     says(path, "tiles a.laz -o b.laz --features f.csv --levels 2", "at least 3 levels");
     says(path, "tiles a.laz -o b.laz --saliency=paper --levels 2", "skips the 2 finest levels");
     says(path, "tiles a.laz -o b.laz --vectors 9", "no band 9");
+}
+
+#[test]
+fn noise_is_taken_off_by_tiles_and_jobs_as_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, "sample torus --vertices 20000 --noise 0.3 -o t.ply");
+    run(path, "convert t.ply -o a.laz");
+    let said = json(path, "tiles a.laz -o one.laz --denoise --tiles 1");
+    assert!(said["summary"]["noise"]["noise"].as_f64().unwrap() > 0.0, "{said}");
+    assert!(said["summary"]["moved"][0].as_f64().unwrap() > 0.0, "{said}");
+    run(path, "tiles a.laz -o many.laz --denoise --tiles 5 --workers 2");
+    assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("many.laz")).unwrap());
+    // By jobs: the sides of a cloud are a stage of their own.
+    run(path, "tiles a.laz -o jobs --denoise --tiles 5 --plan-only");
+    run(path, "tile jobs sort");
+    let status = json(path, "tile jobs status");
+    assert_eq!((&status["has_sides"], &status["sides_done"]), (&true.into(), &0.into()), "{status}");
+    let n_tiles = status["n_tiles"].as_u64().unwrap();
+    (0..n_tiles).for_each(|tile| run(path, &format!("tile jobs neighbours {tile}")));
+    says(path, "tile jobs bands 0", "adwave tile FOLDER sides 0");
+    says(path, "tile jobs sides 99", "there is no tile 99");
+    for kind in ["sides", "bands"] {
+        (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs {kind} {tile}")));
+    }
+    run(path, "tiles a.laz -o jobs.laz --denoise --tiles 5 --work jobs");
+    assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("jobs.laz")).unwrap());
+    // A mesh, as the command in memory has it.
+    let by_tiles = json(path, "tiles t.ply -o clean.ply --denoise --tiles 4");
+    run(path, "tiles t.ply -o one.ply --denoise --tiles 1");
+    assert!(fs::read(path.join("one.ply")).unwrap() == fs::read(path.join("clean.ply")).unwrap());
+    run(path, "denoise t.ply -o memory.ply");
+    let (sigma, rms) =
+        (by_tiles["summary"]["noise"]["noise"].as_f64().unwrap(), |to: &str| moved(path, "t.ply", to));
+    assert!(sigma > 0.0 && (rms("clean.ply") / rms("memory.ply") - 1.0).abs() < 0.01);
+    // What is said of it.
+    for line in [
+        "tiles t.ply -o b.ply --denoise --gains 0,1",
+        "tiles t.ply -o b.ply --denoise --magnitudes 1",
+        "tiles t.ply -o b.ply --gains 0,1 --strength 2",
+    ] {
+        adwave(path).args(words(line)).assert().code(2);
+    }
+    says(path, "tiles t.ply -o b.ply --denoise --strength=-1", "strength");
+    says(path, "tiles t.ply -o b.ply --denoise --noise-sigma nan", "noise");
+}
+
+/// Root mean square of the distances of the vertices of one PLY from those of another.
+fn moved(path: &Path, from: &str, to: &str) -> f64 {
+    let read = |name: &str| read_path(&path.join(name), &ReadLimits::default()).unwrap();
+    let points = |name: &str| read(name).points().to_vec();
+    let (from, to) = (points(from), points(to));
+    let square = |p: &[f64; 3], q: &[f64; 3]| -> f64 { (0..3).map(|a| (p[a] - q[a]).powi(2)).sum() };
+    let total: f64 = from.iter().zip(&to).map(|(p, q)| square(p, q)).sum();
+    (total / from.len() as f64).sqrt()
 }
 
 /// Sorts the work `jobs` and does all jobs of its tiles, the last one first; how many tiles there are.

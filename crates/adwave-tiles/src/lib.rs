@@ -10,6 +10,9 @@
 //!
 //! 4. **Maps** (`maps`): what the numbers of whole levels decide, where it is asked for: the saliency map, and features.
 //!
+//! Noise is taken off positions (`denoise`) in place of bands where that is asked for: its weights are decided on a sample of the whole,
+//! and the sides of a cloud's normals by a spanning tree over all tiles (`sides`).
+//!
 //! A row of T (eq. 1) is made of a vertex, its neighbours in the order of the curve, their areas and E; a step of the recurrence of
 //! its row. Neither depends on the tile, so that all ways to cut a shape into tiles give the same bytes.
 //!

@@ -333,6 +333,7 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
             n_tiles.max(1) - 1
         )));
     }
+    work.check_ready(job, n_tiles)?;
     match job {
         Job::Sides(_) => return work.sides_of_tile(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
         Job::Bands(_) => {

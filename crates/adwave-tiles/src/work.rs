@@ -340,6 +340,25 @@ impl Work {
         }
     }
 
+    /// Refuses a job whose tiles want what has not been done of all tiles.
+    pub(crate) fn check_ready(&self, job: Job, n_tiles: usize) -> Result<(), TilesError> {
+        type OfTile = fn(usize) -> Job;
+        let (before, named): (OfTile, _) = match job {
+            Job::Sides(_) => (Job::Neighbours, "neighbours"),
+            Job::Bands(_) if self.has_sides() => (Job::Sides, "sides"),
+            Job::Bands(_) => (Job::Neighbours, "neighbours"),
+            Job::Maps(_) => (Job::Bands, "bands"),
+            Job::Run(_) | Job::Sort | Job::Neighbours(_) => return Ok(()),
+        };
+        match (0..n_tiles).find(|&tile| !self.is_done(before(tile))) {
+            Some(tile) => Err(TilesError::Input(format!(
+                "{}: the {named} of tile {tile} are not there yet; do that first (adwave tile FOLDER {named} {tile})",
+                self.folder.display()
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// How many runs a cloud is sorted in, which can be jobs of their own; 0 for a mesh.
     pub fn n_runs(&self) -> usize {
         n_runs(&self.plan, records_of_a_run(&self.plan))

@@ -105,7 +105,7 @@ pub fn denoise(
     }
     let mut moved = points.to_vec();
     let sample = surface.sample(&points, progress)?;
-    let used = best_mixture(&surface, &points, sample, noise, params, &mut info, progress)?;
+    let used = best_mixture(&surface, &points, sample.as_ref(), noise, params, &mut info, progress)?;
     progress.step(4, STAGES)?;
     if let Some((walks, weights)) = used {
         let normals = walks.mixture(&weights, progress)?;
@@ -164,14 +164,14 @@ fn is_anything_to_do(surface: &Surface, noise: f64, params: &DenoiseParams) -> b
 fn best_mixture(
     surface: &Surface,
     points: &[[f64; 3]],
-    sample: Option<Sample>,
+    sample: Option<&Sample>,
     noise: f64,
     params: &DenoiseParams,
     info: &mut DenoiseInfo,
     progress: Progress<'_>,
 ) -> Result<Option<(Walks, Vec<f64>)>, DenoiseError> {
     let wanted = Wanted::from(params.creases);
-    let (part, part_points) = sample.as_ref().map_or((surface, points), |(part, points)| (part, points));
+    let (part, part_points) = sample.map_or((surface, points), |(part, points)| (part, points));
     let n_times = if part.n_sites() <= FEW_SITES { 2 } else { 1 };
     let shaken = |k: u64| {
         let points = shaken(part_points, SHAKE * noise, SEED + k);

@@ -76,25 +76,8 @@ pub(crate) struct TilesArgs {
     /// Relative error of the bands
     #[arg(long, value_name = "E", default_value_t = Params::default().accuracy, help_heading = "Bands")]
     pub(crate) accuracy: f64,
-    /// Take the noise off the positions, as 'adwave denoise' does, in place of all that bands give
-    #[arg(long, conflicts_with_all = ["gains", "magnitudes", "vectors", "saliency", "features", "levels"], help_heading = "Noise")]
-    pub(crate) denoise: bool,
-    /// By how much the noise counts: 0 changes nothing, 2 takes it for twice as large
-    #[arg(long, value_name = "S", requires = "denoise", default_value_t = DenoiseParams::default().strength, help_heading = "Noise")]
-    pub(crate) strength: f64,
-    /// What becomes of creases of the shape
-    #[arg(
-        long,
-        value_name = "KIND",
-        value_enum,
-        requires = "denoise",
-        default_value_t,
-        help_heading = "Noise"
-    )]
-    pub(crate) creases: CreasesArg,
-    /// Standard deviation of the noise along the normals in model units [default: estimated]
-    #[arg(long, value_name = "SIGMA", requires = "denoise", help_heading = "Noise")]
-    pub(crate) noise_sigma: Option<f64>,
+    #[command(flatten)]
+    pub(crate) noise: NoiseArgs,
     /// Memory that may be used [default: half of what is free]
     #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Work")]
     pub(crate) memory: Option<u64>,
@@ -116,6 +99,27 @@ pub(crate) struct TilesArgs {
     /// Keep the temporary files
     #[arg(long, help_heading = "Work")]
     pub(crate) keep_work: bool,
+}
+
+/// What goes without noise being taken off: said of each argument, since one that conflicts with what is there is not required either.
+const OF_BANDS: [&str; 6] = ["gains", "magnitudes", "vectors", "saliency", "features", "levels"];
+
+/// What is asked for where noise is taken off.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Noise")]
+pub(crate) struct NoiseArgs {
+    /// Take the noise off the positions, as 'adwave denoise' does, in place of all that bands give
+    #[arg(long, conflicts_with_all = OF_BANDS)]
+    pub(crate) denoise: bool,
+    /// By how much the noise counts: 0 changes nothing, 2 takes it for twice as large
+    #[arg(long, value_name = "S", requires = "denoise", conflicts_with_all = OF_BANDS, default_value_t = DenoiseParams::default().strength)]
+    pub(crate) strength: f64,
+    /// What becomes of creases of the shape
+    #[arg(long, value_name = "KIND", value_enum, requires = "denoise", conflicts_with_all = OF_BANDS, default_value_t)]
+    pub(crate) creases: CreasesArg,
+    /// Standard deviation of the noise along the normals in model units [default: estimated]
+    #[arg(long, value_name = "SIGMA", requires = "denoise", conflicts_with_all = OF_BANDS)]
+    pub(crate) noise_sigma: Option<f64>,
 }
 
 /// How the levels of the map are weighed.
@@ -203,17 +207,21 @@ impl TilesArgs {
             MapWeights { kind, skip: self.skip.unwrap_or(skip) }
         });
         params.theta = self.features.as_ref().map(|_| self.theta);
-        params.denoise = self.denoise.then(|| {
-            let params =
-                DenoiseParams::default().with_strength(self.strength).with_creases(self.creases.into());
-            self.noise_sigma.map_or(params, |noise| params.with_noise(noise))
-        });
-        let usual = if self.denoise { DenoiseChoice::NEIGHBOURS } else { params.neighbours };
+        params.denoise = self.noise.params();
+        let usual = if self.noise.denoise { DenoiseChoice::NEIGHBOURS } else { params.neighbours };
         params.neighbours = self.neighbours.unwrap_or(usual);
         params.accuracy = self.accuracy;
         params.n_tiles = self.tiles;
         params.memory = self.memory.unwrap_or_else(|| available_memory().unwrap_or(UNKNOWN) / 2);
         params.n_workers = self.workers;
         params
+    }
+}
+
+impl NoiseArgs {
+    fn params(&self) -> Option<DenoiseParams> {
+        let params = DenoiseParams::default().with_strength(self.strength).with_creases(self.creases.into());
+        let params = self.noise_sigma.map_or(params, |noise| params.with_noise(noise));
+        self.denoise.then_some(params)
     }
 }

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
     }
     let wants_fields =
         !(params.magnitudes.is_empty() && params.vectors.is_empty() && params.saliency.is_none());
-    let moves = args.denoise || params.gains.iter().any(|&gain| gain != 1.0);
+    let moves = args.noise.denoise || params.gains.iter().any(|&gain| gain != 1.0);
     if !moves && !wants_fields && args.features.is_none() {
         return Err(CliError::Input(
             "say what is wanted: --gains, --magnitudes, --vectors, --saliency, --features or --denoise"
