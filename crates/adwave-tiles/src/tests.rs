@@ -260,13 +260,13 @@ fn a_work_goes_on_after_any_job_and_jobs_may_be_done_twice_or_by_others() {
         run_job(&work, job, Progress::none()).unwrap();
     }
     let early = run_job(&work, Job::Bands(1), Progress::none());
-    assert!(matches!(early, Err(TilesError::Io { .. })), "{early:?}");
+    assert!(early.unwrap_err().to_string().contains("the neighbours of tile 1 are not there yet"));
     let work = Work::open(&path).unwrap();
     run_job(&work, Job::Neighbours(1), Progress::none()).unwrap();
     run_job(&work, Job::Bands(1), Progress::none()).unwrap();
     assert!(run_job(&work, Job::Bands(3), Progress::none()).is_err());
     let early = run_job(&work, Job::Maps(1), Progress::none());
-    assert!(matches!(early, Err(TilesError::Io { .. })), "{early:?}");
+    assert!(early.unwrap_err().to_string().contains("the bands of tile 0 are not there yet"));
     run_job(&work, Job::Bands(0), Progress::none()).unwrap();
     run_job(&work, Job::Bands(2), Progress::none()).unwrap();
     for job in [Job::Maps(2), Job::Maps(0), Job::Maps(0)] {

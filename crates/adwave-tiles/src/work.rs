@@ -344,9 +344,8 @@ impl Work {
     pub(crate) fn check_ready(&self, job: Job, n_tiles: usize) -> Result<(), TilesError> {
         type OfTile = fn(usize) -> Job;
         let (before, named): (OfTile, _) = match job {
-            Job::Sides(_) => (Job::Neighbours, "neighbours"),
             Job::Bands(_) if self.has_sides() => (Job::Sides, "sides"),
-            Job::Bands(_) => (Job::Neighbours, "neighbours"),
+            Job::Sides(_) | Job::Bands(_) => (Job::Neighbours, "neighbours"),
             Job::Maps(_) => (Job::Bands, "bands"),
             Job::Run(_) | Job::Sort | Job::Neighbours(_) => return Ok(()),
         };
