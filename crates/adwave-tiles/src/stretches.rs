@@ -56,7 +56,9 @@ mod tests {
     fn places_and_numbers_are_inverse() {
         let places = [3, 4, 5, 9, 11, 12];
         let mut stretches = Stretches::default();
-        places.iter().for_each(|&place| stretches.push(place));
+        for place in places {
+            stretches.push(place);
+        }
         assert_eq!((stretches.len(), stretches.ranges()), (6, [3..6, 9..10, 11..13].as_slice()));
         for (number, &place) in places.iter().enumerate() {
             assert_eq!((stretches.place(number), stretches.number(place)), (place, Some(number)));

@@ -198,7 +198,7 @@ fn few_points_points_in_one_spot_and_no_noise() {
     }
     let input = folder.path().join("spot.las");
     write(&input, &[[5; 3]; 900], 0.0);
-    joined(&folder.path().join("spot"), &[input.clone()], &params());
+    joined(&folder.path().join("spot"), std::slice::from_ref(&input), &params());
     let flat: Vec<[i32; 3]> = (0..2500).map(|i| [i % 50, i / 50, 0].map(|c| c * 1000)).collect();
     write(&input, &flat, 0.0);
     let work = Work::begin(&folder.path().join("flat"), &[input], &params()).unwrap().0;

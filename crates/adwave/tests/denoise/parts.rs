@@ -94,6 +94,8 @@ fn pattern(rows: &[Vec<u32>], part: Range<usize>) -> Pattern {
 
 #[test]
 fn a_part_of_a_cloud_is_denoised_as_the_whole_whichever_side_its_normals_are_on() {
+    // A point may name one two or three columns on.
+    const REACH: usize = 3;
     let points = strip();
     let geometry = {
         let shape = Shape::Cloud(PointCloud::new(points.clone()).unwrap());
@@ -113,10 +115,7 @@ fn a_part_of_a_cloud_is_denoised_as_the_whole_whichever_side_its_normals_are_on(
         choice.denoise_cloud(points, neighbours, normals, Progress::none()).unwrap()
     };
     let whole = denoised(&points, pattern(&rows, 0..points.len()), 1.0);
-    // A point may name one two or three columns on.
-    const REACH: usize = 3;
     let rings = REACH * DenoiseChoice::reach().unwrap();
-    println!("{} rings", DenoiseChoice::reach().unwrap());
     let first = OWN.start - rings;
     let part = first * ACROSS..(OWN.end + rings) * ACROSS;
     for up in [1.0, -1.0] {
