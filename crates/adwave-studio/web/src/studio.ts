@@ -266,11 +266,15 @@ export class Studio {
     this.emit('doc');
   }
 
-  /** Shows the present document: at once by the shader where the shape is large, else by the worker within a frame. */
-  show(atOnce: boolean): void {
+  /**
+   * Shows the present document: by the shader where the shape is large, else by the worker within a frame. A step is drawn at once;
+   * what moves is drawn by the next frame, whatever number of moves there are until then.
+   */
+  show(step: boolean): void {
     if (this.view.large && this.showLive()) {
+      if (step) this.view.draw();
       window.clearTimeout(this.restTimer);
-      this.restTimer = window.setTimeout(() => this.settle(), atOnce ? 30 : REST);
+      this.restTimer = window.setTimeout(() => this.settle(), step ? 30 : REST);
     } else this.settle();
   }
 

@@ -351,15 +351,14 @@ export class View {
     });
   }
 
-  /** Draws now. */
+  /** Draws now, in place of the frame that was asked for. */
   draw(): void {
+    cancelAnimationFrame(this.frame);
+    this.frame = 0;
     const began = performance.now();
     const { renderer } = this;
     const coarse = this.coarse !== null && this.heavy && (this.moving !== 0 || this.live);
-    if (this.software) {
-      const ratio = coarse ? MOVING_RATIO : 1;
-      if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
-    }
+    if (this.software) this.setRatio(coarse);
     const width = renderer.domElement.width;
     const height = renderer.domElement.height;
     if (!this.body || width === 0) {
@@ -383,6 +382,16 @@ export class View {
       renderer.setScissorTest(false);
     }
     this.drawn?.(began);
+  }
+
+  /**
+   * Fewer pixels for what moves. Other pixels are a new canvas, which takes half as long as the picture: a single step keeps those
+   * of the shape at rest, and a slider that is held keeps the few.
+   */
+  private setRatio(coarse: boolean): void {
+    const now = this.renderer.getPixelRatio();
+    const ratio = !coarse ? 1 : this.moving !== 0 ? MOVING_RATIO : now;
+    if (now !== ratio) this.renderer.setPixelRatio(ratio);
   }
 
   private drawHalf(before: boolean, coarse: boolean): void {
