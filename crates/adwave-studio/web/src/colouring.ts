@@ -128,7 +128,7 @@ export function colouring(studio: Studio): Colouring {
     try {
       if (name === 'change' || name.startsWith('band-')) {
         const level = name === 'change' ? 0 : Number(name.slice(5));
-        if (name === 'change') await studio.settled();
+        if (name === 'change') await studio.display.settled();
         const answer = await studio.engine.call('scalar', level ? { band: level } : 'change');
         if (mine !== asked) return;
         values = answer.values;

@@ -17,7 +17,7 @@ export class Files {
 
   async go(id: number): Promise<void> {
     try {
-      await this.studio.open(this.fetchShape(this.studio.api, id));
+      await this.studio.session.open(this.fetchShape(this.studio.api, id));
     } catch (error) {
       this.studio.say((error as Error).message, 'error');
     }
@@ -31,11 +31,11 @@ export class Files {
   async openFile(file: File): Promise<void> {
     const { studio } = this;
     if (/\.toml$/i.test(file.name)) {
-      await this.try(async () => studio.takeRecipe(await file.text()));
+      await this.try(async () => studio.session.takeRecipe(await file.text()));
       return;
     }
     if (/\.edit\.json$/i.test(file.name)) {
-      await this.try(async () => studio.takeEdit(JSON.parse(await file.text()) as Edit));
+      await this.try(async () => studio.session.takeEdit(JSON.parse(await file.text()) as Edit));
       return;
     }
     studio.say(text.reading(file.name));
@@ -200,7 +200,7 @@ export class Files {
         button(text.recipeOpen, () =>
           chooseFile('.toml', (file) => {
             box.close();
-            void this.try(async () => studio.takeRecipe(await file.text()));
+            void this.try(async () => studio.session.takeRecipe(await file.text()));
           }),
         ),
       ),

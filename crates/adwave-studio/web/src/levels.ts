@@ -64,7 +64,7 @@ export function openLevels(studio: Studio): void {
                         .filter((l) => l !== ''),
                     };
             box.close();
-            studio.setLevels(what).catch((e: Error) => studio.say(e.message, 'error'));
+            studio.session.setLevels(what).catch((e: Error) => studio.say(e.message, 'error'));
           },
         },
         text.apply,

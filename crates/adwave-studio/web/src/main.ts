@@ -195,7 +195,7 @@ export function start({ api, list, early, fetchShape }: Start): void {
           },
           text.keepMine,
         ),
-        h('button', { type: 'button', onclick: () => studio.takeTheirs() }, text.takeTheirs),
+        h('button', { type: 'button', onclick: () => studio.session.takeTheirs() }, text.takeTheirs),
       );
     }
     if (saver.state === 'refused') say(saver.problem, 'error');
@@ -214,10 +214,10 @@ export function start({ api, list, early, fetchShape }: Start): void {
         loading.textContent = text.noShape;
         return;
       }
-      const opened = studio.open(first);
+      const opened = studio.session.open(first);
       void first.positions.then(() => loading.remove());
       await opened;
-      await studio.settled();
+      await studio.display.settled();
     } catch (error) {
       loading.textContent = (error as Error).message;
       loading.classList.add('error');
@@ -236,11 +236,11 @@ export function start({ api, list, early, fetchShape }: Start): void {
       studio.watch.measuring = on;
     },
     positions: async () => {
-      await studio.settled();
+      await studio.display.settled();
       return (await studio.engine.call('positions', {})).positions;
     },
     mask: async () => {
-      await studio.settled();
+      await studio.display.settled();
       return (await studio.engine.call('maskBytes', { key: studio.doc.layers.at(-1)!.key })).bytes;
     },
     kept: () =>

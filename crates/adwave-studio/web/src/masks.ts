@@ -1,7 +1,7 @@
 /** The masks of the layers as the shader has them: each in a slot of its own. */
 
+import type { ShapeArrays } from './arrays';
 import type { DocLayer } from './state';
-import type { View } from './view';
 
 export class Masks {
   private readonly masks = new Map<number, Uint8Array>();
@@ -9,7 +9,7 @@ export class Masks {
   private slots: number[] = [];
   private n = 0;
 
-  constructor(private readonly view: View) {}
+  constructor(private readonly arrays: ShapeArrays) {}
 
   /** Another shape. */
   begin(nVertices: number): void {
@@ -27,7 +27,7 @@ export class Masks {
     }
     mask.set(bytes, from);
     const slot = this.slot(key);
-    if (slot >= 0) this.view.setMask(slot, from, bytes);
+    if (slot >= 0) this.arrays.setMask(slot, from, bytes);
   }
 
   has(key: number): boolean {
@@ -47,8 +47,8 @@ export class Masks {
     this.slots = slots;
     for (const [slot, key] of slots.entries()) {
       const mask = this.masks.get(key);
-      if (mask && old[slot] !== key) this.view.setMask(slot, 0, mask);
-      else if (!mask && this.n > 0) this.view.setMask(slot, 0, new Uint8Array(this.n));
+      if (mask && old[slot] !== key) this.arrays.setMask(slot, 0, mask);
+      else if (!mask && this.n > 0) this.arrays.setMask(slot, 0, new Uint8Array(this.n));
     }
   }
 }

@@ -150,7 +150,7 @@ export class Stage {
       studio.showSpectrum(answer.spectrum);
       if (answer.stamped) {
         studio.view.touch();
-        studio.show(false);
+        studio.display.show(false);
       }
     } catch (error) {
       studio.say((error as Error).message, 'error');
@@ -182,7 +182,7 @@ export class Stage {
     });
     if (!keep || !region) {
       studio.history.cancel();
-      studio.settle();
+      studio.display.settle();
       return;
     }
     stampsOf(region).push(...indices);

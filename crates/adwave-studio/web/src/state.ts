@@ -63,6 +63,16 @@ export function isNeutral(doc: Doc): boolean {
   return doc.layers.every((l) => !l.on || l.opacity === 0 || l.gains.every((g) => g === 1));
 }
 
+/** Rules that only the server applies: the page shows its positions once it has the edit. */
+export function needsServer(doc: Doc, cloud: boolean): boolean {
+  return (
+    // A cloud moves along its normals where nothing else is said.
+    (doc.along === null ? cloud && !isNeutral(doc) : doc.along !== 'free') ||
+    (doc.border !== null && doc.border !== 'natural') ||
+    doc.volume === 'keep'
+  );
+}
+
 export class History {
   doc: Doc;
   private past: Doc[] = [];

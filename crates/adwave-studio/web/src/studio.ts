@@ -1,19 +1,17 @@
 /** What the parts of the page share: the shape, its document, the worker, the picture, and what is selected. */
 
 import type { Api } from './api';
-import type { Early } from './boot';
 import { rangeOf } from './colours';
-import { coarseTriangles } from './compute/coarse';
-import type { EditAnswer, News, WorkerLayer } from './compute/messages';
-import { globalGains } from './compute/positions';
+import type { News } from './compute/messages';
 import { Detail } from './detail';
+import { Display } from './display';
 import { Engine } from './engine';
 import { Masks } from './masks';
-import type { Edit, Level, Moved, Region, Shape, ShapeList } from './protocol';
+import type { Region, Shape, ShapeList } from './protocol';
 import { Regions } from './regions';
-import { keptAfterReload, Saver } from './saver';
-import { type Doc, type DocLayer, fromEdit, History, isNeutral, newLayer, withLayer } from './state';
-import { text } from './text';
+import type { Saver } from './saver';
+import { Session } from './session';
+import { type Doc, type DocLayer, History, newLayer, withLayer } from './state';
 import type { Compared } from './tools';
 import type { View } from './view';
 import { Watch } from './watch';
@@ -34,13 +32,6 @@ export type Topic =
   | 'drawing'
   | 'theme';
 
-/** Milliseconds of rest after which positions and normals are computed exactly on shapes that are large. */
-const REST = 120;
-/** Triangles of a large shape while it moves. */
-const COARSE = 45_000;
-/** Triangles of a shape that is first drawn with fewer. */
-const COARSE_FIRST = 200_000;
-
 export class Studio {
   shape: Shape | null = null;
   shapes: ShapeList = { version: '', shapes: [] };
@@ -58,17 +49,18 @@ export class Studio {
   readonly engine: Engine;
   readonly regions = new Regions();
   readonly detail = new Detail(this);
+  readonly session = new Session(this);
+  readonly display: Display;
   /** Whether the mask of the selected layer is shown as a tint. */
   tint = true;
+  /** The vertex that was clicked last, where a ball begins. */
+  lastVertex: number | null = null;
+  /** A line that is being drawn, click by click. */
+  drawing: { end: () => void; cancel: () => void } | null = null;
+  /** Takes the next vertex that is clicked in place of what a click does. */
+  pickNext: ((vertex: number) => void) | null = null;
   private readonly listeners = new Map<Topic, (() => void)[]>();
   private readonly masks: Masks;
-  private settling = false;
-  private settleAgain = false;
-  private restTimer = 0;
-  private generation = 0;
-  private settledWaiters: (() => void)[] = [];
-  private shownDoc: Doc | null = null;
-  private problem: string | null = null;
 
   constructor(
     readonly api: Api,
@@ -77,8 +69,8 @@ export class Studio {
     readonly say: (sentence: string, kind?: 'info' | 'error') => void,
   ) {
     this.engine = new Engine(worker, (news) => this.hear(news));
-    this.masks = new Masks(view);
-    view.drawn = (began) => this.watch.frameDrawn(began, this.shownDoc === this.doc, () => view.finish());
+    this.masks = new Masks(view.arrays);
+    this.display = new Display(this, this.masks);
   }
 
   on(topics: Topic | Topic[], listener: () => void): void {
@@ -105,144 +97,29 @@ export class Studio {
     return this.shape?.levels.length ?? 0;
   }
 
-  /** Opens a shape of the server: its picture first, then its bands, coarse to fine. */
-  async open(early: Early): Promise<void> {
-    const generation = ++this.generation;
-    this.saver?.close();
-    const [shape, positions, triangles] = await Promise.all([early.shape, early.positions, early.triangles]);
-    if (generation !== this.generation) return;
-    if (positions.length === 0) throw new Error(text.noPositions(shape.name));
-    this.shape = shape;
-    sessionStorage.setItem('adwave-shape', String(shape.id));
-    const cloud = triangles.length === 0;
-    this.view.setShape(positions, triangles, cloud, shape.mean_length || shape.diagonal / 100);
-    const coarsen = () => this.view.setCoarse(coarseTriangles(positions, triangles, COARSE));
-    const few = this.view.heavy && shape.n_triangles > COARSE_FIRST;
-    if (few) {
-      // Fewer triangles are there sooner; all of them follow when the page is at rest.
-      coarsen();
-      this.view.touch();
-    }
-    this.view.draw();
-    if (!this.watch.timings.firstPixels) {
-      this.view.finish();
-      this.watch.timings.firstPixels = performance.now();
-    }
-    this.masks.begin(shape.n_vertices);
+  /** Another shape is there: nothing is known of it yet. */
+  forgetShape(): void {
+    this.masks.begin(this.shape!.n_vertices);
     this.regions.forget();
     this.arrived.clear();
     this.moved = null;
     this.compared = null;
     this.emit('compared');
-    this.view.setLevels(shape.levels.length);
-    const normals = this.engine.call('shape', {
-      url: `${this.api.root}api/shapes/${shape.id}/`,
-      token: this.api.token,
-      n: shape.n_vertices,
-      centre: shape.centre,
-      diagonal: shape.diagonal,
-      meanLength: shape.mean_length || shape.diagonal / 100,
-      cloud,
-      positions,
-      triangles,
-    });
-    const bands = this.readBands(generation);
-    const edit = await keptAfterReload(this.api, shape.id);
-    if (generation !== this.generation) return;
-    this.begin(fromEdit(edit, shape.levels.length), edit.revision);
-    this.emit('shape');
-    this.emit('levels');
-    void normals.then(({ normals }) => {
-      if (generation === this.generation) this.view.setNormals(normals);
-    });
-    await bands;
-    if (generation !== this.generation) return;
-    // Until then the worker sums what a slider moves.
-    if (this.view.heavy && !few) coarsen();
-    if (!isNeutral(this.doc)) this.settle();
-    void this.engine.call('warm', {});
   }
 
   /** A document from the server becomes the present one, without a past. */
-  private begin(doc: Doc, revision: number): void {
+  startFrom(doc: Doc): void {
     this.history = new History(doc, (committed) => this.changed(committed));
     this.selected = doc.layers[0]!.key;
-    this.saver?.leave();
-    this.saver = new Saver(this.api, this.shape!.id, revision, (moved) => this.heardServer(moved));
     this.masks.take(doc.layers);
     this.updateTint();
     this.emit('doc');
     this.emit('selected');
-    this.emit('saving');
-  }
-
-  private async readBands(generation: number): Promise<void> {
-    const shared = crossOriginIsolated && typeof SharedArrayBuffer !== 'undefined';
-    try {
-      await this.engine.call('bands', { nLevels: this.shape!.levels.length, shared });
-    } catch (error) {
-      if (generation === this.generation) this.say((error as Error).message, 'error');
-    }
-  }
-
-  /** Other levels: bands are fetched anew, and gains of another number of levels are dropped by the server. */
-  async setLevels(what: unknown): Promise<void> {
-    const shape = this.shape;
-    if (!shape) return;
-    await this.saver?.whileReplaced(async () => {
-      const levels = await this.api.levels(shape.id, what);
-      this.startLevels(levels, await this.api.edit(shape.id));
-    });
-    await this.readLevels();
-    // Presets have as many gains as there are levels.
-    const { presets } = await this.api.shape(shape.id);
-    this.shape = { ...this.shape!, presets };
-    this.emit('levels');
-  }
-
-  private startLevels(levels: Level[], edit: Edit): void {
-    this.generation++;
-    this.shape = { ...this.shape!, levels };
-    this.arrived.clear();
-    this.view.setLevels(levels.length);
-    this.view.setUnedited();
-    this.begin(fromEdit(edit, levels.length), edit.revision);
-    this.emit('levels');
-  }
-
-  private async readLevels(): Promise<void> {
-    const { generation } = this;
-    await this.readBands(generation);
-    if (generation === this.generation) this.settle();
-  }
-
-  async takeRecipe(recipe: string): Promise<void> {
-    await this.saver?.whileReplaced(async () => {
-      const { levels, edit } = await this.api.putRecipe(this.shape!.id, recipe);
-      this.startLevels(levels, edit);
-    });
-    await this.readLevels();
-  }
-
-  /** An edit from a file, as one step. */
-  takeEdit(edit: Edit): void {
-    const fits = Array.isArray(edit.layers) && edit.layers.every((l) => l.gains.length === this.nLevels);
-    if (!fits) throw new Error(text.badEdit(this.nLevels));
-    this.history.commit(fromEdit(edit, this.nLevels));
-  }
-
-  /** After a conflict: what another page made of the edit. */
-  takeTheirs(): void {
-    const edit = this.saver?.theirs;
-    if (!edit) return;
-    this.saver!.resolve(false);
-    this.begin(fromEdit(edit, this.nLevels), edit.revision);
-    this.settle();
   }
 
   private hear(news: News): void {
     if (news.news === 'band') {
-      this.view.setBand(news.level, news.scale, news.values);
+      this.view.arrays.setBand(news.level, news.scale, news.values);
       this.arrived.add(news.level);
       const now = performance.now();
       if (this.arrived.size === 1) this.watch.timings.firstSlider = now;
@@ -261,33 +138,9 @@ export class Studio {
     }
     this.masks.take(this.doc.layers);
     this.updateTint();
-    this.show(committed);
-    if (committed) this.saver?.changed(this.doc, this.settled());
+    this.display.show(committed);
+    if (committed) this.saver?.changed(this.doc, this.display.settled());
     this.emit('doc');
-  }
-
-  /** Shows the present document: at once by the shader where the shape is large, else by the worker within a frame. */
-  show(atOnce: boolean): void {
-    if (this.view.large && this.showLive()) {
-      window.clearTimeout(this.restTimer);
-      this.restTimer = window.setTimeout(() => this.settle(), atOnce ? 30 : REST);
-    } else this.settle();
-  }
-
-  private showLive(): boolean {
-    const layers = this.doc.layers.filter((l) => l.on);
-    const terms = layers.map((l) => ({
-      opacity: l.opacity,
-      gains: l.gains,
-      mask: l.region ? NO_MASK : null,
-    }));
-    const masked = layers
-      .filter((l) => l.region)
-      .map((l) => ({ slot: this.masks.slot(l.key), slopes: l.gains.map((g) => l.opacity * (g - 1)) }));
-    if (!layers.every((l) => !l.region || this.masks.has(l.key))) return false;
-    const shown = this.view.setGains(globalGains(terms, this.nLevels), masked);
-    if (shown) this.shownDoc = this.doc;
-    return shown;
   }
 
   updateTint(): void {
@@ -300,81 +153,6 @@ export class Studio {
     this.selected = key;
     this.updateTint();
     this.emit('selected');
-  }
-
-  /** Exact positions and normals of the present document; while that is computed, the next one waits. */
-  settle(): void {
-    window.clearTimeout(this.restTimer);
-    this.restTimer = 0;
-    if (this.settling) {
-      this.settleAgain = true;
-      return;
-    }
-    if (!this.shape) return;
-    this.settling = true;
-    void this.compute().finally(() => {
-      this.settling = false;
-      if (this.settleAgain) {
-        this.settleAgain = false;
-        this.settle();
-        return;
-      }
-      if (this.restTimer) return;
-      for (const done of this.settledWaiters.splice(0)) done();
-    });
-  }
-
-  private async compute(): Promise<void> {
-    const { doc, generation } = this;
-    const { news, ids } = this.regions.newsOf(doc.layers.map((l) => l.region));
-    const layers: WorkerLayer[] = doc.layers.map((l, i) => ({
-      key: l.key,
-      on: l.on,
-      opacity: l.opacity,
-      gains: l.gains,
-      region: ids[i]!,
-    }));
-    const exact =
-      needsServer(doc, this.shape!.kind === 'cloud') && this.saver?.state === 'kept' && !this.saver.pending;
-    try {
-      const answer = await this.engine.call('edit', { layers, regions: news, exact });
-      if (generation !== this.generation) return;
-      this.watch.timings.settle.push(answer.took);
-      if (answer.problem && answer.problem !== this.problem) this.say(answer.problem, 'error');
-      this.problem = answer.problem;
-      if (doc === this.doc || !this.view.large) {
-        this.view.setEdited(answer.positions, answer.normals);
-        this.shownDoc = doc;
-      }
-      if (doc === this.doc) this.heardWorker(answer);
-    } catch (error) {
-      // The next time the worker learns these regions again.
-      this.regions.forget(news);
-      if (generation === this.generation) this.say((error as Error).message, 'error');
-    }
-  }
-
-  /** Resolves when what is drawn is the present document, exactly. */
-  settled(): Promise<void> {
-    if (!this.settling && !this.restTimer) return Promise.resolve();
-    return new Promise((done) => this.settledWaiters.push(done));
-  }
-
-  private heardWorker(answer: EditAnswer): void {
-    const before = this.shape!.volume;
-    const volume: [number, number] | null =
-      before !== null && answer.volume !== null ? [before, answer.volume] : null;
-    this.moved = { greatest: answer.greatest, rms: answer.rms, volume };
-    this.emit('moved');
-  }
-
-  private heardServer(moved: Moved | null): void {
-    if (moved) {
-      this.moved = moved;
-      this.emit('moved');
-      if (needsServer(this.doc, this.shape!.kind === 'cloud')) this.settle();
-    }
-    this.emit('saving');
   }
 
   setBefore(on: boolean): void {
@@ -432,28 +210,9 @@ export class Studio {
     this.emit('spectrum');
   }
 
-  /** The vertex that was clicked last, where a ball begins. */
-  lastVertex: number | null = null;
-  /** A line that is being drawn, click by click. */
-  drawing: { end: () => void; cancel: () => void } | null = null;
-  /** Takes the next vertex that is clicked in place of what a click does. */
-  pickNext: ((vertex: number) => void) | null = null;
-
   /** The range of a field that 2 % at each end are left out of. */
   async fieldRange(name: string): Promise<[number, number]> {
     const { values } = await this.api.field(this.shape!.id, name, 'region');
     return rangeOf(values, 'most', false);
   }
-}
-
-const NO_MASK = new Uint8Array(0);
-
-/** Rules that only the server applies: the page shows its positions once it has the edit. */
-export function needsServer(doc: Doc, cloud: boolean): boolean {
-  return (
-    // A cloud moves along its normals where nothing else is said.
-    (doc.along === null ? cloud && !isNeutral(doc) : doc.along !== 'free') ||
-    (doc.border !== null && doc.border !== 'natural') ||
-    doc.volume === 'keep'
-  );
 }

@@ -98,13 +98,13 @@ async function showComparison(studio: Studio, method: CompareMethod): Promise<vo
   const { positions, about } = await studio.api.compare(id, method);
   if (studio.shape?.id !== id) return;
   const { normals } = await studio.engine.call('normals', { positions });
-  studio.view.setOther(positions, normals);
+  studio.view.arrays.setOther(positions, normals);
   studio.compared = { method, about };
   studio.emit('compared');
 }
 
 export function endComparison(studio: Studio): void {
-  studio.view.setOther(null, null);
+  studio.view.arrays.setOther(null, null);
   studio.compared = null;
   studio.emit('compared');
 }

@@ -8,6 +8,7 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { fromDisk, launch, untilReady } from './browser.mjs';
 import { decodePng, deviation } from './png.mjs';
+import { steps } from './steps.mjs';
 
 /** Anything that takes longer hangs. */
 const LIMIT = 60_000;
@@ -307,6 +308,8 @@ export async function tour(url, folder, { limit = LIMIT } = {}) {
     const { revision: ___, ...again } = await state();
     check('a reload resumes the edit', JSON.stringify(again) === JSON.stringify(ours));
     await keep('reloaded').catch(() => {});
+
+    await steps(browser, failures);
 
     // Narrow, with touch.
     for (const scheme of ['light', 'dark']) {
