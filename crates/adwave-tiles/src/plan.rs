@@ -259,7 +259,7 @@ const OUTPUT_BYTES: u64 = 24;
 
 /// Bytes of memory for each vertex of a cloud that is denoised, and each face of a mesh.
 const DENOISED_CLOUD_BYTES: u64 = 1000;
-const DENOISED_FACE_BYTES: u64 = 900;
+const DENOISED_FACE_BYTES: u64 = 1050;
 
 /// The same for each vertex of the blocks that the rings are searched in, and what is made of these.
 const SEARCHED_BYTES: u64 = 220;
