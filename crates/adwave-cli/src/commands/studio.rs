@@ -6,6 +6,7 @@ use crate::global::Global;
 use crate::output::{note, print};
 use crate::progress::with_spinner;
 use crate::shape_input::{Source, load_source};
+use adwave::pages::keep_some_freed;
 use adwave_studio::{Opened, Served, StudioParams, serve};
 use clap::Args;
 use serde_json::json;
@@ -54,6 +55,9 @@ pub(crate) struct StudioArgs {
     i_know: bool,
 }
 
+/// Bytes that are kept of freed memory, which every question of a shape of half a million vertices fits into.
+const KEPT: usize = 128 << 20;
+
 pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError> {
     if let Some(host) = args.host.filter(|host| !host.is_loopback()) {
         if !args.i_know {
@@ -75,6 +79,8 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
         file: input.file,
         shape: input.shape,
     };
+    // Each edit asks for as much as the one before.
+    keep_some_freed(KEPT);
     let params = StudioParams { port: args.port, host: args.host, ..StudioParams::default() };
     let mut browser = None;
     let mut printed = Ok(());
