@@ -185,5 +185,7 @@ def _adwave(words: list[str]) -> dict[str, Any]:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         said = done.stderr.strip().splitlines() or [f"adwave ended with {done.returncode}"]
-        raise RuntimeError(said[-1].removeprefix("adwave: "))
+        # Of arguments that do not go together the first line says what is wrong, else the last one.
+        wrong = said[0].removeprefix("error: ") if said[0].startswith("error: ") else said[-1]
+        raise RuntimeError(wrong.removeprefix("adwave: "))
     return json.loads(done.stdout)
