@@ -184,8 +184,12 @@ def _adwave(words: list[str]) -> dict[str, Any]:
     command = [sys.executable, "-m", "adwave", *words, "--json", "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        said = done.stderr.strip().splitlines() or [f"adwave ended with {done.returncode}"]
-        # Of arguments that do not go together the first line says what is wrong, else the last one.
-        wrong = said[0].removeprefix("error: ") if said[0].startswith("error: ") else said[-1]
-        raise RuntimeError(wrong.removeprefix("adwave: "))
+        raise RuntimeError(_sentence(done.stderr) or f"adwave ended with {done.returncode}")
     return json.loads(done.stdout)
+
+
+def _sentence(said: str) -> str:
+    """What is wrong, of all that the command says; of arguments that do not go together without the usage that follows."""
+    if said.startswith("error: "):
+        return " ".join(said.partition("\n\n")[0].removeprefix("error: ").split())
+    return said.strip().rpartition("\n")[2].removeprefix("adwave: ")
