@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-# So many nearest centres are tried first, then four times as many.
+# So many nearest centers are tried first, then four times as many.
 FIRST_CANDIDATES = 8
 
 
@@ -33,23 +33,23 @@ def on_triangles(p, a, b, c):
 
 
 class Surface:
-    """The triangles by octaves of their size, each octave in a k-d tree of centres.
+    """The triangles by octaves of their size, each octave in a k-d tree of centers.
 
-    A triangle reaches no farther from its centre than `reach` of its octave, so that a query is done when the farthest
-    centre tried is farther than what is found and `reach`.
+    A triangle reaches no farther from its center than `reach` of its octave, so that a query is done when the farthest
+    center tried is farther than what is found and `reach`.
     """
 
     def __init__(self, mesh):
         self.points, self.triangles = mesh.points, mesh.triangles
         self.vertices = cKDTree(self.points)
         corners = self.points[self.triangles]
-        centres = corners.mean(axis=1)
-        reaches = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
+        centers = corners.mean(axis=1)
+        reaches = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
         octaves = np.floor(np.log2(np.maximum(reaches, 1e-300)))
         self.octaves = []
         for octave in np.unique(octaves):
             members = np.flatnonzero(octaves == octave)
-            self.octaves.append((cKDTree(centres[members]), members, reaches[members].max()))
+            self.octaves.append((cKDTree(centers[members]), members, reaches[members].max()))
 
     def closest(self, queries):
         """The `Places` of the mesh that are closest to the queries."""

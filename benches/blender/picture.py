@@ -1,4 +1,4 @@
-"""`docs/blender.png`: the built-in creature before, smoothed, enhanced and coloured by saliency, drawn by Blender.
+"""`docs/blender.png`: the built-in creature before, smoothed, enhanced and colored by saliency, drawn by Blender.
 
 pip install -r requirements.txt (Python 3.11), and adwave; then: python picture.py ../../docs/blender.png
 """
@@ -24,7 +24,7 @@ STRONGER = (1, 2, 2.5, 2.5, 2.5, 2, 1.5)
 
 
 def material(colors: str | None) -> bpy.types.Material:
-    """Clay, or the colours of an attribute."""
+    """Clay, or the colors of an attribute."""
     made = bpy.data.materials.new("surface")
     made.use_nodes = True
     surface = made.node_tree.nodes["Principled BSDF"]
@@ -40,9 +40,9 @@ def material(colors: str | None) -> bpy.types.Material:
 def added(shape: aw.Shape, place: int) -> bpy.types.Mesh:
     """The shape as the active object, in one of the places from left to right."""
     points = np.asarray(shape.points)
-    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    center = (points.min(axis=0) + points.max(axis=0)) / 2
     mesh = bpy.data.meshes.new("creature")
-    mesh.from_pydata((points - centre).tolist(), [], np.asarray(shape.faces).tolist())
+    mesh.from_pydata((points - center).tolist(), [], np.asarray(shape.faces).tolist())
     mesh.shade_smooth()
     thing = bpy.data.objects.new("creature", mesh)
     thing.location.x = DISTANCE * place
@@ -52,9 +52,9 @@ def added(shape: aw.Shape, place: int) -> bpy.types.Mesh:
     return mesh
 
 
-def turned(thing: bpy.types.Object, towards: Vector) -> None:
+def turned(thing: bpy.types.Object, toward: Vector) -> None:
     """Point a camera or a light somewhere, and put it into the scene."""
-    thing.rotation_euler = towards.to_track_quat("-Z", "Y").to_euler()
+    thing.rotation_euler = toward.to_track_quat("-Z", "Y").to_euler()
     bpy.context.collection.objects.link(thing)
 
 
@@ -90,7 +90,7 @@ def scene() -> None:
 
 
 def main(target: Path) -> None:
-    """Draw it, in 256 colours."""
+    """Draw it, in 256 colors."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     adwave.blender.register()
     shape = aw.sample("creature", vertices=40_000)

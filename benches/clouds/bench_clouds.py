@@ -22,8 +22,8 @@ import sys, laspy, numpy as np, open3d as o3d
 cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(laspy.read(sys.argv[1]).xyz))
 """
 OPEN3D = {
-    "Open3D, outliers by 10 neighbours": "cloud.remove_statistical_outlier(10, 2.0)",
-    "Open3D, normals by 10 neighbours": "cloud.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(10))",
+    "Open3D, outliers by 10 neighbors": "cloud.remove_statistical_outlier(10, 2.0)",
+    "Open3D, normals by 10 neighbors": "cloud.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(10))",
 }
 # Mean of the ten nearest: one step of smoothing, as one writes it by hand.
 SCIPY = """
@@ -60,10 +60,10 @@ def tasks(adwave: str, file: Path, folder: Path) -> dict[str, list[str]]:
         "the same, 1 GB of memory": [adwave, "tiles", str(file), "-o", str(folder / "tiles"), *gains, "--memory", "1G"],
     }
     if importlib.util.find_spec("laspy"):
-        found["SciPy, mean of 10 neighbours, once"] = [sys.executable, "-c", SCIPY, str(file)]
+        found["SciPy, mean of 10 neighbors, once"] = [sys.executable, "-c", SCIPY, str(file)]
         found |= {name: [sys.executable, "-c", READ + call, str(file)] for name, call in OPEN3D.items()}
     cloud_compare = ["CloudCompare", "-SILENT", "-AUTO_SAVE", "OFF", "-O", str(ply)]
-    found["CloudCompare, outliers by 10 neighbours"] = [*cloud_compare, "-SOR", "10", "2"]
+    found["CloudCompare, outliers by 10 neighbors"] = [*cloud_compare, "-SOR", "10", "2"]
     found["CloudCompare, normals by its octree"] = [*cloud_compare, "-OCTREE_NORMALS", "auto"]
     for name, option in (("outlier", "mean_k"), ("normal", "knn")):
         words = ["pdal", "translate", str(file), str(folder / "pdal.las"), name, f"--filters.{name}.{option}=10"]

@@ -9,7 +9,7 @@ not a solver. Errors are those of W_9 … W_14 (W_j = S_2^(j-2) - S_2^(j-1)), re
 could know of them: ‖(I - Π_B)Φᵖf‖ and the residuals of all coarse steps added up, relative to the same norm.
 
 Shapes are generated, or with --obj the one mesh of a Wavefront OBJ file is taken: a thin sheet, a cloud whose density jumps by ten (with the
-plain walk of the k nearest neighbours and with α = 1), a random geometric graph and a graph like roads (both without coordinates; lengths
+plain walk of the k nearest neighbors and with α = 1), a random geometric graph and a graph like roads (both without coordinates; lengths
 there are hops, so one kind of clusters is enough). The terrain is bare hills: that of `adwave sample terrain`, with roofs and trees, errs
 2 to 12 times as much. Needs numpy and scipy. B is dense: memory is some 40 bytes for each vertex and function.
 """
@@ -125,16 +125,16 @@ def mesh(name: str, points: np.ndarray, faces: np.ndarray, signal: np.ndarray | 
     return lazy_walk(name, gaussian(length, distances.mean()), mass, length, points, points if signal is None else signal)
 
 
-def cloud(name: str, points: np.ndarray, invariant: bool, neighbours: int = 10) -> Walk:
-    """Steps to the k nearest neighbours; `invariant`: to all within one length, normalized by the density (α = 1)."""
+def cloud(name: str, points: np.ndarray, invariant: bool, neighbors: int = 10) -> Walk:
+    """Steps to the k nearest neighbors; `invariant`: to all within one length, normalized by the density (α = 1)."""
     points = np.unique(points, axis=0)
     size = len(points)
     tree = cKDTree(points)
-    distances, near = tree.query(points, neighbours + 1)
-    rows = np.repeat(np.arange(size), neighbours)
+    distances, near = tree.query(points, neighbors + 1)
+    rows = np.repeat(np.arange(size), neighbors)
     directed = sp.csr_matrix((distances[:, 1:].ravel(), (rows, near[:, 1:].ravel())), shape=(size, size))
     length = directed.maximum(directed.T).tocsr()
-    mass = np.pi * distances[:, -1] ** 2 / neighbours
+    mass = np.pi * distances[:, -1] ** 2 / neighbors
     if not invariant:
         return lazy_walk(name, gaussian(length, distances[:, 1:].mean()), mass, length, points, points)
     reach = float(np.quantile(distances[:, -1], 0.95))

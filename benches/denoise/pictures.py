@@ -1,4 +1,4 @@
-"""A sheet of pictures: noisy, ours, the best rival, clean; colours are the angle to the clean normals."""
+"""A sheet of pictures: noisy, ours, the best rival, clean; colors are the angle to the clean normals."""
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -6,7 +6,7 @@ from PIL import Image, ImageDraw, ImageFont
 from measure import angles, doubled_normals, read
 from programs import Failure, command
 
-# Degrees of the last colour; pixels of a panel and of the line of words below it.
+# Degrees of the last color; pixels of a panel and of the line of words below it.
 LARGEST, PANEL, WORDS = 30, 420, 30
 
 

@@ -133,15 +133,15 @@ mod tests {
             let rms = (hit.iter().map(|s| norm(s).powi(2)).sum::<f64>() / hit.len() as f64).sqrt() / edge;
             // Five standard errors of a deviation from 1000 deviates.
             assert!((rms / 0.3 - 1.0).abs() < 5.0 / 2000.0_f64.sqrt(), "{name}: {rms}");
-            let neighbours: f64 = (0..5000)
+            let neighbors: f64 = (0..5000)
                 .map(|x| {
                     let y = ring.of(x)[0] as usize;
                     adwave::vector::dot(&shifts[x], &shifts[y])
                 })
                 .sum::<f64>()
                 / shifts.iter().map(|s| norm(s).powi(2)).sum::<f64>();
-            // Averaged shifts of neighbours agree, the others are independent.
-            assert_eq!(neighbours > 0.6, kind == Noise::Scanner, "{name}: {neighbours}");
+            // Averaged shifts of neighbors agree, the others are independent.
+            assert_eq!(neighbors > 0.6, kind == Noise::Scanner, "{name}: {neighbors}");
         }
     }
 }

@@ -69,8 +69,8 @@ fn sgwt(path: &str, family: &str, n: usize, lambda_max: f64) -> Result<(), Box<d
         other => return Err(format!("no family {other}").into()),
     };
     let kernels = Kernels::new(family, n, lambda_max)?;
-    let exact = ExactFrame::new(&laplacian, kernels.clone())?.analyse(&signal)?;
-    let polynomial = Frame::new(laplacian, kernels, 5e-7)?.analyse(&signal, Progress::none())?;
+    let exact = ExactFrame::new(&laplacian, kernels.clone())?.analyze(&signal)?;
+    let polynomial = Frame::new(laplacian, kernels, 5e-7)?.analyze(&signal, Progress::none())?;
     for (a, b) in exact.iter().zip(&polynomial) {
         for (a, b) in a.iter().zip(b) {
             println!("{a:e} {b:e}");

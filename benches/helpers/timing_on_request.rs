@@ -110,7 +110,7 @@ fn outputs(levels: usize, len: usize) -> Vec<Vec<f64>> {
 
 fn operator(subject: &Subject, folder: &str) -> Answer {
     let walk = &subject.diffusion;
-    write_rows(folder, "", walk.neighbours().offsets(), walk.neighbours().columns())?;
+    write_rows(folder, "", walk.neighbors().offsets(), walk.neighbors().columns())?;
     let folder = Path::new(folder);
     write_all(&folder.join("values.f64"), walk.weights().iter().map(|w| w.to_le_bytes()))?;
     write_all(&folder.join("stationary.f64"), walk.stationary().iter().map(|p| p.to_le_bytes()))?;

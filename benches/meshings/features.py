@@ -24,7 +24,7 @@ FEWEST_FEATURES = 30
 # Lines of the table of all θ.
 FEWEST_SHOWN = 10
 # Responses that are compared in place and scale, by their names in `--response`: the default, and one that needs no mean.
-RESPONSES = ("normalised", "sigma")
+RESPONSES = ("normalized", "sigma")
 # What is found by chance: features of the remeshing put at places drawn by area, so many times.
 DRAWS, SEED = 10, 1
 

@@ -26,9 +26,9 @@ def auc(values, positive, weights):
 
 
 def correlation(a, b, weights):
-    centred = [v - np.average(v, weights=weights) for v in (a, b)]
+    centered = [v - np.average(v, weights=weights) for v in (a, b)]
     moment = lambda u, v: np.average(u * v, weights=weights)
-    return float(moment(*centred) / np.sqrt(moment(centred[0], centred[0]) * moment(centred[1], centred[1])))
+    return float(moment(*centered) / np.sqrt(moment(centered[0], centered[0]) * moment(centered[1], centered[1])))
 
 
 def scores(values, fixations, areas):

@@ -118,7 +118,7 @@ def midpoints(mesh):
 
 
 def refined(points, triangles, size, project):
-    """Longest edges bisected (Rivara 1984) until no triangle's is longer than `size` at its centre; middles are projected."""
+    """Longest edges bisected (Rivara 1984) until no triangle's is longer than `size` at its center; middles are projected."""
     while len(triangles) <= MOST_TRIANGLES:
         edges, sides = sides_of(triangles)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from PIL import Image, ImageDraw, ImageFont
 
-# The colours of viridis at equal distances, for the bar.
+# The colors of viridis at equal distances, for the bar.
 STOPS = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
 # Pixels of the sheet: a panel, the line of words above a row, the one below a panel, between panels, between blocks.
 PANEL, ABOVE, BELOW, GAP, BETWEEN = 380, 40, 28, 12, 50
@@ -30,7 +30,7 @@ class Row:
 
 @dataclass
 class Block:
-    """A shape: its name, what is said of it, its rows, the value of the last colour."""
+    """A shape: its name, what is said of it, its rows, the value of the last color."""
 
     name: str
     words: str

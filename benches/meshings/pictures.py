@@ -13,7 +13,7 @@ from tables import figure
 
 # σ of the band in mean edges of the first meshing.
 EDGES = 4
-# The last colour stands for this quantile of |W| by area on the first meshing by the last operator.
+# The last color stands for this quantile of |W| by area on the first meshing by the last operator.
 QUANTILE = 0.98
 PIXELS = 760
 # Lines between triangles: their width in parts of the diagonal, at most this share of the radius of the circle inside.
@@ -28,10 +28,10 @@ HEADS = {WALK: "by the walk", SURFACE: "by the surface's heat"}
 TITLE = "The mesh and the surface"
 INTRODUCTION = (
     "Each row shows one surface three times, made of other triangles each time. What is computed from it should be the same three times.",
-    "Colours are the lengths of the details W between two widths of smoothing. The walk smooths along the edges of the mesh, "
+    "Colors are the lengths of the details W between two widths of smoothing. The walk smooths along the edges of the mesh, "
     "so that its details follow the triangles; heat on the surface does not see them.",
 )
-SAID = ("Details between σ/√2 and σ of {edges} mean edges. One range of colours for all pictures of the shape. What differs is seen from the mesh "
+SAID = ("Details between σ/√2 and σ of {edges} mean edges. One range of colors for all pictures of the shape. What differs is seen from the mesh "
         "{first}, at the same places, with its share ‖difference‖/‖W‖ below: roots of sums of squares over the area.")
 
 # The shape of the document's own picture.
@@ -62,7 +62,7 @@ class Pictures:
         points, triangles, brightness = outlined(mesh.points, mesh.triangles, self.line)
         path = self.adwave.work / "outlined.ply"
         write(path, points, triangles, "triangles and their borders")
-        return self.drawn(path, brightness, 1.0, "grey")
+        return self.drawn(path, brightness, 1.0, "gray")
 
 
 def outlined(points, triangles, width):

@@ -1,6 +1,6 @@
 """The same bands by SciPy, from the definitions, and how far adwave is from them.
 
-Run by `cargo xtask oracle`. Nothing here shares code with adwave: faces are read by meshio, neighbours found by SciPy's
+Run by `cargo xtask oracle`. Nothing here shares code with adwave: faces are read by meshio, neighbors found by SciPy's
 tree, products done by SciPy's sparse matrices.
 
     S_f(j) = Phi^(2^(j-1)) f,  W_f(j) = S_f(j-1) - S_f(j),  Phi = rows of T divided by their sum
@@ -21,7 +21,7 @@ from scipy.spatial import cKDTree
 # Agreement asked for, in units of the bounding box's diagonal.
 TOLERANCE = 1e-10
 LEVELS = 8
-# Distances closer than this part are ties: see `nearest_neighbours`.
+# Distances closer than this part are ties: see `nearest_neighbors`.
 TIE = 1e-9
 MOST_TIED = 54
 
@@ -43,7 +43,7 @@ def triangles_of(cells, index):
 
 
 def mesh_operator(positions, triangles):
-    """Neighbour pairs, areas and mean edge length of a mesh."""
+    """Neighbor pairs, areas and mean edge length of a mesh."""
     n = len(positions)
     a, b, c = (positions[triangles[:, k]] for k in range(3))
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -60,7 +60,7 @@ def mesh_operator(positions, triangles):
 
 
 def cloud_operator(positions, directed, k=10):
-    """Neighbour pairs, areas and mean distance of a cloud: the 10 nearest, with all at the distance of the tenth."""
+    """Neighbor pairs, areas and mean distance of a cloud: the 10 nearest, with all at the distance of the tenth."""
     n = len(positions)
     k = min(k, n - 1)
     near = min(n, k + 1 + MOST_TIED)

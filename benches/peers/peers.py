@@ -201,7 +201,7 @@ class VTK:
 
 
 class PyGSP:
-    """All bands by one filter bank on a graph whose normalised Laplacian L is similar to 2(I − Φ₁).
+    """All bands by one filter bank on a graph whose normalized Laplacian L is similar to 2(I − Φ₁).
 
     With conductances `c(x,y) = π(x)Φ₁(x,y)`, x ≠ y, which are symmetric, `I − L/2 = D^½ Φ₁ D^−½`, D = diag π.
     """

@@ -14,14 +14,14 @@ def draw(cost, path):
     t = [line["median"] for line in cost["against_n"]]
     left.loglog(n, t, "o-", label="adwave, J = 8")
     middle = len(n) // 2
-    left.loglog(n, [t[middle] * k / n[middle] for k in n], ":", color="grey", label="∝ n")
+    left.loglog(n, [t[middle] * k / n[middle] for k in n], ":", color="gray", label="∝ n")
     left.set(xlabel="vertices", ylabel="seconds", title="all bands of xyz")
     levels = [line["levels"] for line in cost["against_levels"]]
     t = [line["median"] for line in cost["against_levels"]]
     right.semilogy(levels, t, "o-", label="adwave")
     powers = [cost["product"]["median"] * 2 ** (j - 1) for j in levels]
     right.semilogy(levels, powers, "--", color="tab:red", label="powers (one product × steps)")
-    right.semilogy(levels, [t[13] * 2 ** ((j - 14) / 2) for j in levels], ":", color="grey", label="∝ √2 a level")
+    right.semilogy(levels, [t[13] * 2 ** ((j - 14) / 2) for j in levels], ":", color="gray", label="∝ √2 a level")
     right.set(xlabel="levels J", title=f"all bands of xyz, {cost['n']:,} vertices", xticks=range(2, 21, 2))
     for axes in (left, right):
         axes.grid(alpha=0.3)

@@ -66,7 +66,7 @@ def ratio_table(r):
                          f"their number by {abs(line['nnz_difference']):.2%} at most")
         kind, double = line["kind"], line["precision"] == "f64"
         rows.append(ratio_row(f"Φ₁ … Φ₆ stored, {basis['n']:,} vertices",
-                              labels[kind] + ", threshold, renormalise" + ("" if double else ", single precision"),
+                              labels[kind] + ", threshold, renormalize" + ("" if double else ", single precision"),
                               line, wanted[kind] if double else None, agreement))
     bands = r["bands"]
     work = f"all bands of xyz, J = 8, {bands['n']:,} vertices"

@@ -78,7 +78,7 @@ def diffusion(points, triangles):
 
 
 def cotangent(points, triangles):
-    """The positive cotangent Laplacian and the lumped masses of its generalised eigenvalue problem."""
+    """The positive cotangent Laplacian and the lumped masses of its generalized eigenvalue problem."""
     n, rows, columns, weights = len(points), [], [], []
     for k in range(3):
         i, j, o = triangles[:, (k + 1) % 3], triangles[:, (k + 2) % 3], triangles[:, k]

@@ -62,7 +62,7 @@ moved = aw.Shape(7 * first.points[order] + [1, 2, 3], np.argsort(order)[first.fa
 assert np.allclose(features.transform([moved]), table[:1], rtol=1e-6)
 
 # %% [markdown]
-# Nothing is learnt from the shapes by `WaveletFeatures` itself, so that the table can be made once for all
+# Nothing is learned from the shapes by `WaveletFeatures` itself, so that the table can be made once for all
 # folds.
 
 # %%

@@ -2,7 +2,7 @@
 # # Fields on a cortex
 #
 # A folded closed surface nearly the size of a hemisphere, a thickness on it with a wide pattern and noise,
-# and its bands by full widths at half maximum (FWHM) in millimetres.
+# and its bands by full widths at half maximum (FWHM) in millimeters.
 
 # %%
 from pathlib import Path

@@ -33,7 +33,7 @@ cloud = aw.Shape(noisy.points)
 print(cloud)
 
 # %% [markdown]
-# Prepared once: the neighbours of each point are found, and the diffusion is built. All questions after that
+# Prepared once: the neighbors of each point are found, and the diffusion is built. All questions after that
 # are cheap.
 
 # %%

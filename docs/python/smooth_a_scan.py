@@ -15,7 +15,7 @@ rng = np.random.default_rng(7)
 
 
 def height(x, y):
-    """The land, in metres: two hills and a winding valley."""
+    """The land, in meters: two hills and a winding valley."""
     high = 9 * np.exp(-((x + 20) ** 2 + (y - 10) ** 2) / 250)
     low = 5 * np.exp(-((x - 25) ** 2 + (y + 5) ** 2) / 120)
     return high + low - 4 * np.exp(-((x - 5 * np.sin(y / 12)) ** 2) / 40)
@@ -48,7 +48,7 @@ assert rms(smooth.points[:, 2]) < 25 / 2.5
 assert np.array_equal(smooth.points[:, :2], scan.points[:, :2])
 
 # %% [markdown]
-# Neighbours in space are chosen by the noisy heights too. For land it is better to take neighbours in plan,
+# Neighbors in space are chosen by the noisy heights too. For land it is better to take neighbors in plan,
 # and the heights as a signal on it. A small width leaves noise, a large one takes the hills away.
 
 # %%
@@ -67,7 +67,7 @@ print(f"denoise: {rms(denoised):.1f} cm; noise found: {100 * info['noise']:.1f} 
 assert abs(info["noise"] - 0.25) < 0.02 and rms(denoised) < min(errors.values())
 
 # %% [markdown]
-# The errors as colours, drawn on the known land.
+# The errors as colors, drawn on the known land.
 
 # %%
 for name, heights in (("before", z), ("after", denoised)):

@@ -405,7 +405,7 @@ fn colors(obj: &[u8], path: &Path, image: Option<&Path>) -> Result<String, Strin
     };
     match texture_colors(&file, path, image, &LIMITS) {
         Ok(field) if field.to_f64().iter().all(|c| c.is_nan() || (0.0..=1.0).contains(c)) => Ok("ok".into()),
-        Ok(_) => Err("a colour beyond [0, 1]".into()),
+        Ok(_) => Err("a color beyond [0, 1]".into()),
         // The folder's name is another each time.
         Err(e) => error(&e).map(|text| text.split('(').next_back().unwrap_or_default().to_owned()),
     }

@@ -17,7 +17,7 @@ usage: cargo xtask COMMAND
 
   test      format, lints, unit, property, documentation and command-line tests, the bands of small built-in shapes beside
             SciPy's, the Python package (needs Python 3.10 or newer with venv) and the studio in a browser (needs Node 20.19 or newer), a
-            minute of broken input, licences of dependencies where cargo-deny is installed: all that must pass
+            minute of broken input, licenses of dependencies where cargo-deny is installed: all that must pass
   fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N] [--file FILE]
             broken input for every reader and parser; what breaks is saved below target/fuzz
   wheel     build the Python package as target/wheels/adwave-….whl, for every Python from 3.10 on
@@ -137,17 +137,17 @@ fn compiler() -> Outcome {
     run(Command::new("apt-get").args(["install", "-y", "-qq", "g++"])).map_err(|e| format!("{missing} ({e})"))
 }
 
-/// Licences and sources of dependencies, by `deny.toml`, where the tool is at hand; known faults need its database too.
+/// Licenses and sources of dependencies, by `deny.toml`, where the tool is at hand; known faults need its database too.
 fn dependencies() -> Outcome {
     let tool = Command::new("cargo-deny").arg("--version").output();
     if !tool.is_ok_and(|output| output.status.success()) {
-        println!("licences and sources of dependencies were not checked: cargo-deny is not installed");
+        println!("licenses and sources of dependencies were not checked: cargo-deny is not installed");
         return Ok(());
     }
     cargo(&["deny", "--offline", "check", "licenses", "bans", "sources"], &[])
 }
 
-/// Broken input for a minute, or as the arguments say. With the optimisation of the tests, so that sums that overflow are
+/// Broken input for a minute, or as the arguments say. With the optimization of the tests, so that sums that overflow are
 /// seen.
 fn fuzz(arguments: &[&str]) -> Outcome {
     let run = ["run", "--locked", "--quiet", "-p", "adwave-fuzz", "--"];

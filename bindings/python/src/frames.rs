@@ -11,7 +11,7 @@ use adwave::shape::VertexMap;
 use adwave_baselines::multiscale::{
     BiorthogonalDiffusionWavelets, Coefficients, DiffusionWavelets, MultiscaleError, MultiscaleParams,
 };
-use adwave_baselines::sgwt::{Frame, KernelFamily, Kernels, normalised_laplacian};
+use adwave_baselines::sgwt::{Frame, KernelFamily, Kernels, normalized_laplacian};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -40,7 +40,7 @@ fn put(map: &VertexMap, welded: &[f64], out: &mut [f64], n_channels: usize, c: u
     }
 }
 
-/// Kernels of the normalised Laplacian, as polynomials.
+/// Kernels of the normalized Laplacian, as polynomials.
 #[pyclass(frozen, module = "adwave._native")]
 pub(crate) struct FrameData {
     frame: Frame,
@@ -62,7 +62,7 @@ impl FrameData {
         let family = word("family", family, FAMILIES)?;
         let decomposer = &prepared.get().decomposer;
         let (frame, root) = run(py, usize::MAX, None, |_| {
-            let (laplacian, root) = normalised_laplacian(decomposer.diffusion())?;
+            let (laplacian, root) = normalized_laplacian(decomposer.diffusion())?;
             // I − Q has its spectrum in [0, 2].
             let frame = Frame::new(laplacian, Kernels::new(family, n_kernels, 2.0)?, accuracy)?;
             Ok::<_, adwave_baselines::sgwt::SgwtError>((frame, root))
@@ -95,7 +95,7 @@ impl FrameData {
 
     /// Coefficients, kernels × vertices × channels, the low pass first.
     #[pyo3(signature = (signal, progress=None))]
-    fn analyse<'py>(
+    fn analyze<'py>(
         &self,
         py: Python<'py>,
         signal: PyReadonlyArray2<'py, f64>,
@@ -114,7 +114,7 @@ impl FrameData {
             for c in 0..d {
                 let f: Vec<f64> =
                     channel(&self.map, values, d, c).iter().zip(&self.root).map(|(f, r)| f * r).collect();
-                let found = self.frame.analyse(&f, p)?;
+                let found = self.frame.analyze(&f, p)?;
                 for (level, found) in out.chunks_exact_mut(n * d).zip(found) {
                     let unscaled: Vec<f64> = found.iter().zip(&self.root).map(|(v, r)| v / r).collect();
                     put(&self.map, &unscaled, level, d, c);
@@ -127,7 +127,7 @@ impl FrameData {
 
     /// The signal of coefficients, and how many iterations it took.
     #[pyo3(signature = (coefficients, tolerance, progress=None))]
-    fn synthesise<'py>(
+    fn synthesize<'py>(
         &self,
         py: Python<'py>,
         coefficients: PyReadonlyArray3<'py, f64>,
@@ -176,10 +176,10 @@ pub(crate) struct MultiscaleData {
 }
 
 impl MultiscaleData {
-    fn analysed(&self, f: &[f64]) -> Result<Coefficients, MultiscaleError> {
+    fn analyzed(&self, f: &[f64]) -> Result<Coefficients, MultiscaleError> {
         match &self.basis {
-            Basis::Orthogonal(basis) => basis.analyse(f),
-            Basis::Biorthogonal(basis) => basis.analyse(f),
+            Basis::Orthogonal(basis) => basis.analyze(f),
+            Basis::Biorthogonal(basis) => basis.analyze(f),
         }
     }
 
@@ -226,18 +226,18 @@ impl MultiscaleData {
     }
 
     /// Coefficients of a signal: of the wavelets of each level, and of the last scaling functions.
-    fn analyse<'py>(&self, py: Python<'py>, signal: Vec<f64>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    fn analyze<'py>(&self, py: Python<'py>, signal: Vec<f64>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         if signal.len() != self.map.n_vertices() {
             let (n, got) = (self.map.n_vertices(), signal.len());
             return Err(value(format!("signal: {got} values for {n} vertices")));
         }
-        let found = self.analysed(&channel(&self.map, &signal, 1, 0)).map_err(|e| error::of(&e))?;
+        let found = self.analyzed(&channel(&self.map, &signal, 1, 0)).map_err(|e| error::of(&e))?;
         let all = found.wavelets.into_iter().chain([found.scaling]);
         Ok(all.map(|values| arrays::vector(py, values).into_any()).collect())
     }
 
     /// The signal of coefficients.
-    fn synthesise<'py>(
+    fn synthesize<'py>(
         &self,
         py: Python<'py>,
         mut coefficients: Vec<Vec<f64>>,
@@ -245,8 +245,8 @@ impl MultiscaleData {
         let scaling = coefficients.pop().unwrap_or_default();
         let coefficients = Coefficients { scaling, wavelets: coefficients };
         let back = match &self.basis {
-            Basis::Orthogonal(basis) => basis.synthesise(&coefficients),
-            Basis::Biorthogonal(basis) => basis.synthesise(&coefficients),
+            Basis::Orthogonal(basis) => basis.synthesize(&coefficients),
+            Basis::Biorthogonal(basis) => basis.synthesize(&coefficients),
         };
         let back = back.map_err(|e| error::of(&e))?;
         Ok(arrays::vector(py, self.map.scatter(&back, 1)).into_any())

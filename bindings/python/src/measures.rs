@@ -8,7 +8,7 @@ use crate::prepared::{Prepared, schedule};
 use crate::shape::ShapeData;
 use adwave::denoise::{DenoiseParams, denoise, denoise_signal};
 use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope, describe, features};
-use adwave::measure::{agreement, centre_distance};
+use adwave::measure::{agreement, center_distance};
 use adwave::operator::OperatorParams;
 use adwave::saliency::{SaliencyParams, Sign, saliency, saliency_per_level, with_height};
 use adwave::shape::PreparedGeometry;
@@ -271,7 +271,7 @@ fn denoise_values<'py>(
     Ok((arrays::matrix(py, denoised.values, n_channels)?.into_any(), found))
 }
 
-/// Agreement of a map with fixations: AUC, normalised scanpath saliency, correlation; the same with a control of distance.
+/// Agreement of a map with fixations: AUC, normalized scanpath saliency, correlation; the same with a control of distance.
 #[pyfunction]
 #[pyo3(signature = (map, fixations, threshold, points=None))]
 fn gaze_scores<'py>(
@@ -283,7 +283,7 @@ fn gaze_scores<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (map, fixations) = (map.as_slice()?, fixations.as_slice()?);
     let points = points.as_ref().map(|p| arrays::points(p, "points")).transpose()?;
-    let control = points.map(centre_distance);
+    let control = points.map(center_distance);
     let work = |_: Progress<'_>| agreement(map, fixations, threshold, control.as_deref());
     let found = run(py, map.len(), None, work)?;
     let scores = PyDict::new(py);

@@ -36,7 +36,7 @@ pub(crate) const VOLUME: &[(&str, Volume)] = &[("free", Volume::Free), ("keep", 
 pub(crate) const CREASES: &[(&str, Creases)] =
     &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
 pub(crate) const RESPONSES: &[(&str, Response)] = &[
-    ("normalised", Response::Normalised),
+    ("normalized", Response::Normalized),
     ("literal", Response::Literal),
     ("channels", Response::Channels),
     ("sigma", Response::Sigma),
@@ -46,7 +46,7 @@ pub(crate) const WEIGHTINGS: &[(&str, Option<Weighting>)] = &[
     ("signed", None),
     ("paper", Some(Weighting::PerLevel)),
     ("printed", Some(Weighting::AsPrinted)),
-    ("normalised", Some(Weighting::Normalised)),
+    ("normalized", Some(Weighting::Normalized)),
     ("ranks", Some(Weighting::Ranks)),
     ("none", Some(Weighting::Uniform)),
 ];
@@ -55,7 +55,7 @@ const OPERATORS: &[(&str, OperatorKind)] =
 const MESH_AREAS: &[(&str, MeshArea)] =
     &[("barycentric", MeshArea::Barycentric), ("mixed-voronoi", MeshArea::MixedVoronoi)];
 const CLOUD_AREAS: &[(&str, CloudArea)] = &[
-    ("kth-neighbour", CloudArea::KthNeighbour),
+    ("kth-neighbor", CloudArea::KthNeighbor),
     ("unit", CloudArea::Unit),
     ("tangent-voronoi", CloudArea::TangentVoronoi),
 ];
@@ -72,7 +72,7 @@ pub(crate) fn operator(options: &Bound<'_, PyDict>) -> PyResult<OperatorParams> 
             }
             "rings" => params.with_rings(at_least_one(&name, &given)?),
             "mesh_area" => params.with_mesh_area(word(&name, &given.extract::<String>()?, MESH_AREAS)?),
-            "neighbours" => params.with_neighbours(at_least_one(&name, &given)?),
+            "neighbors" => params.with_neighbors(at_least_one(&name, &given)?),
             "directed" => params.with_cloud_graph(if given.extract()? {
                 CloudGraph::Directed
             } else {

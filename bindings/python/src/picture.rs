@@ -38,7 +38,7 @@ fn png_of<'py>(py: Python<'py>, array: PyReadonlyArray3<'py, u8>) -> PyResult<Bo
     Ok(PyBytes::new(py, &png))
 }
 
-/// Centre, radius and colour of a ball.
+/// Center, radius and color of a ball.
 type Marked = ([f64; 3], f64, [u8; 3]);
 
 #[pyfunction]

@@ -392,7 +392,7 @@ def test_meshes_of_libraries_there_and_back(make: Callable[[], Any]) -> None:
         parts_of(mesh, TRIANGLES)
 
 
-def test_trimesh_clouds_colours_scenes_and_primitives() -> None:
+def test_trimesh_clouds_colors_scenes_and_primitives() -> None:
     trimesh = library("trimesh")
     colors = np.arange(24, dtype=np.uint8).reshape(6, 4)
     mesh = trimesh.Trimesh(POINTS, TRIANGLES, process=False, vertex_colors=colors)

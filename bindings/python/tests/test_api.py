@@ -220,13 +220,13 @@ def test_baselines() -> None:
 def test_graph_wavelets_go_there_and_back(family: str) -> None:
     frame = aw.baselines.GraphWavelets(CREATURE, 6, family=family, accuracy=1e-4)
     f = CREATURE.points[:, 0]
-    coefficients = frame.analyse(f)
+    coefficients = frame.analyze(f)
     assert coefficients.shape == (6, CREATURE.n_vertices)
-    assert np.abs(frame.synthesise(coefficients) - f).max() < 1e-6
-    assert np.allclose(frame.analyse("coords")[:, :, 0], coefficients)
+    assert np.abs(frame.synthesize(coefficients) - f).max() < 1e-6
+    assert np.allclose(frame.analyze("coords")[:, :, 0], coefficients)
     squares = (frame.kernels(np.linspace(0, 2, 50)) ** 2).sum(axis=0)
     assert frame.bounds[0] - 1e-9 <= squares.min() and squares.max() <= frame.bounds[1] + 1e-9
-    assert np.array_equal(pickle.loads(pickle.dumps(frame)).analyse(f), coefficients)
+    assert np.array_equal(pickle.loads(pickle.dumps(frame)).analyze(f), coefficients)
     # By the matrix itself: I − Q is twice what Φ₁ loses, and its symmetric form has the same functions.
     pytest.importorskip("scipy")
     dense = np.eye(CREATURE.n_vertices) - frame.decomposer.matrix().toarray()
@@ -239,10 +239,10 @@ def test_graph_wavelets_go_there_and_back(family: str) -> None:
 def test_diffusion_wavelets_go_there_and_back(biorthogonal: bool) -> None:
     wavelets = aw.baselines.DiffusionWavelets(RING, 6, biorthogonal=biorthogonal)
     f = np.sin(np.arange(60.0))
-    coefficients = wavelets.analyse(f)
+    coefficients = wavelets.analyze(f)
     assert wavelets.ranks[0] == 60 and wavelets.ranks[-1] < 60
     assert sum(len(c) for c in coefficients) == 60
-    assert np.abs(wavelets.synthesise(coefficients) - f).max() < 1e-9
+    assert np.abs(wavelets.synthesize(coefficients) - f).max() < 1e-9
     level = len(wavelets.ranks) - 1
     phi, dual = wavelets.scaling_functions(level), wavelets.duals(level)
     assert phi.shape == (wavelets.ranks[-1], 60) and np.allclose(dual @ phi.T, np.eye(len(phi)), atol=1e-4)

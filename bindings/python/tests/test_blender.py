@@ -232,7 +232,7 @@ def test_borders_directions_and_the_volume_are_those_of_the_library() -> None:
     assert np.abs(points(closed) - expected.points).max() < SINGLE
 
 
-def test_saliency_is_an_attribute_and_a_colour() -> None:
+def test_saliency_is_an_attribute_and_a_color() -> None:
     mesh = creature().data
     before = points(mesh)
     bpy.ops.adwave.saliency()

@@ -56,13 +56,13 @@ def test_bands_add_up_to_the_points() -> None:
     assert out.GetNumberOfPolys() == len(SHAPE.faces)
 
 
-def test_the_equaliser_is_that_of_the_library() -> None:
+def test_the_equalizer_is_that_of_the_library() -> None:
     before = surface(SHAPE)
-    out = run(paraview.Equaliser, before, Gains="2, 1.5 1", Levels=4, Region="ball:vertex=7,radius=20%")
+    out = run(paraview.Equalizer, before, Gains="2, 1.5 1", Levels=4, Region="ball:vertex=7,radius=20%")
     bands = aw.decompose(SHAPE, levels=4)
     assert np.array_equal(points(out), bands.apply([2, 1.5, 1, 1], where="ball:vertex=7,radius=20%"))
     assert np.array_equal(points(before), SHAPE.points)
-    smooth = run(paraview.Equaliser, before, Preset="smooth")
+    smooth = run(paraview.Equalizer, before, Preset="smooth")
     assert not np.array_equal(points(smooth), SHAPE.points)
 
 
@@ -84,7 +84,7 @@ def test_polygons_of_several_lengths_and_empty_input() -> None:
     cells.InsertNextCell(3, [3, 2, 4])
     data.SetPoints(places)
     data.SetPolys(cells)
-    out = run(paraview.Equaliser, data, Gains="1", Levels=1)
+    out = run(paraview.Equalizer, data, Gains="1", Levels=1)
     # In the number type of the input.
     assert points(out).dtype == np.float32 and np.array_equal(points(out), points(data))
     with pytest.raises(ValueError, match="no points"):

@@ -1,4 +1,4 @@
-//! Differential coordinates: where a vertex is relative to its neighbours, and the surface that has given ones.
+//! Differential coordinates: where a vertex is relative to its neighbors, and the surface that has given ones.
 //!
 //! Source: `sorkine2004`, `lipman2004`.
 //!
@@ -17,10 +17,10 @@ use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, one_ring};
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Which mean of the neighbours.
+/// Which mean of the neighbors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weights {
-    /// All neighbours alike: the umbrella.
+    /// All neighbors alike: the umbrella.
     Uniform,
     /// By the cotangents on the intrinsic Delaunay triangulation, so that no weight is negative; on a cloud by its heat
     /// kernel, on a graph by its edges.
@@ -64,7 +64,7 @@ pub enum DifferentialError {
     },
 }
 
-/// `L = I − P` of a shape, `P` a mean over the neighbours; an empty row at a vertex without neighbours. Its eigenvalues
+/// `L = I − P` of a shape, `P` a mean over the neighbors; an empty row at a vertex without neighbors. Its eigenvalues
 /// are in [0, 2].
 #[derive(Clone, Debug)]
 pub struct Differential {
@@ -245,7 +245,7 @@ pub struct Anchor {
     pub weight: f64,
 }
 
-/// `LᵀL + W²` factorised for a set of anchors: each move of them is one solve.
+/// `LᵀL + W²` factorized for a set of anchors: each move of them is one solve.
 #[derive(Debug)]
 pub struct Reconstruction<'a> {
     differential: &'a Differential,
@@ -254,10 +254,10 @@ pub struct Reconstruction<'a> {
 }
 
 impl<'a> Reconstruction<'a> {
-    /// Prepares the reconstruction with `anchors`. One sparse factorisation.
+    /// Prepares the reconstruction with `anchors`. One sparse factorization.
     ///
     /// # Errors
-    /// [`DifferentialError`] for an anchor that does not exist, a component without one, or a failed factorisation.
+    /// [`DifferentialError`] for an anchor that does not exist, a component without one, or a failed factorization.
     pub fn new(differential: &'a Differential, anchors: &[Anchor]) -> Result<Self, DifferentialError> {
         let n_vertices = differential.vertex_map.n_vertices();
         let mut squares = vec![0.0; differential.n()];

@@ -19,7 +19,7 @@ impl ClassifiedError for LinalgError {
             Self::NotFinite { .. }
             | Self::OutOfRange { .. }
             | Self::Length { .. }
-            | Self::Factorise { .. }
+            | Self::Factorize { .. }
             | Self::DenseEigen { .. }
             | Self::NotConverged { .. }
             | Self::CgNotConverged { .. } => ErrorKind::Input,

@@ -46,9 +46,9 @@ pub enum FeatureMapError {
 /// What a critical point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CriticalKind {
-    /// All neighbours are lower.
+    /// All neighbors are lower.
     Maximum,
-    /// All neighbours are higher.
+    /// All neighbors are higher.
     Minimum,
     /// The sign changes four times round the link or more.
     Saddle,
@@ -177,7 +177,7 @@ impl Heat {
 
 /// Critical points of a function on triangles, and the sum of their indices.
 ///
-/// The index of x is `1 − (lower neighbours) + (triangles whose highest corner is x)`, the Euler characteristic of its lower
+/// The index of x is `1 − (lower neighbors) + (triangles whose highest corner is x)`, the Euler characteristic of its lower
 /// star; inside a surface that is `1 − ½(sign changes round the link)`. The indices sum to the Euler characteristic of any
 /// complex of triangles, with boundary or not manifold.
 pub fn critical_points(triangles: &[[u32; 3]], f: &[f64]) -> (Vec<CriticalPoint>, i64) {
@@ -204,16 +204,16 @@ pub fn critical_points(triangles: &[[u32; 3]], f: &[f64]) -> (Vec<CriticalPoint>
     }
     let (mut points, mut sum) = (Vec::new(), 0);
     for x in 0..f.len() as u32 {
-        let neighbours = ring.of(x as usize);
-        if neighbours.is_empty() {
+        let neighbors = ring.of(x as usize);
+        if neighbors.is_empty() {
             continue;
         }
-        let below = neighbours.iter().filter(|&&y| lower(y, x)).count();
+        let below = neighbors.iter().filter(|&&y| lower(y, x)).count();
         let index = 1 - below as i64 + topped[x as usize];
         sum += index;
         let kind = if below == 0 {
             CriticalKind::Minimum
-        } else if below == neighbours.len() && changes[x as usize] == 0 {
+        } else if below == neighbors.len() && changes[x as usize] == 0 {
             CriticalKind::Maximum
         } else if index < 0 {
             CriticalKind::Saddle

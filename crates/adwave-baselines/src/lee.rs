@@ -40,7 +40,7 @@ pub struct LeeSaliency {
     pub saliency: Vec<f64>,
     /// Mean curvature, positive where the surface bulges along its normals, in 1 / model units.
     pub curvature: Vec<f64>,
-    /// `𝒮_i = |G(H, σ_i) − G(H, 2σ_i)|` for each scale, before normalisation.
+    /// `𝒮_i = |G(H, σ_i) − G(H, 2σ_i)|` for each scale, before normalization.
     pub scales: Vec<Vec<f64>>,
     /// σ_i in model units.
     pub sigma: [f64; 5],
@@ -48,7 +48,7 @@ pub struct LeeSaliency {
 
 /// The saliency of a mesh. O(n log n + pairs of vertices closer than 7.2 % of the diagonal).
 ///
-/// `G(H, σ)(v) = Σ H(x) e^(−|x−v|²/2σ²) / Σ e^(−|x−v|²/2σ²)` over `|x − v| ≤ 2σ`; the normalisation scales each map to
+/// `G(H, σ)(v) = Σ H(x) e^(−|x−v|²/2σ²) / Σ e^(−|x−v|²/2σ²)` over `|x − v| ≤ 2σ`; the normalization scales each map to
 /// [0, 1] and multiplies it by `(1 − m̄)²`, m̄ the mean of its local maxima other than the largest. Mean curvature is the
 /// trace of Taubin's tensor, the area-weighted mean of `2 n·(v − x)/|v − x|²` over the one-ring.
 ///
@@ -72,7 +72,7 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
         let at = |width: f64| WIDTHS.iter().position(|&w| w == width).expect("a width of the list");
         let (fine, coarse) = (at(sigma), at(2.0 * sigma));
         let map: Vec<f64> = gaussians.iter().map(|g| (g[fine] - g[coarse]).abs()).collect();
-        for (sum, value) in saliency.iter_mut().zip(normalised(&map, &ring)) {
+        for (sum, value) in saliency.iter_mut().zip(normalized(&map, &ring)) {
             *sum += value;
         }
         scales.push(geometry.vertex_map().scatter(&map.iter().map(|v| v / epsilon).collect::<Vec<_>>(), 1));
@@ -176,7 +176,7 @@ fn gaussians(points: &[[f64; 3]], h: &[f64], progress: Progress<'_>) -> Result<V
 }
 
 /// The map scaled to [0, 1] and promoted where it has few strong peaks (`itti1998`).
-fn normalised(map: &[f64], ring: &adwave::shape::Adjacency) -> Vec<f64> {
+fn normalized(map: &[f64], ring: &adwave::shape::Adjacency) -> Vec<f64> {
     let top = map.iter().copied().fold(0.0, f64::max);
     if top <= 0.0 {
         return vec![0.0; map.len()];

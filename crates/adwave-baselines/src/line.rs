@@ -77,9 +77,9 @@ pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, Multi
         if level == 0 || level > dw.n_levels().min(bdw.n_levels()) {
             continue;
         }
-        let coefficients = dw.analyse(&signal)?;
+        let coefficients = dw.analyze(&signal)?;
         let start = Instant::now();
-        let back = dw.synthesise(&coefficients)?;
+        let back = dw.synthesize(&coefficients)?;
         let seconds = start.elapsed().as_secs_f64();
         cases.push(LineCase {
             error: difference(&back),
@@ -92,9 +92,9 @@ pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, Multi
                 dw.orthogonality_defect(level),
             )
         });
-        let coefficients = bdw.analyse(&signal)?;
+        let coefficients = bdw.analyze(&signal)?;
         let start = Instant::now();
-        let back = bdw.synthesise(&coefficients)?;
+        let back = bdw.synthesize(&coefficients)?;
         let seconds = start.elapsed().as_secs_f64();
         cases.push(LineCase {
             error: difference(&back),
@@ -262,7 +262,7 @@ mod tests {
         for cases in line_case(&line, &[9, 10]).unwrap().chunks(3) {
             let [dw, bdw, adw] = cases else { panic!("three kinds on each level") };
             assert!(dw.defect < 1e-10 && bdw.defect < 1e-8, "{} {}", dw.defect, bdw.defect);
-            assert!(adw.defect > 0.9, "neighbouring functions of the ADW overlap: {}", adw.defect);
+            assert!(adw.defect > 0.9, "neighboring functions of the ADW overlap: {}", adw.defect);
             // The footnote of Table 1: as many as the rank have duals. A dual is as long as the precision allows, 1/ε.
             for kept in adw.downsampled.as_ref().unwrap() {
                 assert!((2..50).contains(&kept.kept.len()), "{}", kept.kept.len());

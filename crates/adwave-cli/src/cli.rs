@@ -77,11 +77,11 @@ const MEANT: [(&[&str], &str); 10] = [
     (&["keypoints", "detect", "descriptors"], "adwave features SHAPE -o keypoints.csv"),
     (&["view", "show", "plot", "picture", "screenshot"], "adwave render SHAPE -o picture.png"),
     (&["distance", "hausdorff", "difference"], "adwave diff SHAPE OTHER"),
-    (&["gui", "edit", "equaliser", "equalizer", "ui"], "adwave studio SHAPE"),
+    (&["gui", "edit", "equalizer", "equalizer", "ui"], "adwave studio SHAPE"),
     (&["decompose", "bands", "wavelets", "split"], "adwave transform SHAPE -o bands.npz"),
 ];
 
-/// An error of usage with tips that fit: none that takes a misspelt option for a value, and for words that people try the command
+/// An error of usage with tips that fit: none that takes a misspelled option for a value, and for words that people try the command
 /// that does it.
 pub(crate) fn with_fitting_tips(mut error: clap::Error) -> clap::Error {
     let word = |kind| match error.get(kind) {
@@ -133,7 +133,7 @@ pub(crate) enum Command {
     Render(RenderArgs),
     /// Write one page about a shape: health, bands, saliency, features, presets, as pictures and tables
     Report(ReportArgs),
-    /// Open an equaliser for the shape in the browser: a slider for each band, a brush, layers
+    /// Open an equalizer for the shape in the browser: a slider for each band, a brush, layers
     Studio(StudioArgs),
     /// Bands of clouds and meshes that are larger than memory, tile by tile, with the bytes of the whole
     Tiles(TilesArgs),

@@ -43,20 +43,20 @@ pub(crate) fn prepare(
         ));
     }
     if let Some(free) = available_memory() {
-        check_neighbours(shape, params, free)?;
+        check_neighbors(shape, params, free)?;
     }
     with_progress(global, "preparing", |progress| Decomposer::with_params(shape, params, progress))
         .map_err(|_| CliError::Cancelled)
 }
 
-/// Refuses neighbourhoods that take more memory than is free.
-fn check_neighbours(shape: &Shape, params: &OperatorParams, free: u64) -> Result<(), CliError> {
-    /// Bytes of a neighbour: its number and weight, in the operator and while it is made.
+/// Refuses neighborhoods that take more memory than is free.
+fn check_neighbors(shape: &Shape, params: &OperatorParams, free: u64) -> Result<(), CliError> {
+    /// Bytes of a neighbor: its number and weight, in the operator and while it is made.
     const BYTES: u64 = 24;
     let n = shape.n_vertices() as u64;
     let (flag, of_each) = match shape {
-        Shape::Cloud(_) => (format!("--neighbours {}", params.neighbours), params.neighbours as u64),
-        // So many vertices are in r rings around one of six neighbours.
+        Shape::Cloud(_) => (format!("--neighbors {}", params.neighbors), params.neighbors as u64),
+        // So many vertices are in r rings around one of six neighbors.
         Shape::Mesh(_) => {
             let r = params.rings as u64;
             (format!("--rings {r}"), r.saturating_add(1).saturating_mul(r).saturating_mul(3))
@@ -90,15 +90,15 @@ mod tests {
     use adwave::shape::PointCloud;
 
     #[test]
-    fn neighbourhoods_that_do_not_fit_are_refused_with_numbers() {
+    fn neighborhoods_that_do_not_fit_are_refused_with_numbers() {
         let cloud = Shape::Cloud(PointCloud::new(vec![[0.0; 3]; 100_000]).unwrap());
-        let params = OperatorParams::default().with_neighbours(5000);
-        let error = check_neighbours(&cloud, &params, 8 << 30).unwrap_err().to_string();
+        let params = OperatorParams::default().with_neighbors(5000);
+        let error = check_neighbors(&cloud, &params, 8 << 30).unwrap_err().to_string();
         assert_eq!(
             error,
-            "--neighbours 5000 of 100000 vertices takes about 11 GiB, and 8.0 GiB are free; take fewer"
+            "--neighbors 5000 of 100000 vertices takes about 11 GiB, and 8.0 GiB are free; take fewer"
         );
-        assert!(check_neighbours(&cloud, &params, 12 << 30).is_ok());
-        assert!(check_neighbours(&cloud, &OperatorParams::default(), 8 << 30).is_ok());
+        assert!(check_neighbors(&cloud, &params, 12 << 30).is_ok());
+        assert!(check_neighbors(&cloud, &OperatorParams::default(), 8 << 30).is_ok());
     }
 }

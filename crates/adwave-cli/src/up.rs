@@ -19,7 +19,7 @@ enum Why {
     Asked,
     /// Scans from the air have their heights in z.
     Las,
-    /// In the spaces of GIFTI z is towards the top of the head.
+    /// In the spaces of GIFTI z is toward the top of the head.
     Gifti,
     /// So it is in FreeSurfer's.
     FreeSurfer,

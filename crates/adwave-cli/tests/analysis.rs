@@ -20,7 +20,7 @@ fn n_vertices(folder: &Path) -> usize {
 }
 
 #[test]
-fn a_map_is_written_with_its_colours_or_as_an_array() {
+fn a_map_is_written_with_its_colors_or_as_an_array() {
     /// Points along a side of a flat square.
     const N: usize = 40;
     let folder = torus();
@@ -37,7 +37,7 @@ fn a_map_is_written_with_its_colours_or_as_an_array() {
     assert_eq!(map[at], map.iter().copied().fold(0.0, f64::max));
     let colors = written.field("color").unwrap();
     assert!(matches!(colors.values, FieldValues::U8(_)) && colors.n_channels == 3);
-    // The largest value has the last colour of magma, a pale yellow.
+    // The largest value has the last color of magma, a pale yellow.
     assert!(colors.get(at, 0) > 240.0 && colors.get(at, 1) > 240.0);
     let parts = (3..=6).map(|j| written.field(&format!("saliency{j}")).unwrap().get(at, 0));
     assert!((parts.sum::<f64>() - map[at]).abs() < 1e-12 * map[at]);
@@ -116,10 +116,10 @@ fn features_are_written_in_every_way_alike() {
     json(folder.path(), &format!("features a.ply {flags} -o f.ply"));
     let spheres = read_path(&folder.path().join("f.ply"), &ReadLimits::default()).unwrap();
     assert_eq!(spheres.n_vertices(), 42 * features.len());
-    let centre = &features[0]["position"];
+    let center = &features[0]["position"];
     let sigma = features[0]["sigma"].as_f64().unwrap();
     for p in &spheres.points()[..42] {
-        let square: f64 = (0..3).map(|c| (p[c] - centre[c].as_f64().unwrap()).powi(2)).sum();
+        let square: f64 = (0..3).map(|c| (p[c] - center[c].as_f64().unwrap()).powi(2)).sum();
         assert!((square.sqrt() / sigma - 1.0).abs() < 1e-6);
     }
     let fewer = json(folder.path(), &format!("features a.ply {flags} --best 3"));
@@ -127,7 +127,7 @@ fn features_are_written_in_every_way_alike() {
 }
 
 #[test]
-fn fields_come_from_tables_arrays_colours_and_textures() {
+fn fields_come_from_tables_arrays_colors_and_textures() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     fs::write(
@@ -227,7 +227,7 @@ fn evaluation_counts_what_is_found_again_and_compares_maps() {
         assert!((map["correlation"].as_f64().unwrap() - 1.0).abs() < 1e-9);
         assert_eq!(map["auc"], 1.0);
     }
-    assert_eq!(report["maps"][2]["map"], "distance from the centre");
+    assert_eq!(report["maps"][2]["map"], "distance from the center");
 }
 
 #[test]
@@ -247,7 +247,7 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("features a.ply --border nan", "distance from the border is NaN"),
         ("saliency a.ply -o m.ply --color-top 0", "--color-top"),
         ("saliency a.ply -o m.ply --field density", "cloud"),
-        ("saliency a.ply -o m.ply --field luminance", "no colours"),
+        ("saliency a.ply -o m.ply --field luminance", "no colors"),
         ("saliency a.ply -o m.ply --field gone.npy", "gone.npy"),
         (
             "saliency a.ply -o m.ply --field wishes",

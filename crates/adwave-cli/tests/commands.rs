@@ -129,7 +129,7 @@ fn filtering_keeps_everything_but_the_coordinates() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let obj = "# a cube corner\nmtllib stone.mtl\no rock\nv 0 0 0\nv 1.50 -0.000 0\nv 0 1 0 \nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n\
-               usemtl grey\ns 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\nf 1/1 4/2 2/3\n# end\n";
+               usemtl gray\ns 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\nf 1/1 4/2 2/3\n# end\n";
     fs::write(path.join("in.obj"), obj).unwrap();
     adwave(path).args(["filter", "in.obj", "-o", "same.obj", "--gains", "1,1,1"]).assert().success();
     assert_eq!(fs::read_to_string(path.join("same.obj")).unwrap(), obj);

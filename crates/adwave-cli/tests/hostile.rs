@@ -333,7 +333,7 @@ fn numbers_below_zero_and_counts_of_zero_are_read_as_they_are_meant() {
         "info sample:sphere --levels -1",
         "info sample:sphere --threads 0",
         "info sample:sphere --rings 0",
-        "info sample:sphere --neighbours x",
+        "info sample:sphere --neighbors x",
     ] {
         let output = adwave(folder.path()).args(words(line)).assert().code(2).get_output().clone();
         let told = String::from_utf8(output.stderr).unwrap();

@@ -47,7 +47,7 @@ fn tiles_join_to_the_bytes_of_one_and_leave_nothing_behind() {
     assert!(fields.contains("wavelet_2") && fields.contains("gps_time"), "{fields}");
     // By jobs, as a cluster does it.
     run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2 --tiles 6 --plan-only");
-    says(path, "tile jobs neighbours 0", "not sorted yet");
+    says(path, "tile jobs neighbors 0", "not sorted yet");
     assert_eq!(json(path, "tile jobs status")["n_runs"], 1);
     run(path, "tile jobs run 0");
     assert_eq!(json(path, "tile jobs status")["runs_done"], 1);
@@ -117,7 +117,7 @@ fn noise_is_taken_off_by_tiles_and_jobs_as_in_memory() {
     let status = json(path, "tile jobs status");
     assert_eq!((&status["has_sides"], &status["sides_done"]), (&true.into(), &0.into()), "{status}");
     let n_tiles = status["n_tiles"].as_u64().unwrap();
-    (0..n_tiles).for_each(|tile| run(path, &format!("tile jobs neighbours {tile}")));
+    (0..n_tiles).for_each(|tile| run(path, &format!("tile jobs neighbors {tile}")));
     says(path, "tile jobs bands 0", "adwave tile FOLDER sides 0");
     says(path, "tile jobs sides 99", "there is no tile 99");
     for kind in ["sides", "bands"] {
@@ -159,11 +159,11 @@ fn moved(path: &Path, from: &str, to: &str) -> f64 {
 fn all_jobs(path: &Path) -> u64 {
     run(path, "tile jobs sort");
     let n_tiles = json(path, "tile jobs sort --if-missing")["n_tiles"].as_u64().unwrap();
-    for kind in ["neighbours", "bands"] {
+    for kind in ["neighbors", "bands"] {
         (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs {kind} {tile}")));
     }
     let status = json(path, "tile jobs status");
-    assert_eq!((&status["neighbours_done"], &status["bands_done"]), (&n_tiles.into(), &n_tiles.into()));
+    assert_eq!((&status["neighbors_done"], &status["bands_done"]), (&n_tiles.into(), &n_tiles.into()));
     n_tiles
 }
 

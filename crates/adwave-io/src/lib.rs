@@ -29,7 +29,7 @@
 //! | `single` | what 32-bit floats and triangles hold, for formats of such |
 //! | `subset` | a file with fewer vertices |
 //! | `signal` | signals by name: fields, what the shape gives itself, other files |
-//! | `texture` | colours of pictures at vertices |
+//! | `texture` | colors of pictures at vertices |
 //! | `recipe` | edits as TOML |
 //! | `region_field` | fields that a region may name |
 //! | `atomic` | files replaced as a whole |

@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn writing_and_reading_is_the_identity() {
         let ball = Region::Ball {
-            centre: Place::Point([0.5, -1.0, 2.0]),
+            center: Place::Point([0.5, -1.0, 2.0]),
             radius: Length::PercentOfDiagonal(5.0),
             falloff: Some(Length::Units(0.25)),
         };

@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(square().kind(), ShapeKind::Mesh);
         assert!(matches!(square().to_shape_as(ShapeKind::Cloud), Ok(Shape::Cloud(_))));
         let Ok(Shape::Graph(graph)) = square().to_shape_as(ShapeKind::Graph) else { panic!("no graph") };
-        assert_eq!(graph.neighbours(0).collect::<Vec<_>>(), [(1, 1.0), (2, 1.0), (3, 1.0)]);
+        assert_eq!(graph.neighbors(0).collect::<Vec<_>>(), [(1, 1.0), (2, 1.0), (3, 1.0)]);
         let cloud = ShapeFile::from_cloud(vec![[0.0; 3]]);
         assert_eq!(cloud.to_shape_as(ShapeKind::Mesh).unwrap_err(), ShapeFileError::NoFaces);
         assert_eq!(cloud.to_shape_as(ShapeKind::Graph).unwrap_err(), ShapeFileError::NoEdges);
@@ -236,7 +236,7 @@ mod tests {
             let Ok(Shape::Graph(graph)) = ShapeFile::from_graph(2, edges).into_shape() else {
                 panic!("no graph")
             };
-            assert_eq!(graph.neighbours(0).collect::<Vec<_>>(), [(1, weight)]);
+            assert_eq!(graph.neighbors(0).collect::<Vec<_>>(), [(1, weight)]);
         }
     }
 

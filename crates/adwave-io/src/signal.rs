@@ -1,4 +1,4 @@
-//! Signals by name: coordinates, fields of the file, what the shape gives by itself, colours of a texture, other files.
+//! Signals by name: coordinates, fields of the file, what the shape gives by itself, colors of a texture, other files.
 
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, TextureError};
 use adwave::shape::{PreparedGeometry, Shape, WeldMode};
@@ -18,7 +18,7 @@ pub enum NamedSignalError {
     /// The file that was named cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The colours of the texture cannot be found.
+    /// The colors of the texture cannot be found.
     #[error(transparent)]
     Texture(#[from] TextureError),
     /// The shape has no such signal.
@@ -98,7 +98,7 @@ pub struct SignalSource<'a> {
 }
 
 /// The coordinates (`coords`, or one of `x`, `y`, `z`), a field of the file by its name, a signal that the shape gives by itself
-/// ([`SurfaceSignal`], the `degree` of a graph), `luminance` or `lightness` of its colours, the same of a texture after
+/// ([`SurfaceSignal`], the `degree` of a graph), `luminance` or `lightness` of its colors, the same of a texture after
 /// `texture-`, or the content of another file: `FILE.npy`, `FILE.dmat`, `FILE.csv`, `FILE.gii`, or what
 /// [`read_surface_values`](crate::read_surface_values) reads, all but the first two with `:NAME` for one of several columns.
 ///
@@ -155,7 +155,7 @@ pub fn named_signal(
         "luminance" | "lightness" => {
             let colors = file
                 .field("color")
-                .ok_or_else(|| NamedSignalError::Unknown(format!("{of} has no colours, so no {name}")))?;
+                .ok_or_else(|| NamedSignalError::Unknown(format!("{of} has no colors, so no {name}")))?;
             return brightness(colors, name);
         }
         "texture" => return Ok(texture_field(file, of, texture)?.into()),
@@ -280,12 +280,12 @@ fn texture_field(file: &ShapeFile, of: &str, texture: Option<&Path>) -> Result<F
     Ok(crate::texture_colors(file, Path::new(of), texture, &ReadLimits::default())?)
 }
 
-/// Luminance or lightness of colours: bytes, or numbers in [0, 1].
+/// Luminance or lightness of colors: bytes, or numbers in [0, 1].
 fn brightness(colors: &Field, name: &str) -> Result<NamedSignal, NamedSignalError> {
     let n_channels = colors.n_channels;
     if n_channels < 3 {
         return Err(NamedSignalError::Unknown(format!(
-            "the colours have {n_channels} channels, not red, green and blue"
+            "the colors have {n_channels} channels, not red, green and blue"
         )));
     }
     let scale = match colors.values {

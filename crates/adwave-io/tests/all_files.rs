@@ -124,7 +124,7 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         return;
     }
     if matches!(format, Format::Glb | Format::Gltf) {
-        // Far from the origin they are about their centre, with more digits than 32-bit floats have there.
+        // Far from the origin they are about their center, with more digits than 32-bit floats have there.
         let reach =
             a.points().as_flattened().iter().filter(|x| x.is_finite()).fold(0.0_f64, |r, x| r.max(x.abs()));
         let near = |x: f64, y: f64| (x - y).abs() <= 1e-7 * reach;

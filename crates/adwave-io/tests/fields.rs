@@ -129,7 +129,7 @@ fn the_cortex_is_read_with_its_curvature_and_depth() {
     let folder = common::test_inputs().join("fields/nilearn-fsaverage5");
     let surface = read_path(&folder.join("pial_left.gii.gz"), &limits()).unwrap();
     assert_eq!((surface.n_vertices(), surface.faces().len()), (10242, 20480));
-    // The coordinates are millimetres of a brain.
+    // The coordinates are millimeters of a brain.
     assert!(surface.points().iter().flatten().all(|c| c.abs() < 150.0));
     for name in ["sulc_left", "curv_left", "thick_left", "area_left"] {
         let fields = read_gifti_fields(&folder.join(format!("{name}.gii.gz")), &limits()).unwrap();
@@ -213,7 +213,7 @@ fn what_a_texture_lacks_is_said() {
 }
 
 #[data_test]
-fn spot_has_the_colours_of_its_picture() {
+fn spot_has_the_colors_of_its_picture() {
     let folder = common::test_inputs().join("fields/spot-textured");
     let path = folder.join("spot.obj");
     let shape = read_path(&path, &limits()).unwrap();

@@ -157,7 +157,7 @@ fn values_of_freesurfer() {
     assert_eq!((overlay.n_channels, &overlay.values), (2, &FieldValues::I16(vec![1, -4, 2, -5, 3, -6])));
     for bytes in [curv(), annotation(true), annotation(false), mgh()] {
         for end in 0..bytes.len() {
-            // Without its table an annotation is one of colours as numbers.
+            // Without its table an annotation is one of colors as numbers.
             let is_whole = values(&bytes[..end], None, 4).is_ok();
             assert!(!is_whole || end == 44, "{end} of {}", bytes.len());
         }

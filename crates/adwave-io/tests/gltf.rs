@@ -114,7 +114,7 @@ fn a_field_that_is_added_joins_each_mesh() {
 }
 
 #[test]
-fn sparse_and_quantised_positions() {
+fn sparse_and_quantized_positions() {
     // Row 2 is replaced; positions are bytes that stand for fractions, every four bytes.
     let mut bytes = vec![0, 0, 0, 0, 255, 0, 0, 0, 0, 51, 0, 0];
     bytes.extend([2, 0, 0, 0]);
@@ -254,7 +254,7 @@ fn samples_of_others() {
 }
 
 #[data_test]
-fn pictures_give_colours_at_the_vertices() {
+fn pictures_give_colors_at_the_vertices() {
     let file = common::test_inputs()
         .join("formats/messy/assimp/models/glTF2/BoxTextured-glTF-Binary/BoxTextured.glb");
     let shape = read_path(&file, &ReadLimits::default()).unwrap();

@@ -37,7 +37,7 @@ fn farthest(a: &ShapeFile, b: &ShapeFile) -> f64 {
 }
 
 #[test]
-fn a_new_file_holds_points_intensity_classes_and_colours() {
+fn a_new_file_holds_points_intensity_classes_and_colors() {
     let shape = scan(500);
     for (format, name) in [(Format::Las, "a.las"), (Format::Laz, "a.laz")] {
         let again = read(&written(&shape, format), name);
@@ -188,7 +188,7 @@ fn parts_that_lie_over_each_other_are_one_line() {
 #[test]
 fn times_that_differ_by_more_than_a_whole_number_holds_are_kept_or_refused() {
     let mut las = written(&scan(30), Format::Las);
-    // Format 3 has a time before the colour.
+    // Format 3 has a time before the color.
     let (head, points) = las.split_at(227);
     let (mut head, mut rows) = (head.to_vec(), Vec::new());
     for (i, row) in points.chunks_exact(26).enumerate() {

@@ -194,7 +194,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
             *x,
             matches!(format, Format::Gifti | Format::FreeSurfer | Format::OffBinary) && is_rounded,
         );
-        // Far from the origin a glTF has them about their centre, with more digits than 32-bit floats have there.
+        // Far from the origin a glTF has them about their center, with more digits than 32-bit floats have there.
         let near = is_rounded && (x - y).abs() <= 1e-7 * x.abs().max(extent);
         // A node that shifts makes 0 of -0.
         let is_near = is_gltf(format) && (near || x == *y);

@@ -88,7 +88,7 @@ fn fields_keep_their_types_and_rows_and_edges_their_ends() {
 }
 
 #[test]
-fn clouds_of_an_obj_keep_colours_and_normals() {
+fn clouds_of_an_obj_keep_colors_and_normals() {
     let file = read("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 2 0 0 0 0 1\nvn 0 0 1\nvn 0 1 0\nvn 1 0 0\n", "a.obj");
     let part = file.subset(&Subset { vertices: &[0, 2], ..Subset::default() }).unwrap();
     assert_eq!(part.field("normal").unwrap().to_f64(), [0.0, 0.0, 1.0, 1.0, 0.0, 0.0]);

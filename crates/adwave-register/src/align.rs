@@ -113,7 +113,7 @@ fn round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -> Opti
     if found.len() < 6 || size <= 0.0 {
         return None;
     }
-    let centre = {
+    let center = {
         let sum = found.iter().fold([0.0; 3], |sum, (p, _)| std::array::from_fn(|k| sum[k] + p[k]));
         sum.map(|c| c / found.len() as f64)
     };
@@ -129,7 +129,7 @@ fn round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -> Opti
             continue;
         }
         // Turns and growth in units of the size, so that the unknowns are lengths alike.
-        let arm = subtract(&pair.0, &centre).map(|c| c / size);
+        let arm = subtract(&pair.0, &center).map(|c| c / size);
         let (turn, n) = (cross(&arm, &pair.1.normal), pair.1.normal);
         let growth = if scaled { dot(&arm, &n) } else { 0.0 };
         let row = SVector::from([turn[0], turn[1], turn[2], n[0], n[1], n[2], growth]);
@@ -149,8 +149,8 @@ fn round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -> Opti
     }
     let (turn, shift) = ([x[0], x[1], x[2]].map(|c| c / size), [x[3], x[4], x[5]]);
     let about = Motion::new(turn, [0.0; 3]).scaled_by(1.0 + x[6] / size);
-    let back = about.apply(&centre);
-    let translation = std::array::from_fn(|k| centre[k] - back[k] + shift[k]);
+    let back = about.apply(&center);
+    let translation = std::array::from_fn(|k| center[k] - back[k] + shift[k]);
     let moves = size * norm(&turn) + norm(&shift) + x[6].abs();
     let small = about.then(&Motion::new([0.0; 3], translation));
     moves.is_finite().then_some(Round { small, moves, residual: typical })

@@ -1,7 +1,7 @@
 //! The closest point of a surface.
 
-use adwave::shape::{PreparedGeometry, nearest_neighbours};
-use adwave::signal::{FIT_NEIGHBOURS, cloud_normals};
+use adwave::shape::{PreparedGeometry, nearest_neighbors};
+use adwave::signal::{FIT_NEIGHBORS, cloud_normals};
 use adwave::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use parry3d_f64::math::Vector;
@@ -70,7 +70,7 @@ impl Surface {
         let kind = if let Some(mesh) = found {
             Kind::Mesh { mesh: Box::new(mesh), border: Border::new(triangles) }
         } else {
-            let near = nearest_neighbours(&points, FIT_NEIGHBOURS);
+            let near = nearest_neighbors(&points, FIT_NEIGHBORS);
             // Of the disc that so many points share.
             let share = (std::f64::consts::PI / near.k.max(1) as f64).sqrt();
             Kind::Cloud {

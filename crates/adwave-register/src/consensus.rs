@@ -153,15 +153,15 @@ fn by_chance(
     random: &mut Pcg64Mcg,
 ) -> usize {
     let sum = others.iter().fold([0.0; 3], |sum, k| std::array::from_fn(|c| sum[c] + k.position[c]));
-    let centre = sum.map(|c| c / others.len().max(1) as f64);
+    let center = sum.map(|c| c / others.len().max(1) as f64);
     let mut number = || random.next_u64() as f64 / u64::MAX as f64 - 0.5;
     let count = |_| {
         let axis: [f64; 3] = std::array::from_fn(|_| number());
         let angle = 0.5 + 2.0 * (number() + 0.5);
         let length = norm(&axis).max(f64::MIN_POSITIVE);
         let turn = Motion::new(axis.map(|c| c * angle / length), [0.0; 3]);
-        let moved = turn.apply(&centre);
-        let back = Motion::new([0.0; 3], std::array::from_fn(|c| centre[c] - moved[c]));
+        let moved = turn.apply(&center);
+        let back = Motion::new([0.0; 3], std::array::from_fn(|c| center[c] - moved[c]));
         agreeing(keys, others, &motion.then(&turn).then(&back), params.sigmas).len()
     };
     (0..TURNS).map(count).max().unwrap_or(0)

@@ -21,7 +21,7 @@ pub(crate) struct Projected {
     pub(crate) x: f64,
     /// Pixels from the top.
     pub(crate) y: f64,
-    /// What grows towards the viewer and is linear over a plane in the picture; in (0, 1].
+    /// What grows toward the viewer and is linear over a plane in the picture; in (0, 1].
     pub(crate) near: f64,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct Camera {
     /// Pixels to a unit: at depth 1 (perspective) or everywhere (orthographic).
     focal: f64,
     center: [f64; 2],
-    /// The range of depths towards the viewer.
+    /// The range of depths toward the viewer.
     depths: [f64; 2],
 }
 
@@ -49,7 +49,7 @@ const MIN_DISTANCE: f64 = 0.5;
 const BALLS_AT_A_TIME: usize = 1 << 14;
 
 impl Camera {
-    /// The camera from `params.view` that shows all the balls (centre and radius) as large as fits into `rect`, or the part of
+    /// The camera from `params.view` that shows all the balls (center and radius) as large as fits into `rect`, or the part of
     /// that picture that `params.framing` asks for. O(n).
     pub(crate) fn fit(
         balls: &[(Vector, f64)],
@@ -159,7 +159,7 @@ impl Camera {
         self.axes.map(|axis| dot(&axis, &d))
     }
 
-    /// A direction in the viewer's axes: right, up, towards the viewer.
+    /// A direction in the viewer's axes: right, up, toward the viewer.
     pub(crate) fn turn(&self, d: &Vector) -> Vector {
         self.axes.map(|axis| dot(&axis, d))
     }
@@ -199,7 +199,7 @@ impl Camera {
         }
     }
 
-    /// The depth towards the viewer in pixels, from what [`Projected::near`] is: for shading, where pixels across and pixels
+    /// The depth toward the viewer in pixels, from what [`Projected::near`] is: for shading, where pixels across and pixels
     /// deep are alike.
     pub(crate) fn depth_in_pixels(&self, near: f64) -> f64 {
         let depth = if self.is_perspective() {

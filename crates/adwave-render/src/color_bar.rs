@@ -1,10 +1,10 @@
-//! The bar that tells which colour stands for which number.
+//! The bar that tells which color stands for which number.
 
 use crate::color_range::ColorScale;
 use crate::picture::Picture;
 use crate::text;
 
-/// The colour of words and lines.
+/// The color of words and lines.
 pub(crate) const INK: [u8; 3] = [38, 42, 48];
 
 /// About how many numbers stand beside a bar.

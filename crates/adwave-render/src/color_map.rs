@@ -1,14 +1,14 @@
-//! Colours for a scalar, by named colour maps.
+//! Colors for a scalar, by named color maps.
 
 use crate::diverging::coolwarm;
 use colorous::Gradient;
 
-/// Where the colours of a map come from.
+/// Where the colors of a map come from.
 #[derive(Clone, Copy)]
 enum Source {
     Library(Gradient),
     CoolWarm,
-    Grey,
+    Gray,
 }
 
 impl std::fmt::Debug for Source {
@@ -17,7 +17,7 @@ impl std::fmt::Debug for Source {
     }
 }
 
-/// The colour maps by name: perceptually even ones first, then diverging ones.
+/// The color maps by name: perceptually even ones first, then diverging ones.
 const MAPS: [(&str, Source); 12] = [
     ("viridis", Source::Library(colorous::VIRIDIS)),
     ("magma", Source::Library(colorous::MAGMA)),
@@ -27,7 +27,7 @@ const MAPS: [(&str, Source); 12] = [
     ("turbo", Source::Library(colorous::TURBO)),
     ("cool", Source::Library(colorous::COOL)),
     ("warm", Source::Library(colorous::WARM)),
-    ("grey", Source::Grey),
+    ("gray", Source::Gray),
     ("coolwarm", Source::CoolWarm),
     ("red-blue", Source::Library(colorous::RED_BLUE)),
     ("spectral", Source::Library(colorous::SPECTRAL)),
@@ -36,7 +36,7 @@ const MAPS: [(&str, Source); 12] = [
 /// What has no value.
 const MISSING: [u8; 3] = [128, 128, 128];
 
-/// A named colour map.
+/// A named color map.
 #[derive(Clone, Copy, Debug)]
 pub struct ColorMap {
     name: &'static str,
@@ -76,7 +76,7 @@ impl ColorMap {
         self.name
     }
 
-    /// Red, green and blue at `t`, which is taken to [0, 1]; grey for NaN.
+    /// Red, green and blue at `t`, which is taken to [0, 1]; gray for NaN.
     pub fn color(&self, t: f64) -> [u8; 3] {
         if t.is_nan() {
             return MISSING;
@@ -85,18 +85,18 @@ impl ColorMap {
         match self.source {
             Source::Library(gradient) => gradient.eval_continuous(t).as_array(),
             Source::CoolWarm => coolwarm(t),
-            Source::Grey => [(40.0 + 200.0 * t).round() as u8; 3],
+            Source::Gray => [(40.0 + 200.0 * t).round() as u8; 3],
         }
     }
 
-    /// A colour for each value, `low` and below at one end, `high` and above at the other.
+    /// A color for each value, `low` and below at one end, `high` and above at the other.
     pub fn colors(&self, values: &[f64], low: f64, high: f64) -> Vec<u8> {
         let span = if high > low { high - low } else { 1.0 };
         values.iter().flat_map(|v| self.color((v - low) / span)).collect()
     }
 }
 
-/// The values below which `low` and `high` (in [0, 1]) of the finite values lie: a range for colours that a few extreme
+/// The values below which `low` and `high` (in [0, 1]) of the finite values lie: a range for colors that a few extreme
 /// values do not spoil. (0, 1) without finite values. O(n log n).
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! Which values the ends of a colour map stand for.
+//! Which values the ends of a color map stand for.
 
 use crate::color_map::{ColorMap, value_range};
 use crate::error::RenderError;
@@ -10,7 +10,7 @@ const TAIL: f64 = 0.01;
 /// A field whose smaller side reaches this part of its larger side has both signs; below it the crossing of 0 is noise.
 const BOTH_SIGNS: f64 = 0.1;
 
-/// Which values the ends of the colour map stand for.
+/// Which values the ends of the color map stand for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ValueRange {
     /// The 1st and the 99th percentile, or all where few values differ; symmetric about 0 for a field of both signs.
@@ -31,7 +31,7 @@ impl ValueRange {
     }
 }
 
-/// A colour map with the values of its ends.
+/// A color map with the values of its ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ColorScale {
     pub(crate) map: ColorMap,

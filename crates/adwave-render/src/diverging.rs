@@ -1,4 +1,4 @@
-//! The diverging colour map from blue by white to red that is known as "cool to warm".
+//! The diverging color map from blue by white to red that is known as "cool to warm".
 
 use std::f64::consts::FRAC_PI_3;
 use std::sync::LazyLock;
@@ -38,10 +38,10 @@ struct Msh {
     hue: f64,
 }
 
-/// The colour at `t` in [0, 1]: blue at 0, white at 0.5, red at 1.
+/// The color at `t` in [0, 1]: blue at 0, white at 0.5, red at 1.
 ///
 /// Source: Moreland, "Diverging color maps for scientific visualization", 2009: each half is a straight line in (M, s, h)
-/// from a saturated end to a white whose hue is turned so that the step from colour to colour is even.
+/// from a saturated end to a white whose hue is turned so that the step from color to color is even.
 pub(crate) fn coolwarm(t: f64) -> [u8; 3] {
     static TABLE: LazyLock<Vec<[u8; 3]>> =
         LazyLock::new(|| (0..=STEPS).map(|k| between(k as f64 / STEPS as f64)).collect());
@@ -60,7 +60,7 @@ fn between(t: f64) -> [u8; 3] {
     })
 }
 
-/// The hue that an unsaturated colour of this magnitude gets when it is mixed with `end`.
+/// The hue that an unsaturated color of this magnitude gets when it is mixed with `end`.
 fn turned_hue(end: Msh, magnitude: f64) -> f64 {
     if end.magnitude >= magnitude {
         return end.hue;

@@ -51,7 +51,7 @@ pub enum RenderError {
     /// A paint that does not fit the shape.
     #[error("there are {found} {what} for {expected} vertices; give one for each vertex")]
     PaintLength {
-        /// Colours or values.
+        /// Colors or values.
         what: &'static str,
         /// How many were given.
         found: usize,
@@ -59,7 +59,7 @@ pub enum RenderError {
         expected: usize,
     },
     /// A range without width.
-    #[error("the range of colours is from {low} to {high}; give two finite numbers, the smaller one first")]
+    #[error("the range of colors is from {low} to {high}; give two finite numbers, the smaller one first")]
     BadRange {
         /// Its lower end.
         low: f64,
@@ -67,11 +67,11 @@ pub enum RenderError {
         high: f64,
     },
     /// A ball that is none.
-    #[error("ball {index} has the centre ({}, {}, {}) and the radius {radius}; all are finite, the radius above 0", center[0], center[1], center[2])]
+    #[error("ball {index} has the center ({}, {}, {}) and the radius {radius}; all are finite, the radius above 0", center[0], center[1], center[2])]
     BadBall {
         /// The ball, from 0.
         index: usize,
-        /// Its centre.
+        /// Its center.
         center: [f64; 3],
         /// Its radius.
         radius: f64,

@@ -35,7 +35,7 @@ pub enum SharedCamera {
 
 /// A sheet of panels in rows of `columns`, each of the size in `params`; the sheet is wider where one bar serves them all.
 ///
-/// Fields with the same name and an automatic range share one range of colours; where all panels show the same one, its bar stands once at the
+/// Fields with the same name and an automatic range share one range of colors; where all panels show the same one, its bar stands once at the
 /// right. Captions stand below the panels and make the sheet higher.
 ///
 /// # Errors
@@ -139,7 +139,7 @@ fn field<'a>(panel: &'a Panel) -> Option<&'a FieldPaint<'a>> {
     }
 }
 
-/// The colours of a panel's field: those of its own range, or those that all fields of its name without one share.
+/// The colors of a panel's field: those of its own range, or those that all fields of its name without one share.
 fn scale_of(panel: &Panel, panels: &[Panel]) -> Option<ColorScale> {
     let own = field(panel)?;
     if own.range != ValueRange::Auto {

@@ -30,7 +30,7 @@ pub(crate) struct Layout {
     pub(crate) stage: Rect,
     /// Width and height of what bar and caption leave to the shape, pixels from the left and the top.
     pub(crate) room: [u32; 2],
-    /// Where the bar of colours is.
+    /// Where the bar of colors is.
     pub(crate) bar: Option<Bar>,
     /// Where the caption is: its line and its place and size.
     pub(crate) caption: Option<(String, f32, f32, f32)>,

@@ -2,7 +2,7 @@
 //!
 //! [`render`] draws one [`Surface`], [`grid`] several on one sheet. A picture is made in the order of the files: the shape's
 //! corners get normals (`normals`; for a cloud, discs: `splats`), the camera frames them (`camera`), a z-buffer finds what
-//! each sample shows (`raster`), lights and colours make it visible (`scene`, `shade`), depth darkens what is enclosed
+//! each sample shows (`raster`), lights and colors make it visible (`scene`, `shade`), depth darkens what is enclosed
 //! (`occlusion`), and bar and words are laid over (`color_bar`, `text`).
 
 mod camera;

@@ -48,10 +48,10 @@ pub(crate) fn corner_normals(
                 .map(|&c| (faces[c as usize / 3], corner_angle(points, &triangles[c as usize / 3], c % 3)))
                 .collect();
             // Both sides are lit alike, so a face that is listed the other way round counts turned over.
-            let mean = |towards: &Vector, least: f64| {
-                let kept = weighted.iter().filter(|(n, _)| dot(towards, n).abs() >= least);
+            let mean = |toward: &Vector, least: f64| {
+                let kept = weighted.iter().filter(|(n, _)| dot(toward, n).abs() >= least);
                 let add =
-                    |sum: Vector, (n, w): &(Vector, f64)| add_scaled(&sum, w.copysign(dot(towards, n)), n);
+                    |sum: Vector, (n, w): &(Vector, f64)| add_scaled(&sum, w.copysign(dot(toward, n)), n);
                 unit(&kept.fold([0.0; 3], add))
             };
             let first = weighted.iter().map(|(n, _)| *n).find(|n| *n != [0.0; 3]).unwrap_or([0.0; 3]);
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_face_listed_the_other_way_round_is_shaded_as_its_neighbours() {
+    fn a_face_listed_the_other_way_round_is_shaded_as_its_neighbors() {
         let gentle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.2]];
         let normals = |second| {
             let found = corner_normals(&gentle, &[[0, 1, 2], second], 50.0);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 pub(crate) struct Front {
     pub(crate) width: usize,
     pub(crate) height: usize,
-    /// Towards the viewer, in pixels; −∞ where there is nothing.
+    /// Toward the viewer, in pixels; −∞ where there is nothing.
     pub(crate) depth: Vec<f32>,
     pub(crate) normal: Vec<Direction>,
 }
@@ -148,7 +148,7 @@ impl Front {
 /// Where to look from each pixel of the pattern: a spiral, turned a little from pixel to pixel.
 fn taps(radius: f32) -> Vec<[[i32; 2]; TAPS]> {
     let turned = |pixel: usize| {
-        // Steps of 11 of 16, so that neighbours differ much.
+        // Steps of 11 of 16, so that neighbors differ much.
         let phase = (pixel * 11 % (PERIOD * PERIOD)) as f32 / (PERIOD * PERIOD) as f32;
         std::array::from_fn(|tap| {
             let share = (tap as f32 + 0.5) / TAPS as f32;

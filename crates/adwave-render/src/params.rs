@@ -14,7 +14,7 @@ pub const MAX_SIDE: u32 = 16_384;
 pub enum Background {
     /// Nothing: alpha 0.
     Transparent,
-    /// One colour.
+    /// One color.
     Color([u8; 3]),
 }
 
@@ -59,10 +59,10 @@ impl Default for Framing {
 /// How far from the middle of a shape a picture may have its own, in diagonals of the shape.
 pub(crate) const FARTHEST_FOCUS: f64 = 10.0;
 
-/// The most samples of a picture's longer side times zoom: corners beyond what the rasteriser can count would be misplaced.
+/// The most samples of a picture's longer side times zoom: corners beyond what the rasterizer can count would be misplaced.
 const MAX_ZOOMED_SAMPLES: f64 = 1e6;
 
-/// Whether a field gets a bar of its colours.
+/// Whether a field gets a bar of its colors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorBar {
     /// Beside the shape, where there is room for it.
@@ -89,7 +89,7 @@ pub struct RenderParams {
     pub framing: Framing,
     /// What stands behind the shape.
     pub background: Background,
-    /// The bar of a field's colours.
+    /// The bar of a field's colors.
     pub color_bar: ColorBar,
     /// Edges whose faces meet at a larger angle are drawn sharp, degrees from 0 (all) to 180 (none).
     pub crease_angle: f64,
@@ -152,7 +152,7 @@ impl RenderParams {
         Self { background, ..self }
     }
 
-    /// With or without a bar of colours.
+    /// With or without a bar of colors.
     #[must_use]
     pub fn with_color_bar(self, color_bar: ColorBar) -> Self {
         Self { color_bar, ..self }

@@ -6,7 +6,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbaImage, imageops};
 
-/// A picture: rows from the top, each pixel red, green, blue and alpha; the colours are not multiplied by alpha.
+/// A picture: rows from the top, each pixel red, green, blue and alpha; the colors are not multiplied by alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
     /// Pixels.
@@ -18,7 +18,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of one colour, red, green, blue and alpha.
+    /// A picture of one color, red, green, blue and alpha.
     ///
     /// # Errors
     ///
@@ -108,7 +108,7 @@ impl Picture {
         Ok(Self { width, height, rgba: (top..top + height).flat_map(row).copied().collect() })
     }
 
-    /// Without the borders that have the colour of the upper left corner, but for `margin` pixels of them.
+    /// Without the borders that have the color of the upper left corner, but for `margin` pixels of them.
     #[must_use]
     pub fn trimmed(&self, margin: u32) -> Self {
         let empty = self.pixel(0, 0);

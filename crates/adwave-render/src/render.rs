@@ -24,7 +24,7 @@ const OCCLUSION_REACH: f32 = 0.07;
 /// How many triangles or discs are drawn between two looks at whether to go on.
 const PRIMITIVES_AT_A_TIME: usize = 4096;
 
-/// A picture of a surface with balls, framed as large as fits, with a bar of colours if it shows a field.
+/// A picture of a surface with balls, framed as large as fits, with a bar of colors if it shows a field.
 ///
 /// O(n + width × height × samples²), in parallel; the same bytes on any number of threads.
 ///
@@ -84,7 +84,7 @@ pub(crate) struct Subject<'a> {
     surface: &'a Surface<'a>,
     balls: &'a [Ball],
     splats: Option<Splats>,
-    /// What the camera frames: centres and radii.
+    /// What the camera frames: centers and radii.
     pub(crate) framed: Vec<(Vector, f64)>,
 }
 
@@ -114,7 +114,7 @@ impl<'a> Subject<'a> {
         Ok(Self { surface, balls, splats, framed })
     }
 
-    /// The colours of its field.
+    /// The colors of its field.
     pub(crate) fn scale(&self) -> Option<ColorScale> {
         match &self.surface.paint {
             Paint::Field(field) => Some(ColorScale::of(&[field])),
@@ -268,7 +268,7 @@ fn resolve(pixel: &Pixel, light: f32, background: Background) -> [u8; 4] {
             if pixel.coverage <= 0.0 {
                 return [color[0], color[1], color[2], 255];
             }
-            // Each part is made a byte's colour before it is mixed, so that a bright surface does not bleed over its edge.
+            // Each part is made a byte's color before it is mixed, so that a bright surface does not bleed over its edge.
             let mix = |c: usize| {
                 let front = to_linear([to_byte(covered[c] / pixel.coverage); 3])[0];
                 let light = pixel.coverage * front + (1.0 - pixel.coverage) * behind[c];

@@ -1,4 +1,4 @@
-//! A shape made ready for one picture: projected, with normals and colours.
+//! A shape made ready for one picture: projected, with normals and colors.
 
 use crate::camera::Camera;
 use crate::color_range::ColorScale;
@@ -13,17 +13,17 @@ use crate::vector::Direction;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// How many colours a map is tabulated by.
+/// How many colors a map is tabulated by.
 const MAP_STEPS: usize = 2048;
 
 /// Values further than this from the range, in ranges, are taken as being there: interpolation must not overflow.
 const FAR_OUT: f64 = 1e4;
 
-/// The colour of each place of the surface, linear.
+/// The color of each place of the surface, linear.
 enum Pigment {
     Plain([f32; 3]),
     Colors(Vec<[f32; 3]>),
-    /// Places in the colour map, and its colours; the last is that of what has no value.
+    /// Places in the color map, and its colors; the last is that of what has no value.
     Field(Vec<f32>, Vec<[f32; 3]>),
 }
 
@@ -52,7 +52,7 @@ impl Pigment {
             Self::Field(places, table) => {
                 let t = vertices.map(|v| places[v as usize]);
                 let mixed = weights[0] * t[0] + weights[1] * t[1] + weights[2] * t[2];
-                // A vertex without a value makes its own third of the triangle grey, not all of it.
+                // A vertex without a value makes its own third of the triangle gray, not all of it.
                 let place = if mixed.is_nan() { t[heaviest(weights)] } else { mixed };
                 table[if place.is_nan() {
                     MAP_STEPS + 1

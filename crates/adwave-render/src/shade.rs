@@ -2,18 +2,18 @@
 
 use crate::vector::{Direction, dot_f32, facing_unit};
 
-/// A light at infinity, in the viewer's axes: right, up, towards the viewer.
+/// A light at infinity, in the viewer's axes: right, up, toward the viewer.
 struct Light {
-    towards: Direction,
+    toward: Direction,
     color: [f32; 3],
 }
 
 /// The main light comes over the viewer's left shoulder, high enough that relief throws shade.
-const KEY: Light = Light { towards: [-0.51, 0.62, 0.596], color: [1.02, 0.99, 0.94] };
+const KEY: Light = Light { toward: [-0.51, 0.62, 0.596], color: [1.02, 0.99, 0.94] };
 /// A weak, cool one from the right lifts the shaded side.
-const FILL: Light = Light { towards: [0.82, 0.05, 0.57], color: [0.12, 0.135, 0.16] };
+const FILL: Light = Light { toward: [0.82, 0.05, 0.57], color: [0.12, 0.135, 0.16] };
 /// One from behind draws a fine bright line along the outline.
-const RIM: Light = Light { towards: [0.42, 0.42, -0.805], color: [0.45, 0.46, 0.48] };
+const RIM: Light = Light { toward: [0.42, 0.42, -0.805], color: [0.45, 0.46, 0.48] };
 /// From everywhere: from above and from below.
 const SKY: [f32; 3] = [0.19, 0.20, 0.22];
 const GROUND: [f32; 3] = [0.07, 0.066, 0.062];
@@ -30,20 +30,20 @@ pub(crate) struct Gloss {
 
 /// What shows relief best.
 pub(crate) const CLAY: Gloss = Gloss { strength: 0.09, exponent: 20 };
-/// Colours that mean something are not whitened.
+/// Colors that mean something are not whitened.
 pub(crate) const MATTE: Gloss = Gloss { strength: 0.02, exponent: 20 };
 /// Balls.
 pub(crate) const GLOSSY: Gloss = Gloss { strength: 0.22, exponent: 40 };
 
-/// The light that a surface of this colour (linear) with this normal sends to the viewer, linear.
+/// The light that a surface of this color (linear) with this normal sends to the viewer, linear.
 pub(crate) fn lit(normal: Direction, color: [f32; 3], gloss: Gloss) -> [f32; 3] {
     // Interpolated normals may point away at the outline.
     let n = facing_unit(&[normal[0], normal[1], normal[2].max(0.02)]);
-    let key = ((dot_f32(&n, &KEY.towards) + WRAP) / (1.0 + WRAP)).max(0.0);
-    let fill = dot_f32(&n, &FILL.towards).max(0.0);
-    let rim = dot_f32(&n, &RIM.towards).max(0.0);
+    let key = ((dot_f32(&n, &KEY.toward) + WRAP) / (1.0 + WRAP)).max(0.0);
+    let fill = dot_f32(&n, &FILL.toward).max(0.0);
+    let rim = dot_f32(&n, &RIM.toward).max(0.0);
     let sky = 0.5 + 0.5 * n[1];
-    let half = facing_unit(&[KEY.towards[0], KEY.towards[1], KEY.towards[2] + 1.0]);
+    let half = facing_unit(&[KEY.toward[0], KEY.toward[1], KEY.toward[2] + 1.0]);
     let shine = gloss.strength * dot_f32(&n, &half).max(0.0).powi(gloss.exponent);
     [0, 1, 2].map(|c| {
         let ambient = GROUND[c] + sky * (SKY[c] - GROUND[c]);

@@ -1,15 +1,15 @@
 //! The discs that stand for the points of a cloud.
 
-use adwave::shape::{Neighbourhoods, diagonal, nearest_neighbours};
+use adwave::shape::{Neighborhoods, diagonal, nearest_neighbors};
 use adwave::signal::cloud_normals;
 use adwave::vector::{Vector, add_scaled, dot, unit};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// How many neighbours tell the size and the direction of a disc.
-const NEIGHBOURS: usize = 12;
+/// How many neighbors tell the size and the direction of a disc.
+const NEIGHBORS: usize = 12;
 
-/// A disc's radius in distances to the neighbours' middle one: wide enough that discs of an even sampling leave no gaps.
+/// A disc's radius in distances to the neighbors' middle one: wide enough that discs of an even sampling leave no gaps.
 const OVERLAP: f64 = 0.95;
 
 /// The largest disc, in medians of all: a lone point must not hide the others.
@@ -23,12 +23,12 @@ const LONE: f64 = 0.02;
 pub(crate) struct Splats {
     /// Model units.
     pub(crate) radii: Vec<f64>,
-    /// Unit vectors of either sign; zero where the neighbours tell no plane.
+    /// Unit vectors of either sign; zero where the neighbors tell no plane.
     pub(crate) normals: Vec<Vector>,
 }
 
 impl Splats {
-    /// Discs as wide as the cloud is sparse, in the planes of the points' neighbours. O(n log n).
+    /// Discs as wide as the cloud is sparse, in the planes of the points' neighbors. O(n log n).
     pub(crate) fn new(points: &[Vector], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let n = points.len();
         let diagonal = diagonal(points);
@@ -36,14 +36,14 @@ impl Splats {
         if n <= 3 {
             return Ok(Self { radii: vec![lone; n], normals: vec![[0.0; 3]; n] });
         }
-        let near = nearest_neighbours(points, NEIGHBOURS);
+        let near = nearest_neighbors(points, NEIGHBORS);
         progress.check()?;
         let own: Vec<f64> = near.radius.par_iter().map(|r| OVERLAP * r).collect();
         let mut sorted: Vec<f64> = own.iter().copied().filter(|r| *r > 0.0).collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(lone).min(lone);
-        // The k-th of k neighbours in a plane is √k spacings wide about; a disc of the spacing itself is enough.
-        let spread = (NEIGHBOURS as f64 / std::f64::consts::PI).sqrt();
+        // The k-th of k neighbors in a plane is √k spacings wide about; a disc of the spacing itself is enough.
+        let spread = (NEIGHBORS as f64 / std::f64::consts::PI).sqrt();
         let radii =
             own.iter().map(|r| r.clamp(median / LARGEST, median * LARGEST).min(lone * LARGEST) / spread);
         let radii = radii.collect();
@@ -55,8 +55,8 @@ impl Splats {
     }
 }
 
-/// The means over each point and its neighbours, signs made alike: noise in the planes would show as glitter.
-fn smoothed(normals: &[Vector], near: &Neighbourhoods) -> Vec<Vector> {
+/// The means over each point and its neighbors, signs made alike: noise in the planes would show as glitter.
+fn smoothed(normals: &[Vector], near: &Neighborhoods) -> Vec<Vector> {
     let mean = |x: usize| {
         let own = &normals[x];
         let add = |sum: Vector, &y: &u32| {

@@ -12,34 +12,34 @@ pub struct Surface<'a> {
     pub points: &'a [[f64; 3]],
     /// Three vertices each; either orientation, seen from both sides.
     pub triangles: &'a [[u32; 3]],
-    /// Its colours.
+    /// Its colors.
     pub paint: Paint<'a>,
 }
 
-/// The colours of a surface.
+/// The colors of a surface.
 #[derive(Clone, Debug)]
 pub enum Paint<'a> {
-    /// One colour, red, green and blue.
+    /// One color, red, green and blue.
     Plain([u8; 3]),
-    /// A colour for each vertex.
+    /// A color for each vertex.
     Colors(&'a [[u8; 3]]),
-    /// A number for each vertex, and the colours that stand for numbers.
+    /// A number for each vertex, and the colors that stand for numbers.
     Field(FieldPaint<'a>),
 }
 
 impl Paint<'_> {
-    /// The colour of a surface that nothing is known of: a light clay, on which relief shows best.
+    /// The color of a surface that nothing is known of: a light clay, on which relief shows best.
     pub const CLAY: Paint<'static> = Paint::Plain([204, 196, 184]);
 }
 
-/// A field, shown by a colour map with a bar beside it.
+/// A field, shown by a color map with a bar beside it.
 #[derive(Clone, Debug)]
 pub struct FieldPaint<'a> {
-    /// One value per vertex; where it is NaN the surface is grey.
+    /// One value per vertex; where it is NaN the surface is gray.
     pub values: &'a [f64],
     /// Its name and unit, for the bar.
     pub label: String,
-    /// The colours; without a choice a diverging map centred on 0 for a field of both signs, else viridis.
+    /// The colors; without a choice a diverging map centered on 0 for a field of both signs, else viridis.
     pub color_map: Option<ColorMap>,
     /// Which values the ends of the map stand for.
     pub range: ValueRange,
@@ -48,7 +48,7 @@ pub struct FieldPaint<'a> {
 /// A ball that marks a place, such as a feature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
-    /// Its centre, model units.
+    /// Its center, model units.
     pub center: [f64; 3],
     /// Its radius, model units.
     pub radius: f64,
@@ -81,7 +81,7 @@ impl Surface<'_> {
         };
         match &self.paint {
             Paint::Plain(_) => Ok(()),
-            Paint::Colors(colors) => length("colours", colors.len()),
+            Paint::Colors(colors) => length("colors", colors.len()),
             Paint::Field(field) => {
                 length("values", field.values.len())?;
                 field.range.check()

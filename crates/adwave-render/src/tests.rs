@@ -137,7 +137,7 @@ fn turning_the_shape_is_turning_the_viewer() {
 }
 
 #[test]
-fn a_field_of_both_signs_is_centred_on_zero_and_the_bar_has_the_colours_of_the_ends() {
+fn a_field_of_both_signs_is_centered_on_zero_and_the_bar_has_the_colors_of_the_ends() {
     let (points, triangles) = sphere();
     let values: Vec<f64> = points.iter().map(|p| p[1]).collect();
     let field =

@@ -58,7 +58,7 @@ pub(crate) fn shortened(text: &str, size: f32, most: f32) -> String {
     String::new()
 }
 
-/// Draws a line from (`left`, `middle`): the height of its small letters is centred there.
+/// Draws a line from (`left`, `middle`): the height of its small letters is centered there.
 pub(crate) fn draw(picture: &mut Picture, text: &str, size: f32, left: f32, middle: f32, color: [u8; 3]) {
     let baseline = (middle + 0.26 * size).round();
     for (letter, x) in places(text, size).0 {

@@ -48,7 +48,7 @@ impl View {
         self.axes(up)[0]
     }
 
-    /// The picture's right, its up, and the direction towards the viewer: orthonormal, right-handed.
+    /// The picture's right, its up, and the direction toward the viewer: orthonormal, right-handed.
     pub(crate) fn axes(self, up: Up) -> [Vector; 3] {
         let [right, up, front] = up.axes();
         let (azimuth, elevation) = (self.azimuth.to_radians(), self.elevation.to_radians());
@@ -122,7 +122,7 @@ pub enum Up {
 }
 
 impl Up {
-    /// Right, up and the direction towards the viewer of the front view.
+    /// Right, up and the direction toward the viewer of the front view.
     fn axes(self) -> [Vector; 3] {
         match self {
             Self::X => [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],

@@ -17,7 +17,7 @@ use adwave_render::{
 
 /// What marks a feature in the picture of all of them.
 const GREEN: [u8; 3] = [52, 168, 83];
-/// The part of the vertices that share the last colour of the map.
+/// The part of the vertices that share the last color of the map.
 const TOP: f64 = 0.05;
 /// Parts of the work, for progress.
 const N_PARTS: u64 = 4;

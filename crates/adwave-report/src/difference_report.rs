@@ -58,7 +58,7 @@ pub fn difference_report(
         let first = Frame::plain(subject.name, format!("{}.", subject.name));
         let map = Frame::plain(
             format!("The difference on {}", subject.name),
-            "The difference, up to its 99th percentile; grey where there is none.",
+            "The difference, up to its 99th percentile; gray where there is none.",
         )
         .field(look);
         let second = Frame::plain(versions.other, format!("{}.", versions.other));

@@ -7,7 +7,7 @@ use adwave_report::reproduce::{
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// Built-in shapes of these tests have so many vertices: figures are then made in a second even without optimisation.
+/// Built-in shapes of these tests have so many vertices: figures are then made in a second even without optimization.
 const SMALL: usize = 1500;
 
 fn target(folder: &Path) -> Target {

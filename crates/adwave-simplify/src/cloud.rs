@@ -147,7 +147,7 @@ fn finish(
     Ok(ThinnedCloud { kept, spacing, deviation: deviation.times(unit) })
 }
 
-/// The points in the order of a hash of their positions (the finaliser of SplitMix64), those at one position by index.
+/// The points in the order of a hash of their positions (the finalizer of SplitMix64), those at one position by index.
 fn order(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Vec<u32>, Cancelled> {
     let mix = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -22,7 +22,7 @@ pub struct Deviation {
     /// From each vertex of the original to the nearest place of the simplified shape.
     pub of_original: OneSided,
     /// From places of the simplified shape to the nearest place of the original: of a mesh its vertices, which are the
-    /// original's and 0 away, and of each triangle the centre and the middles of the edges.
+    /// original's and 0 away, and of each triangle the center and the middles of the edges.
     pub of_simplified: OneSided,
 }
 
@@ -133,7 +133,7 @@ pub(crate) fn from_vertices(
     gather(points.len(), limit, progress, |x| [(distance(x), areas[x])])
 }
 
-/// From the centres and the middles of the edges of triangles to another surface, of which some of them are.
+/// From the centers and the middles of the edges of triangles to another surface, of which some of them are.
 pub(crate) fn from_triangles(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
@@ -149,13 +149,13 @@ pub(crate) fn from_triangles(
             return [(0.0, area); 4];
         }
         let [a, b, c] = corners;
-        let places = [centre(&[a, b, c]), centre(&[a, b]), centre(&[b, c]), centre(&[c, a])];
+        let places = [center(&[a, b, c]), center(&[a, b]), center(&[b, c]), center(&[c, a])];
         places.map(|p| (to.nearest(p).0, area))
     })
 }
 
 /// The mean of points.
-pub(crate) fn centre(points: &[[f64; 3]]) -> [f64; 3] {
+pub(crate) fn center(points: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|c| points.iter().map(|p| p[c]).sum::<f64>() / points.len() as f64)
 }
 

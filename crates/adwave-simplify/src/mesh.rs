@@ -74,7 +74,7 @@ pub struct SimplifiedMesh {
     /// For each corner of the triangles the corner of the original's faces that it continues, counted through all faces: it
     /// stands at the same position, has the same label, and belongs to the face that is turned most alike.
     pub corners: Vec<[u32; 3]>,
-    /// For each triangle the face of the original that is nearest to its centre.
+    /// For each triangle the face of the original that is nearest to its center.
     pub faces: Vec<u32>,
     /// How far both surfaces are apart, in model units.
     pub deviation: Deviation,

@@ -1,6 +1,6 @@
 //! Which corner and which face of the original each new one continues.
 
-use crate::deviation::{Surface, centre};
+use crate::deviation::{Surface, center};
 use crate::wedges::{Wedges, doubled_normal, length};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -49,7 +49,7 @@ pub(crate) fn corners(wedges: &Wedges, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> 
     triangles.par_iter().map(of_triangle).collect()
 }
 
-/// For each triangle the triangle of the original that is nearest to its centre. O(triangles log triangles).
+/// For each triangle the triangle of the original that is nearest to its center. O(triangles log triangles).
 pub(crate) fn nearest_triangles(
     wedges: &Wedges,
     triangles: &[[u32; 3]],
@@ -58,7 +58,7 @@ pub(crate) fn nearest_triangles(
 ) -> Result<Vec<u32>, Cancelled> {
     let nearest = |triangle: &[u32; 3]| {
         progress.check()?;
-        Ok(original.nearest(centre(&triangle.map(|w| wedges.points[w as usize]))).1)
+        Ok(original.nearest(center(&triangle.map(|w| wedges.points[w as usize]))).1)
     };
     triangles.par_iter().map(nearest).collect()
 }

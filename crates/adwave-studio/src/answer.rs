@@ -102,10 +102,10 @@ pub(crate) fn rows(n: usize, width: usize, row: impl Fn(usize, &mut [u8]) + Sync
 }
 
 /// Positions relative to a point.
-pub(crate) fn points_bytes(points: &[[f64; 3]], centre: [f64; 3]) -> Vec<u8> {
+pub(crate) fn points_bytes(points: &[[f64; 3]], center: [f64; 3]) -> Vec<u8> {
     rows(points.len(), 12, |x, row| {
         for c in 0..3 {
-            row[4 * c..][..4].copy_from_slice(&((points[x][c] - centre[c]) as f32).to_le_bytes());
+            row[4 * c..][..4].copy_from_slice(&((points[x][c] - center[c]) as f32).to_le_bytes());
         }
     })
 }

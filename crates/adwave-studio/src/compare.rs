@@ -1,6 +1,6 @@
 //! The shape after another method, as smooth as the edit makes it.
 //!
-//! Smoothness is the root mean square of `|f(x) − mean of f over the neighbours of x|` with the walk's weights, in model units: small for a smooth
+//! Smoothness is the root mean square of `|f(x) − mean of f over the neighbors of x|` with the walk's weights, in model units: small for a smooth
 //! surface, and falling with the strength of every low-pass filter. The strength of the other method is searched for until it is that
 //! of the edit.
 
@@ -71,7 +71,7 @@ pub(crate) fn compare(
     let (before, wanted) = (roughness(original)?, roughness(edited)?);
     if wanted >= before || before == 0.0 {
         return Err(Refused::wrong(format!(
-            "the edit does not smooth the shape: a vertex is {} from the mean of its neighbours after it, {} before, and {name} can only smooth; \
+            "the edit does not smooth the shape: a vertex is {} from the mean of its neighbors after it, {} before, and {name} can only smooth; \
              lower some sliders first",
             digits(wanted),
             digits(before)
@@ -109,7 +109,7 @@ pub(crate) fn compare(
         "roughness": {"before": before, "edit": wanted, "other": roughness},
         "rms": {"edit": moved(edited), "other": moved(&points)},
     });
-    Ok(bytes_with(points_bytes(&points, session.centre), "x-compare", &about.to_string()))
+    Ok(bytes_with(points_bytes(&points, session.center), "x-compare", &about.to_string()))
 }
 
 struct Found {

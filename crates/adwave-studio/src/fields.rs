@@ -1,4 +1,4 @@
-//! Numbers at the vertices that the page shows as colours.
+//! Numbers at the vertices that the page shows as colors.
 
 use crate::answer::{Answer, Refused, bytes_with, f32_bytes, json};
 use crate::prepared::Prepared;
@@ -104,11 +104,11 @@ fn length(parts: impl Iterator<Item = f64>) -> f32 {
     parts.map(|c| c * c).sum::<f64>().sqrt() as f32
 }
 
-/// Relative error of each band whose saliency is shown, at most: a map is then off by less than a step of its colours, of which there are
+/// Relative error of each band whose saliency is shown, at most: a map is then off by less than a step of its colors, of which there are
 /// 256, and of the built-in creature by a tenth of one, at 50 000 and at a million vertices.
 const SHOWN: f64 = 3e-3;
 
-/// The saliency of the edited positions, by the diffusion of the shape as it was opened, as exact as colours show it.
+/// The saliency of the edited positions, by the diffusion of the shape as it was opened, as exact as colors show it.
 fn salient(session: &Session, prepared: &Prepared) -> Result<Vec<f32>, Refused> {
     let decomposer = &prepared.decomposer;
     let request = decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule).accuracy(SHOWN);
@@ -128,12 +128,12 @@ pub(crate) fn feature_list(session: &Session, theta: f64) -> Answer {
     let norms = request.norms().map_err(|e| Refused::of(&e))?;
     let found =
         features(&prepared.decomposer, &norms, &params, Progress::none()).map_err(|e| Refused::of(&e))?;
-    let centre = session.centre;
+    let center = session.center;
     let rows: Vec<_> = found
         .iter()
         .map(|f| {
             let at = prepared.points[f.vertex];
-            let position: [f64; 3] = std::array::from_fn(|c| at[c] - centre[c]);
+            let position: [f64; 3] = std::array::from_fn(|c| at[c] - center[c]);
             json!({"vertex": f.vertex, "position": position, "level": f.level, "sigma": f.sigma,
                 "strength": f.strength, "sign": f.sign()})
         })

@@ -1,4 +1,4 @@
-//! The studio: an equaliser for shapes in the browser.
+//! The studio: an equalizer for shapes in the browser.
 //!
 //! [`serve`] opens a server on the loopback that keeps the bands of a shape and the edit that is made of it, and gives the page in `web`
 //! what it draws; what both say to each other is in `PROTOCOL.md`. `guard` says who may ask, `session` is one shape, `document` its edit,

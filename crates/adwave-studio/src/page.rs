@@ -107,8 +107,8 @@ fn content(session: &Session, prepared: &Prepared, part: &Part) -> Vec<u8> {
     let align = |out: &mut Vec<u8>| out.resize(out.len().next_multiple_of(4), 0);
     align(&mut out);
     for &x in &part.kept {
-        for (c, centre) in points[x as usize].iter().zip(session.centre) {
-            out.extend(((c - centre) as f32).to_le_bytes());
+        for (c, center) in points[x as usize].iter().zip(session.center) {
+            out.extend(((c - center) as f32).to_le_bytes());
         }
     }
     out.extend(part.triangles.as_flattened().iter().flat_map(|v| v.to_le_bytes()));

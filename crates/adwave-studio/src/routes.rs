@@ -107,7 +107,7 @@ async fn info(State(studio): Shared, Path(id): Path<u64>) -> Response {
 }
 
 async fn positions(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    at_once(studio, id, |session| Ok(bytes(points_bytes(session.points(), session.centre)))).await
+    at_once(studio, id, |session| Ok(bytes(points_bytes(session.points(), session.center)))).await
 }
 
 async fn triangles(State(studio): Shared, Path(id): Path<u64>) -> Response {
@@ -219,7 +219,7 @@ async fn change(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Resp
 async fn exact(State(studio): Shared, Path(id): Path<u64>) -> Response {
     of_shape(studio, id, |session| {
         let points = Arc::clone(&session.prepared()?.points);
-        Ok(bytes(points_bytes(&points, session.centre)))
+        Ok(bytes(points_bytes(&points, session.center)))
     })
     .await
 }

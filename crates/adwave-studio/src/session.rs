@@ -36,7 +36,7 @@ pub(crate) struct Session {
     pub(crate) opened: Opened,
     /// Where results are written.
     pub(crate) folder: PathBuf,
-    pub(crate) centre: [f64; 3],
+    pub(crate) center: [f64; 3],
     pub(crate) triangles: Vec<[u32; 3]>,
     walk: OnceLock<Result<Decomposer, Arc<StudioError>>>,
     prepared: OnceLock<Result<Mutex<Prepared>, Arc<StudioError>>>,
@@ -64,7 +64,7 @@ impl Session {
             let (name, n) = (opened.name, points.len());
             return Err(StudioError::TooLarge { name, n, most: MAX_VERTICES });
         }
-        let centre = bounding_box(points)
+        let center = bounding_box(points)
             .map_or([0.0; 3], |(low, high)| std::array::from_fn(|c| 0.5 * low[c] + 0.5 * high[c]));
         let triangles = match &opened.shape {
             Shape::Mesh(mesh) => triangulate(points, mesh.faces()),
@@ -75,7 +75,7 @@ impl Session {
             id,
             opened,
             folder,
-            centre,
+            center,
             triangles,
             walk: OnceLock::new(),
             prepared: OnceLock::new(),
@@ -163,7 +163,7 @@ impl Session {
             "kind": kind,
             "n_vertices": opened.shape.n_vertices(),
             "n_triangles": self.triangles.len(),
-            "centre": self.centre,
+            "center": self.center,
             "diagonal": prepared.decomposer.diagonal(),
             "mean_length": prepared.decomposer.mean_length(),
             "closed": health.is_closed(),

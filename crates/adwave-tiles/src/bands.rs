@@ -5,28 +5,28 @@ use std::sync::Arc;
 
 use adwave::Progress;
 use adwave::bands::{BandsParams, Transform};
-use adwave::operator::{Diffusion, local_operator_of_neighbours};
+use adwave::operator::{Diffusion, local_operator_of_neighbors};
 use adwave::pages::{release_freed, zeros};
 use rayon::prelude::*;
 
 use crate::TilesError;
 use crate::blocks::Blocks;
 use crate::made::{Made, Results, within};
-use crate::part::{Neighbourhoods, Part, each_part};
+use crate::part::{Neighborhoods, Part, each_part};
 use crate::plan::Plan;
 use crate::totals::{BlockOutcome, StepSums};
 
 /// The bands and coordinates of a tile, and gives what becomes of its blocks to `out`, in their order.
 pub(crate) fn bands_of_tile(
     (plan, blocks): (&Plan, &Blocks),
-    neighbourhoods: &Neighbourhoods,
+    neighborhoods: &Neighborhoods,
     tile: Range<usize>,
     progress: Progress<'_>,
     mut out: impl FnMut(&Made) -> Result<(), TilesError>,
 ) -> Result<Vec<BlockOutcome>, TilesError> {
     let mut outcomes = Vec::with_capacity(tile.len());
-    let mean_length = neighbourhoods.mean_length;
-    each_part(blocks, neighbourhoods, tile, plan.limits()?, progress, |part, tile| {
+    let mean_length = neighborhoods.mean_length;
+    each_part(blocks, neighborhoods, tile, plan.limits()?, progress, |part, tile| {
         let results = bands_of_part(plan, blocks, part, mean_length, tile.clone(), progress)?;
         outcomes.extend(results.hand_over((plan, blocks), tile, progress, &mut out)?);
         Ok(())
@@ -47,7 +47,7 @@ fn bands_of_part(
     // The blocks that it was made of.
     release_freed();
     let operator =
-        local_operator_of_neighbours(&part.points, part.neighbours, part.areas, mean_length, progress)?;
+        local_operator_of_neighbors(&part.points, part.neighbors, part.areas, mean_length, progress)?;
     let first = tile.start;
     let steps_of = |block| StepSums::of(&operator, within(blocks, &own, first, block));
     let steps: Vec<StepSums> = tile.into_par_iter().map(steps_of).collect();

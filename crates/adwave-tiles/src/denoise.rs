@@ -12,7 +12,7 @@ use crate::TilesError;
 use crate::blocks::Blocks;
 use crate::made::{Made, Results};
 use crate::mesh::FaceFiles;
-use crate::part::{Neighbourhoods, Part, each_part};
+use crate::part::{Neighborhoods, Part, each_part};
 use crate::plan::Plan;
 use crate::sides::Sides;
 use crate::stretches::Stretches;
@@ -76,14 +76,14 @@ const FAR: f64 = 3.0;
 /// Takes the noise off the positions of a tile, and gives what becomes of its blocks to `out`, in their order.
 pub(crate) fn denoised_tile(
     (plan, blocks): (&Plan, &Blocks),
-    neighbourhoods: &Neighbourhoods,
+    neighborhoods: &Neighborhoods,
     (choice, surface): (&DenoiseChoice, &Surface),
     tile: Range<usize>,
     progress: Progress<'_>,
     mut out: impl FnMut(&Made) -> Result<(), TilesError>,
 ) -> Result<Vec<BlockOutcome>, TilesError> {
     let mut outcomes = Vec::with_capacity(tile.len());
-    each_part(blocks, neighbourhoods, tile, plan.limits()?, progress, |part, tile| {
+    each_part(blocks, neighborhoods, tile, plan.limits()?, progress, |part, tile| {
         // The blocks that it was made of.
         release_freed();
         let own = part.own.clone();
@@ -93,7 +93,7 @@ pub(crate) fn denoised_tile(
             outs: vec![changes],
             own,
             steps: vec![StepSums::default(); tile.len()],
-            mean_length: neighbourhoods.mean_length,
+            mean_length: neighborhoods.mean_length,
             far: FAR * choice.info.noise,
         };
         outcomes.extend(results.hand_over((plan, blocks), tile, progress, &mut out)?);
@@ -109,19 +109,19 @@ fn changes(
     surface: &Surface,
     progress: Progress<'_>,
 ) -> Result<(Vec<[f64; 3]>, Vec<f64>), TilesError> {
-    let Part { points, neighbours, stretches, .. } = part;
+    let Part { points, neighbors, stretches, .. } = part;
     let moved = match surface {
         Surface::Cloud(sides) => {
-            let mut normals = plane_normals(&points, &neighbours, progress)?;
+            let mut normals = plane_normals(&points, &neighbors, progress)?;
             for (normal, is_turned) in normals.iter_mut().zip(sides.are_turned(&stretches)?) {
                 if is_turned {
                     *normal = normal.map(|c| -c);
                 }
             }
-            choice.denoise_cloud(&points, neighbours, normals, progress.quiet())?
+            choice.denoise_cloud(&points, neighbors, normals, progress.quiet())?
         }
         Surface::Mesh(faces) => {
-            drop(neighbours);
+            drop(neighbors);
             let triangles = faces.triangles(&stretches, &points, progress)?;
             choice.denoise_mesh(&points, &triangles, progress.quiet())?
         }

@@ -15,7 +15,7 @@ use crate::TilesError;
 use crate::blocks::Blocks;
 use crate::files::At;
 use crate::layout::{Layout, vertex_number};
-use crate::part::{Limits, Neighbourhoods, Part, each_part};
+use crate::part::{Limits, Neighborhoods, Part, each_part};
 use crate::plan::Plan;
 use crate::totals::LevelSummary;
 
@@ -121,10 +121,10 @@ pub(crate) struct StoredFeature {
     pub(crate) response: f64,
 }
 
-/// The features of a tile: vertices where ‖W_j‖, over the mean of its level, is above θ and an extremum over neighbours and levels.
+/// The features of a tile: vertices where ‖W_j‖, over the mean of its level, is above θ and an extremum over neighbors and levels.
 pub(crate) fn features_of_tile(
     (plan, blocks): (&Plan, &Blocks),
-    neighbourhoods: &Neighbourhoods,
+    neighborhoods: &Neighborhoods,
     tile: Range<usize>,
     lengths: &Lengths,
     levels: &[LevelSummary],
@@ -138,7 +138,7 @@ pub(crate) fn features_of_tile(
     let rings = if matches!(plan.layout, Layout::Mesh(_)) { 2 } else { 1 };
     let mut found = Vec::new();
     let limits = Limits { rings, ..plan.limits()? };
-    each_part(blocks, neighbourhoods, tile, limits, progress, |part, tile| {
+    each_part(blocks, neighborhoods, tile, limits, progress, |part, tile| {
         let search = Search::new(&part, lengths, &scales, rings, theta)?;
         let first = blocks.vertices(tile.start).start;
         let of_block = |block: usize| {
@@ -190,7 +190,7 @@ fn first_records(plan: &Plan, blocks: &Blocks, block: usize) -> Result<Vec<u64>,
 
 /// The search in a tile and its rings.
 struct Search<'a> {
-    neighbours: &'a Pattern,
+    neighbors: &'a Pattern,
     lengths: Vec<f32>,
     scales: &'a [f64],
     rings: usize,
@@ -210,7 +210,7 @@ impl<'a> Search<'a> {
         for stretch in part.stretches.ranges() {
             lengths.read(stretch.clone(), &mut all)?;
         }
-        Ok(Self { neighbours: &part.neighbours, lengths: all, scales, rings, theta })
+        Ok(Self { neighbors: &part.neighbors, lengths: all, scales, rings, theta })
     }
 
     /// R(j,x) (see [`Response`](adwave::features::Response)).
@@ -221,7 +221,7 @@ impl<'a> Search<'a> {
     /// Whether x, a vertex of the tile, is a feature of a level that is neither the first nor the last.
     fn is_feature(&self, x: usize, level: usize) -> bool {
         let levels = |y: usize| [level - 1, level, level + 1].map(|level| self.response(y, level));
-        let near = self.neighbours.of(x);
+        let near = self.neighbors.of(x);
         // Algorithm 2: |R(j,x)| > θ·mean|R(j)|, and an extremum over place and scale
         self.response(x, level) > self.theta
             && is_extremum(x, near, TIE, levels)
@@ -229,8 +229,8 @@ impl<'a> Search<'a> {
     }
 
     fn two_rings(&self, x: usize) -> Vec<u32> {
-        let near = self.neighbours.of(x);
-        let next = near.iter().flat_map(|&y| self.neighbours.of(y as usize));
+        let near = self.neighbors.of(x);
+        let next = near.iter().flat_map(|&y| self.neighbors.of(y as usize));
         let mut both: Vec<u32> = near.iter().chain(next).copied().filter(|&y| y as usize != x).collect();
         both.sort_unstable();
         both.dedup();

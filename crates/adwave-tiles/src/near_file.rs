@@ -1,4 +1,4 @@
-//! The neighbourhoods of a tile's vertices, by blocks.
+//! The neighborhoods of a tile's vertices, by blocks.
 
 use std::io::Write;
 use std::path::Path;
@@ -6,12 +6,12 @@ use std::path::Path;
 use crate::TilesError;
 use crate::files::{At, Cursor, push_varint, write_whole};
 
-/// The neighbourhoods of the vertices of a block: in a cloud who is named, not who names.
+/// The neighborhoods of the vertices of a block: in a cloud who is named, not who names.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Near {
-    /// What areas are made of: in a cloud the distance to the k-th neighbour, in a mesh the area itself.
+    /// What areas are made of: in a cloud the distance to the k-th neighbor, in a mesh the area itself.
     pub(crate) measures: Vec<f64>,
-    /// Where the neighbours of each vertex begin, and where the last ones end.
+    /// Where the neighbors of each vertex begin, and where the last ones end.
     pub(crate) offsets: Vec<u32>,
     /// Their places along the curve, rising for each vertex.
     pub(crate) places: Vec<u32>,
@@ -22,7 +22,7 @@ impl Near {
         &self.places[self.offsets[i] as usize..self.offsets[i + 1] as usize]
     }
 
-    /// Measures, then for each vertex how many neighbours, the first as a step from the vertex and each other from the one before.
+    /// Measures, then for each vertex how many neighbors, the first as a step from the vertex and each other from the one before.
     fn encode(&self, first: usize) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(8 * self.measures.len() + 2 * self.places.len());
         bytes.extend(self.measures.iter().flat_map(|r| r.to_le_bytes()));
@@ -74,13 +74,13 @@ fn measures(cursor: &mut Cursor<'_>, n: usize) -> Option<Vec<f64>> {
 /// What begins such a file.
 const MARK: &[u8; 8] = b"adwnear1";
 
-/// What is known of a block without its neighbourhoods.
+/// What is known of a block without its neighborhoods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BlockSummary {
-    /// The sum of the distances to all neighbours, in a mesh of those later along the curve, and how many these are.
+    /// The sum of the distances to all neighbors, in a mesh of those later along the curve, and how many these are.
     pub(crate) sum: f64,
-    pub(crate) n_neighbours: u64,
-    /// The largest distance to a k-th neighbour; 0 in a mesh.
+    pub(crate) n_neighbors: u64,
+    /// The largest distance to a k-th neighbor; 0 in a mesh.
     pub(crate) radius: f64,
 }
 
@@ -88,7 +88,7 @@ pub(crate) struct BlockSummary {
 const HEAD: usize = 8 + 16;
 const ROW: usize = 32;
 
-/// Writes the neighbourhoods of the blocks from `first_block` on; each with the number of its first vertex.
+/// Writes the neighborhoods of the blocks from `first_block` on; each with the number of its first vertex.
 pub(crate) fn write(
     path: &Path,
     first_block: usize,
@@ -105,7 +105,7 @@ pub(crate) fn write(
             end += bytes.len() as u64;
             head.extend(end.to_le_bytes());
             head.extend(summary.sum.to_le_bytes());
-            head.extend(summary.n_neighbours.to_le_bytes());
+            head.extend(summary.n_neighbors.to_le_bytes());
             head.extend(summary.radius.to_le_bytes());
         }
         out.write_all(&head).map_err(TilesError::io(path))?;
@@ -113,7 +113,7 @@ pub(crate) fn write(
     })
 }
 
-/// A file of neighbourhoods, its table in memory.
+/// A file of neighborhoods, its table in memory.
 #[derive(Debug)]
 pub(crate) struct NearFile {
     file: At,
@@ -144,7 +144,7 @@ impl NearFile {
             let end = cursor.u64()?;
             Some((
                 end,
-                BlockSummary { sum: cursor.f64()?, n_neighbours: cursor.u64()?, radius: cursor.f64()? },
+                BlockSummary { sum: cursor.f64()?, n_neighbors: cursor.u64()?, radius: cursor.f64()? },
             ))
         };
         for _ in 0..n_blocks {
@@ -162,10 +162,10 @@ impl NearFile {
     pub(crate) fn measures(&self, block: usize, n: usize) -> Result<Vec<f64>, TilesError> {
         let bytes = self.file.read(self.offsets[block - self.first_block], size_of::<f64>() * n)?;
         measures(&mut Cursor { bytes: &bytes }, n)
-            .ok_or_else(|| TilesError::broken(self.file.path(), "its neighbourhoods are not whole"))
+            .ok_or_else(|| TilesError::broken(self.file.path(), "its neighborhoods are not whole"))
     }
 
-    /// The neighbourhoods of a block, whose vertices are `vertices`, of `n_vertices` in all.
+    /// The neighborhoods of a block, whose vertices are `vertices`, of `n_vertices` in all.
     pub(crate) fn near(
         &self,
         block: usize,
@@ -175,7 +175,7 @@ impl NearFile {
         let i = block - self.first_block;
         let bytes = self.file.read(self.offsets[i], (self.offsets[i + 1] - self.offsets[i]) as usize)?;
         Near::decode(&bytes, vertices.start, vertices.len(), n_vertices)
-            .ok_or_else(|| TilesError::broken(self.file.path(), "its neighbourhoods are not whole"))
+            .ok_or_else(|| TilesError::broken(self.file.path(), "its neighborhoods are not whole"))
     }
 }
 
@@ -184,7 +184,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn neighbourhoods_come_back_and_broken_ones_do_not() {
+    fn neighborhoods_come_back_and_broken_ones_do_not() {
         let near = Near {
             measures: vec![0.5, 1e-300, 0.0],
             offsets: vec![0, 3, 3, 5],

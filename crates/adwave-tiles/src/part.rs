@@ -1,4 +1,4 @@
-//! A tile with the rings of neighbours around it that its result depends on.
+//! A tile with the rings of neighbors around it that its result depends on.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -14,24 +14,24 @@ use crate::box_tree::{Bounds, BoxTree};
 use crate::near_file::{Near, NearFile};
 use crate::stretches::Stretches;
 
-/// What the neighbourhoods of all tiles are, on disk.
+/// What the neighborhoods of all tiles are, on disk.
 #[derive(Debug)]
-pub(crate) struct Neighbourhoods {
+pub(crate) struct Neighborhoods {
     files: Vec<NearFile>,
     blocks_per_tile: usize,
-    /// Boxes around the balls to the k-th neighbours of each block.
+    /// Boxes around the balls to the k-th neighbors of each block.
     balls: BoxTree,
     /// E.
     pub(crate) mean_length: f64,
     kind: Kind,
 }
 
-/// What is stored of a vertex, and who its neighbours are.
+/// What is stored of a vertex, and who its neighbors are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
-    /// The distance to the k-th nearest; neighbours are those that it names and those that name it.
+    /// The distance to the k-th nearest; neighbors are those that it names and those that name it.
     Nearest(usize),
-    /// The area; neighbours name each other.
+    /// The area; neighbors name each other.
     Faces,
 }
 
@@ -45,8 +45,8 @@ impl Kind {
     }
 }
 
-impl Neighbourhoods {
-    /// The distance of the k-th nearest neighbour of a vertex of a cloud, by its area.
+impl Neighborhoods {
+    /// The distance of the k-th nearest neighbor of a vertex of a cloud, by its area.
     pub(crate) fn radius(&self, area: f64) -> f64 {
         match self.kind {
             Kind::Nearest(k) => (area * k.max(1) as f64 / PI).sqrt(),
@@ -60,7 +60,7 @@ impl Neighbourhoods {
         // Ties may be a little farther than the k-th.
         let balls = balls.map(|(bounds, summary)| bounds.widened(summary.radius * (1.0 + 1e-8))).collect();
         let total: f64 = summaries().map(|summary| summary.sum).sum();
-        let n: u64 = summaries().map(|summary| summary.n_neighbours).sum();
+        let n: u64 = summaries().map(|summary| summary.n_neighbors).sum();
         let mean_length = total / n.max(1) as f64;
         Self { files, blocks_per_tile, balls: BoxTree::new(balls), mean_length, kind }
     }
@@ -96,7 +96,7 @@ struct Loaded {
 pub(crate) struct Part {
     pub(crate) points: Vec<[f64; 3]>,
     /// Rows of the outermost ring are empty.
-    pub(crate) neighbours: Pattern,
+    pub(crate) neighbors: Pattern,
     pub(crate) areas: Vec<f64>,
     /// The vertices of the tile.
     pub(crate) own: Range<usize>,
@@ -106,7 +106,7 @@ pub(crate) struct Part {
 
 struct Search<'a> {
     blocks: &'a Blocks,
-    neighbourhoods: &'a Neighbourhoods,
+    neighborhoods: &'a Neighborhoods,
     loaded: Vec<Loaded>,
     /// Where each block is among these.
     slots: Vec<u32>,
@@ -140,7 +140,7 @@ pub(crate) struct Limits {
 /// are more than memory allows, one half comes after the other.
 pub(crate) fn each_part(
     blocks: &Blocks,
-    neighbourhoods: &Neighbourhoods,
+    neighborhoods: &Neighborhoods,
     tile: Range<usize>,
     limits: Limits,
     progress: Progress<'_>,
@@ -149,7 +149,7 @@ pub(crate) fn each_part(
     let mut to_do = vec![tile];
     while let Some(tile) = to_do.pop() {
         release_freed();
-        if let Some(part) = part(blocks, neighbourhoods, tile.clone(), limits, progress)? {
+        if let Some(part) = part(blocks, neighborhoods, tile.clone(), limits, progress)? {
             each(part, tile)?;
         } else {
             let middle = tile.start.midpoint(tile.end);
@@ -162,14 +162,14 @@ pub(crate) fn each_part(
 /// Collects the blocks `tile` and the rings around them; `None` as soon as that is more than the limits allow, unless it is one block.
 pub(crate) fn part(
     blocks: &Blocks,
-    neighbourhoods: &Neighbourhoods,
+    neighborhoods: &Neighborhoods,
     tile: Range<usize>,
     limits: Limits,
     progress: Progress<'_>,
 ) -> Result<Option<Part>, TilesError> {
     let rings = limits.rings;
     let slots = vec![NOWHERE; blocks.len()];
-    let mut search = Search { blocks, neighbourhoods, loaded: Vec::new(), slots };
+    let mut search = Search { blocks, neighborhoods, loaded: Vec::new(), slots };
     search.unite(tile.clone().collect(), progress)?;
     let mut frontier: Vec<u32> = Vec::new();
     for block in tile.clone() {
@@ -216,13 +216,13 @@ impl Search<'_> {
 
     fn load(&mut self, mut wanted: Vec<usize>, progress: Progress<'_>) -> Result<(), TilesError> {
         wanted.retain(|&block| self.slots[block] == NOWHERE);
-        let (blocks, neighbourhoods) = (self.blocks, self.neighbourhoods);
+        let (blocks, neighborhoods) = (self.blocks, self.neighborhoods);
         let load = |&block: &usize| {
             progress.check()?;
             let vertices = blocks.vertices(block);
-            let mut near = neighbourhoods.near(blocks, block)?;
+            let mut near = neighborhoods.near(blocks, block)?;
             near.measures = Vec::new();
-            let across = match neighbourhoods.kind {
+            let across = match neighborhoods.kind {
                 Kind::Nearest(_) => across(&vertices, &near),
                 Kind::Faces => Vec::new(),
             };
@@ -240,7 +240,7 @@ impl Search<'_> {
     /// The blocks whose vertices may name those of `block`.
     fn naming(&self, block: usize) -> Result<Vec<usize>, TilesError> {
         let mut found = Vec::new();
-        let balls = &self.neighbourhoods.balls;
+        let balls = &self.neighborhoods.balls;
         balls.touching(&self.blocks.boxes[block], &(0..0), &mut |other| found.push(other));
         if found.len() > MANY_BLOCKS {
             // Where the curve leaves the shape between two vertices, their block spans what lies between: its vertices one by one.
@@ -263,7 +263,7 @@ impl Search<'_> {
     /// Makes sure that the rows of `wanted` are known: all blocks are loaded whose vertices may name theirs.
     fn unite(&mut self, mut wanted: Vec<usize>, progress: Progress<'_>) -> Result<(), TilesError> {
         wanted.retain(|&block| self.get(block).is_none_or(|loaded| loaded.union.offsets.is_empty()));
-        if self.neighbourhoods.kind == Kind::Faces {
+        if self.neighborhoods.kind == Kind::Faces {
             self.load(wanted.clone(), progress)?;
             for block in wanted {
                 let loaded = &mut self.loaded[self.slots[block] as usize];
@@ -379,10 +379,10 @@ impl Search<'_> {
                 *column = numbers[self.slots[block] as usize][i];
             }
         });
-        let neighbours = Pattern::new(offsets, columns, points.len()).map_err(|e| {
-            TilesError::Input(format!("neighbourhoods contradict each other ({e}); begin anew"))
+        let neighbors = Pattern::new(offsets, columns, points.len()).map_err(|e| {
+            TilesError::Input(format!("neighborhoods contradict each other ({e}); begin anew"))
         })?;
-        Ok(Part { points, neighbours, areas, own, stretches })
+        Ok(Part { points, neighbors, areas, own, stretches })
     }
 
     /// The places of the vertices that were reached.
@@ -409,12 +409,12 @@ impl Search<'_> {
         }
         jobs.into_par_iter().try_for_each(|(loaded, points, areas)| {
             let positions = self.blocks.positions(loaded.block)?;
-            let measures = self.neighbourhoods.measures(self.blocks, loaded.block)?;
+            let measures = self.neighborhoods.measures(self.blocks, loaded.block)?;
             let reached = loaded.ring.iter().zip(positions.iter().zip(measures));
             let reached = reached.filter(|(ring, _)| **ring != OUTSIDE).map(|(_, of)| of);
             for ((point, area), (position, measure)) in points.iter_mut().zip(areas).zip(reached) {
                 *point = *position;
-                *area = self.neighbourhoods.kind.area(measure);
+                *area = self.neighborhoods.kind.area(measure);
             }
             Ok::<(), TilesError>(())
         })?;

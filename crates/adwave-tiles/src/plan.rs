@@ -32,7 +32,7 @@ pub enum MapKind {
     /// (max − mean)², as the paper has it (eq. 17).
     PerLevel,
     /// 1/mean.
-    Normalised,
+    Normalized,
     /// 1.
     Uniform,
 }
@@ -59,8 +59,8 @@ pub struct Params {
     /// How noise is taken off the positions; nothing else is done then. Nothing where none is.
     #[serde(default)]
     pub denoise: Option<DenoiseParams>,
-    /// How many nearest neighbours a step of the walk in a cloud may take in.
-    pub neighbours: usize,
+    /// How many nearest neighbors a step of the walk in a cloud may take in.
+    pub neighbors: usize,
     /// Relative error of the bands (see [`FixedSeries`]).
     pub accuracy: f64,
     /// How many tiles; as few as memory allows where there is no number.
@@ -81,7 +81,7 @@ impl Default for Params {
             saliency: None,
             theta: None,
             denoise: None,
-            neighbours: 10,
+            neighbors: 10,
             accuracy: 1e-6,
             n_tiles: None,
             memory: 4 << 30,
@@ -90,8 +90,8 @@ impl Default for Params {
     }
 }
 
-/// More neighbours than this make rows that no tile holds.
-const MOST_NEIGHBOURS: usize = 200;
+/// More neighbors than this make rows that no tile holds.
+const MOST_NEIGHBORS: usize = 200;
 
 /// A record of LAS has at most 65 535 bytes, and a field is described by 192 of a record of as many.
 const MOST_FIELDS: usize = 300;
@@ -134,8 +134,8 @@ impl Params {
                 return Err(of_features(FeatureError::TooFewLevels { n_levels: self.levels }));
             }
         }
-        if !(1..=MOST_NEIGHBOURS).contains(&self.neighbours) {
-            return input(format!("{} neighbours; give 1 to {MOST_NEIGHBOURS}", self.neighbours));
+        if !(1..=MOST_NEIGHBORS).contains(&self.neighbors) {
+            return input(format!("{} neighbors; give 1 to {MOST_NEIGHBORS}", self.neighbors));
         }
         if let Some(denoise) = &self.denoise {
             denoise.check()?;
@@ -272,16 +272,16 @@ impl Cost {
         let made = made as u64;
         let denoises = plan.params.denoise.is_some();
         match plan.layout {
-            // Neighbours reach further than the mean distance between vertices. On disk are the sorted records, once more while runs are
-            // merged; or distances and neighbours, and sides.
+            // Neighbors reach further than the mean distance between vertices. On disk are the sorted records, once more while runs are
+            // merged; or distances and neighbors, and sides.
             Layout::Las(_) => Self {
                 vertex_bytes: if denoises { DENOISED_CLOUD_BYTES } else { 275 },
                 vertices_per_ring: 1.8,
                 disk: record_bytes
                     + record_bytes
-                        .max(8 + 2 * plan.params.neighbours as u64 + made + if denoises { 5 } else { 0 }),
+                        .max(8 + 2 * plan.params.neighbors as u64 + made + if denoises { 5 } else { 0 }),
             },
-            // The sorted records, faces, areas and neighbours, and results, once more while they are joined.
+            // The sorted records, faces, areas and neighbors, and results, once more while they are joined.
             Layout::Mesh(_) => {
                 let faces_per_vertex = plan.n_faces.div_ceil(plan.n_points.max(1)).max(2);
                 let results = 2 * plan.row_bytes() as u64 + made;
@@ -313,7 +313,7 @@ pub struct Forecast {
     pub n_tiles: usize,
     /// Points of a tile.
     pub points_per_tile: u64,
-    /// Rings of neighbours around a tile that its result depends on.
+    /// Rings of neighbors around a tile that its result depends on.
     pub rings: usize,
     /// A tile with its rings, as a multiple of the tile: on a surface, about.
     pub share: f64,

@@ -21,8 +21,8 @@ use crate::files::{At, write_whole};
 use crate::layout::Layout;
 use crate::maps::{Lengths, StoredFeature, features_of_tile, map_of_tile};
 use crate::names::{CHOICE, FACES, LEVELS, LOCK, SIDES, is_faces, is_part, is_run, is_temporary};
-use crate::neighbours::neighbours_of_tile;
-use crate::part::Neighbourhoods;
+use crate::neighbors::neighbors_of_tile;
+use crate::part::Neighborhoods;
 use crate::sides::{Sides, sides_of_tile};
 use crate::sort::{records_of_a_run, sort, sort_run};
 use crate::totals::{BlockOutcome, LevelSummary, Totals};
@@ -40,7 +40,7 @@ pub struct Summary {
     pub n_faces: u64,
     /// Tiles.
     pub n_tiles: usize,
-    /// E, the mean distance to a neighbour or the mean length of edges, in model units.
+    /// E, the mean distance to a neighbor or the mean length of edges, in model units.
     pub mean_length: f64,
     /// Root mean square of the distances moved, and the largest one, in model units.
     pub moved: [f64; 2],
@@ -51,7 +51,7 @@ pub struct Summary {
 }
 
 impl Work {
-    fn neighbours(
+    fn neighbors(
         &self,
         blocks: &Blocks,
         tree: &BoxTree,
@@ -60,10 +60,10 @@ impl Work {
     ) -> Result<(), TilesError> {
         let (range, path) = (self.plan.tile(tile, blocks.len()), self.near(tile));
         if !self.is_mesh() {
-            return neighbours_of_tile(blocks, tree, range, self.plan.params.neighbours, &path, progress);
+            return neighbors_of_tile(blocks, tree, range, self.plan.params.neighbors, &path, progress);
         }
         let n_bytes = self.bytes_of_faces()?.get(tile).copied().unwrap_or(0);
-        mesh::neighbours_of_tile(blocks, range, (&self.faces(tile), n_bytes), &path, progress)
+        mesh::neighbors_of_tile(blocks, range, (&self.faces(tile), n_bytes), &path, progress)
     }
 
     fn sort_run(&self, run: usize, progress: Progress<'_>) -> Result<(), TilesError> {
@@ -116,7 +116,7 @@ impl Work {
     fn sides_of_tile(
         &self,
         blocks: &Blocks,
-        neighbourhoods: &Neighbourhoods,
+        neighborhoods: &Neighborhoods,
         tile: usize,
         progress: Progress<'_>,
     ) -> Result<(), TilesError> {
@@ -126,7 +126,7 @@ impl Work {
             ));
         }
         let range = self.plan.tile(tile, blocks.len());
-        sides_of_tile(blocks, neighbourhoods, range, self.plan.limits()?, &self.sides(tile), progress)
+        sides_of_tile(blocks, neighborhoods, range, self.plan.limits()?, &self.sides(tile), progress)
     }
 
     /// What tiles are denoised by, where they are: what is not there yet is found by who comes first.
@@ -159,7 +159,7 @@ impl Work {
     fn bands(
         &self,
         blocks: &Blocks,
-        neighbourhoods: &Neighbourhoods,
+        neighborhoods: &Neighborhoods,
         denoiser: Option<&(DenoiseChoice, Surface)>,
         tile: usize,
         progress: Progress<'_>,
@@ -168,13 +168,13 @@ impl Work {
         let outcomes = if let Some((choice, surface)) = denoiser {
             let by = (choice, surface);
             self.write_tile(tile, |out| {
-                denoised_tile(whole, neighbourhoods, by, range, progress, |made| out(&made.records))
+                denoised_tile(whole, neighborhoods, by, range, progress, |made| out(&made.records))
             })?
         } else if self.has_maps() {
             let paths = [self.made(tile), self.lengths(tile)];
             write_whole(&paths[0], |records| {
                 write_whole(&paths[1], |lengths| {
-                    bands_of_tile(whole, neighbourhoods, range, progress, |made| {
+                    bands_of_tile(whole, neighborhoods, range, progress, |made| {
                         records.write_all(&made.records).map_err(TilesError::io(&paths[0]))?;
                         lengths.write_all(&made.lengths).map_err(TilesError::io(&paths[1]))
                     })
@@ -182,7 +182,7 @@ impl Work {
             })?
         } else {
             self.write_tile(tile, |out| {
-                bands_of_tile(whole, neighbourhoods, range, progress, |made| out(&made.records))
+                bands_of_tile(whole, neighborhoods, range, progress, |made| out(&made.records))
             })?
         };
         write_json(&self.outcome(tile), &outcomes)
@@ -209,7 +209,7 @@ impl Work {
     fn maps(
         &self,
         blocks: &Blocks,
-        neighbourhoods: &Neighbourhoods,
+        neighborhoods: &Neighborhoods,
         tile: usize,
         progress: Progress<'_>,
     ) -> Result<(), TilesError> {
@@ -219,12 +219,12 @@ impl Work {
             ));
         }
         let n_tiles = self.plan.n_tiles(blocks.len());
-        let levels = self.levels(blocks, neighbourhoods)?;
+        let levels = self.levels(blocks, neighborhoods)?;
         let paths = (0..n_tiles).map(|tile| self.lengths(tile)).collect();
         let vertices_per_tile = self.plan.blocks_per_tile * VERTICES_IN_A_BLOCK;
         let lengths = Lengths::new(paths, levels.len(), vertices_per_tile);
         let (whole, range) = ((&self.plan, blocks), self.plan.tile(tile, blocks.len()));
-        let features = features_of_tile(whole, neighbourhoods, range.clone(), &lengths, &levels, progress)?;
+        let features = features_of_tile(whole, neighborhoods, range.clone(), &lengths, &levels, progress)?;
         let made = At::open(&self.made(tile))?;
         self.write_tile(tile, |out| map_of_tile(whole, range, (&made, &lengths), &levels, progress, out))?;
         write_json(&self.stored_features(tile), &features)
@@ -234,25 +234,25 @@ impl Work {
     fn levels(
         &self,
         blocks: &Blocks,
-        neighbourhoods: &Neighbourhoods,
+        neighborhoods: &Neighborhoods,
     ) -> Result<Vec<LevelSummary>, TilesError> {
         let path = self.folder.join(LEVELS);
         if !path.exists() {
-            write_json(&path, &self.totals(blocks, neighbourhoods)?.levels)?;
+            write_json(&path, &self.totals(blocks, neighborhoods)?.levels)?;
         }
         read_json(&path)
     }
 
-    fn totals(&self, blocks: &Blocks, neighbourhoods: &Neighbourhoods) -> Result<Totals, TilesError> {
+    fn totals(&self, blocks: &Blocks, neighborhoods: &Neighborhoods) -> Result<Totals, TilesError> {
         let n_tiles = self.plan.n_tiles(blocks.len());
         let outcomes = (0..n_tiles).map(|tile| read_json::<Vec<BlockOutcome>>(&self.outcome(tile)));
         let outcomes: Vec<Vec<BlockOutcome>> = outcomes.collect::<Result<_, _>>()?;
         let (outcomes, unit) = (outcomes.into_iter().flatten(), self.plan.layout.unit());
-        Totals::of(&self.plan.params, outcomes, blocks.n_vertices, neighbourhoods.mean_length, unit)
+        Totals::of(&self.plan.params, outcomes, blocks.n_vertices, neighborhoods.mean_length, unit)
     }
 
-    fn summary(&self, blocks: &Blocks, neighbourhoods: &Neighbourhoods) -> Result<Summary, TilesError> {
-        let Totals { moved, n_far, levels } = self.totals(blocks, neighbourhoods)?;
+    fn summary(&self, blocks: &Blocks, neighborhoods: &Neighborhoods) -> Result<Summary, TilesError> {
+        let Totals { moved, n_far, levels } = self.totals(blocks, neighborhoods)?;
         let noise = match self.plan.params.denoise {
             Some(_) => Some(self.noise(moved[1], n_far)?),
             None => None,
@@ -262,7 +262,7 @@ impl Work {
             n_vertices: blocks.n_vertices,
             n_faces: self.plan.n_faces,
             n_tiles: self.plan.n_tiles(blocks.len()),
-            mean_length: neighbourhoods.mean_length * self.plan.layout.unit(),
+            mean_length: neighborhoods.mean_length * self.plan.layout.unit(),
             moved,
             levels,
             noise,
@@ -286,7 +286,7 @@ impl Work {
             return Ok(Vec::new());
         }
         let blocks = self.blocks()?;
-        let levels = self.levels(&blocks, &self.neighbourhoods(&blocks)?)?;
+        let levels = self.levels(&blocks, &self.neighborhoods(&blocks)?)?;
         let n_tiles = self.plan.n_tiles(blocks.len());
         let mut all: Vec<StoredFeature> = Vec::new();
         for tile in 0..n_tiles {
@@ -320,11 +320,11 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
     match job {
         Job::Run(run) => return work.sort_run(run, progress),
         Job::Sort => return work.sort(progress),
-        Job::Neighbours(_) | Job::Sides(_) | Job::Bands(_) | Job::Maps(_) => {}
+        Job::Neighbors(_) | Job::Sides(_) | Job::Bands(_) | Job::Maps(_) => {}
     }
     let blocks = work.blocks()?;
     let n_tiles = work.plan.n_tiles(blocks.len());
-    let (Job::Neighbours(tile) | Job::Sides(tile) | Job::Bands(tile) | Job::Maps(tile)) = job else {
+    let (Job::Neighbors(tile) | Job::Sides(tile) | Job::Bands(tile) | Job::Maps(tile)) = job else {
         return Ok(());
     };
     if tile >= n_tiles {
@@ -335,16 +335,16 @@ pub fn run_job(work: &Work, job: Job, progress: Progress<'_>) -> Result<(), Tile
     }
     work.check_ready(job, n_tiles)?;
     match job {
-        Job::Sides(_) => return work.sides_of_tile(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
+        Job::Sides(_) => return work.sides_of_tile(&blocks, &work.neighborhoods(&blocks)?, tile, progress),
         Job::Bands(_) => {
-            let (neighbourhoods, denoiser) =
-                (work.neighbourhoods(&blocks)?, work.denoiser(&blocks, progress.quiet())?);
-            return work.bands(&blocks, &neighbourhoods, denoiser.as_ref(), tile, progress);
+            let (neighborhoods, denoiser) =
+                (work.neighborhoods(&blocks)?, work.denoiser(&blocks, progress.quiet())?);
+            return work.bands(&blocks, &neighborhoods, denoiser.as_ref(), tile, progress);
         }
-        Job::Maps(_) => return work.maps(&blocks, &work.neighbourhoods(&blocks)?, tile, progress),
+        Job::Maps(_) => return work.maps(&blocks, &work.neighborhoods(&blocks)?, tile, progress),
         _ => {}
     }
-    work.neighbours(&blocks, &BoxTree::new(blocks.boxes.clone()), tile, progress)
+    work.neighbors(&blocks, &BoxTree::new(blocks.boxes.clone()), tile, progress)
 }
 
 /// Does all that is not done yet. Reports vertices, of as many times what there are as there are stages.
@@ -371,18 +371,18 @@ pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
     };
     let tree = BoxTree::new(blocks.boxes.clone());
     each(work, n_tiles, |tile| {
-        if !work.is_done(Job::Neighbours(tile)) {
-            work.neighbours(&blocks, &tree, tile, progress.quiet())?;
+        if !work.is_done(Job::Neighbors(tile)) {
+            work.neighbors(&blocks, &tree, tile, progress.quiet())?;
         }
         Ok(finished(tile)?)
     })?;
     drop(tree);
     release_freed();
-    let neighbourhoods = work.neighbourhoods(&blocks)?;
+    let neighborhoods = work.neighborhoods(&blocks)?;
     if work.has_sides() {
         each(work, n_tiles, |tile| {
             if !work.is_done(Job::Sides(tile)) {
-                work.sides_of_tile(&blocks, &neighbourhoods, tile, progress.quiet())?;
+                work.sides_of_tile(&blocks, &neighborhoods, tile, progress.quiet())?;
             }
             Ok(finished(tile)?)
         })?;
@@ -390,19 +390,19 @@ pub fn run(work: &Work, progress: Progress<'_>) -> Result<Summary, TilesError> {
     let denoiser = work.denoiser(&blocks, progress.quiet())?;
     each(work, n_tiles, |tile| {
         if !work.is_done(Job::Bands(tile)) {
-            work.bands(&blocks, &neighbourhoods, denoiser.as_ref(), tile, progress.quiet())?;
+            work.bands(&blocks, &neighborhoods, denoiser.as_ref(), tile, progress.quiet())?;
         }
         Ok(finished(tile)?)
     })?;
     if work.has_maps() {
         each(work, n_tiles, |tile| {
             if !work.is_done(Job::Maps(tile)) {
-                work.maps(&blocks, &neighbourhoods, tile, progress.quiet())?;
+                work.maps(&blocks, &neighborhoods, tile, progress.quiet())?;
             }
             Ok(finished(tile)?)
         })?;
     }
-    work.summary(&blocks, &neighbourhoods)
+    work.summary(&blocks, &neighborhoods)
 }
 
 /// `job(tile)` for all tiles, by as many workers as were asked for; the first error ends the others after their tile.

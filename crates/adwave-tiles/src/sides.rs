@@ -1,9 +1,9 @@
 //! Which normals of a cloud are on the same side of its surface, over all tiles.
 //!
-//! The side is carried from point to point along the spanning tree of least cost, of all points and pairs of neighbours, as
+//! The side is carried from point to point along the spanning tree of least cost, of all points and pairs of neighbors, as
 //! [`cloud_normals`](adwave::signal::cloud_normals) has it; pairs of equal cost count in the order of the curve, so that there is one such
 //! tree. A tile finds the pairs of its own that are in it for certain: taken by rising cost, a pair that joins two groups of points of which
-//! one has no neighbour in another tile is the cheapest that leaves that group. Points that are joined so are a piece. All other pairs that
+//! one has no neighbor in another tile is the cheapest that leaves that group. Points that are joined so are a piece. All other pairs that
 //! may be in the tree are few, and are looked at together.
 
 use std::io::Write;
@@ -18,7 +18,7 @@ use crate::TilesError;
 use crate::blocks::Blocks;
 use crate::files::{At, Cursor, write_whole};
 use crate::layout::u32_at;
-use crate::part::{Limits, Neighbourhoods, Part, each_part};
+use crate::part::{Limits, Neighborhoods, Part, each_part};
 use crate::stretches::Stretches;
 
 /// Groups of points, and of each point whether its normal is on the other side than that of its group's first.
@@ -65,7 +65,7 @@ impl Groups {
     }
 }
 
-/// A pair of neighbours that may be in the tree: what it costs, where its ends are along the curve, whether their normals as planes have
+/// A pair of neighbors that may be in the tree: what it costs, where its ends are along the curve, whether their normals as planes have
 /// them are on other sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Pair {
@@ -95,7 +95,7 @@ struct Found {
 /// Finds and writes the pieces of the blocks `tile`.
 pub(crate) fn sides_of_tile(
     blocks: &Blocks,
-    neighbourhoods: &Neighbourhoods,
+    neighborhoods: &Neighborhoods,
     tile: Range<usize>,
     limits: Limits,
     path: &Path,
@@ -104,8 +104,8 @@ pub(crate) fn sides_of_tile(
     let mut found = Found::default();
     // Whose normals the pairs compare, and whose places these normals ask for.
     let limits = Limits { rings: 2, ..limits };
-    each_part(blocks, neighbourhoods, tile, limits, progress, |part, tile| {
-        found.add(&part, blocks.vertices(tile.start).start, neighbourhoods, progress)
+    each_part(blocks, neighborhoods, tile, limits, progress, |part, tile| {
+        found.add(&part, blocks.vertices(tile.start).start, neighborhoods, progress)
     })?;
     write_whole(path, |out| {
         let mut head = MARK.to_vec();
@@ -130,12 +130,12 @@ impl Found {
         &mut self,
         part: &Part,
         first: usize,
-        neighbourhoods: &Neighbourhoods,
+        neighborhoods: &Neighborhoods,
         progress: Progress<'_>,
     ) -> Result<(), TilesError> {
-        let normals = plane_normals(&part.points, &part.neighbours, progress)?;
+        let normals = plane_normals(&part.points, &part.neighbors, progress)?;
         let step = |x: usize, y: usize| {
-            let of = |x: usize| (part.points[x], normals[x], neighbourhoods.radius(part.areas[x]));
+            let of = |x: usize| (part.points[x], normals[x], neighborhoods.radius(part.areas[x]));
             side_step(of(x), of(y))
         };
         let own = part.own.clone();
@@ -143,7 +143,7 @@ impl Found {
             progress.check()?;
             let (mut inside, mut across) = (Vec::new(), Vec::new());
             for x in range {
-                for &y in part.neighbours.of(x) {
+                for &y in part.neighbors.of(x) {
                     let y = y as usize;
                     if y < x && own.contains(&y) {
                         continue; // looked at from there
@@ -166,7 +166,7 @@ impl Found {
         inside.par_sort_unstable();
         progress.check()?;
         let (n, number) = (own.len(), |x: u32| x - own.start as u32);
-        // Groups that the cheapest pairs join, whether certain or not; which of them have a neighbour elsewhere; pieces.
+        // Groups that the cheapest pairs join, whether certain or not; which of them have a neighbor elsewhere; pieces.
         let (mut groups, mut pieces) = (Groups::new(n), Groups::new(n));
         let mut is_open = vec![false; n];
         for pair in &across {

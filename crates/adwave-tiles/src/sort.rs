@@ -17,7 +17,7 @@ use crate::layout::{Layout, Lengths, Steps, coordinates, whole};
 use crate::plan::Plan;
 use crate::{TilesError, cloud, mesh, names};
 
-/// Place along the curve, then position, so that equal positions are neighbours and nothing else is a tie.
+/// Place along the curve, then position, so that equal positions are neighbors and nothing else is a tie.
 pub(crate) type Key<P> = (u64, P);
 
 /// How records lie along the curve.

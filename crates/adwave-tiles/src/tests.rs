@@ -128,7 +128,7 @@ fn vectors_map_and_features_are_those_of_the_cloud_in_memory() {
     let kinds = [
         (MapKind::Entropy, Weighting::Entropy),
         (MapKind::PerLevel, Weighting::PerLevel),
-        (MapKind::Normalised, Weighting::Normalised),
+        (MapKind::Normalized, Weighting::Normalized),
         (MapKind::Uniform, Weighting::Uniform),
     ];
     for (kind, weighting) in kinds {
@@ -188,11 +188,9 @@ fn a_tile_that_has_more_around_it_than_memory_allows_is_worked_on_in_parts() {
     assert_eq!(run(&work, Progress::none()).unwrap().n_tiles, 1);
     // All at once is too much, one block is not.
     let blocks = work.blocks().unwrap();
-    let neighbourhoods = work.neighbourhoods(&blocks).unwrap();
+    let neighborhoods = work.neighborhoods(&blocks).unwrap();
     let fits = |range| {
-        part(&blocks, &neighbourhoods, range, work.plan.limits().unwrap(), Progress::none())
-            .unwrap()
-            .is_some()
+        part(&blocks, &neighborhoods, range, work.plan.limits().unwrap(), Progress::none()).unwrap().is_some()
     };
     assert!(!fits(0..blocks.len()) && fits(0..1));
     let out = path.join("joined.las");
@@ -249,20 +247,20 @@ fn a_work_goes_on_after_any_job_and_jobs_may_be_done_twice_or_by_others() {
     let whole = joined(&folder.path().join("whole"), &inputs, &params);
     let path = folder.path().join("parts");
     let work = Work::begin(&path, &inputs, &params).unwrap().0;
-    assert!(run_job(&work, Job::Neighbours(0), Progress::none()).is_err());
+    assert!(run_job(&work, Job::Neighbors(0), Progress::none()).is_err());
     std::fs::write(path.join("run-0000000000.bin"), b"half a run").unwrap();
     assert!(!work.is_done(Job::Run(0)));
     run_job(&work, Job::Run(0), Progress::none()).unwrap();
     assert!(work.is_done(Job::Run(0)) && work.n_runs() == 1);
     assert!(matches!(run_job(&work, Job::Run(1), Progress::none()), Err(TilesError::Input(_))));
     run_job(&work, Job::Sort, Progress::none()).unwrap();
-    for job in [Job::Neighbours(2), Job::Neighbours(0), Job::Neighbours(0)] {
+    for job in [Job::Neighbors(2), Job::Neighbors(0), Job::Neighbors(0)] {
         run_job(&work, job, Progress::none()).unwrap();
     }
     let early = run_job(&work, Job::Bands(1), Progress::none());
-    assert!(early.unwrap_err().to_string().contains("the neighbours of tile 1 are not there yet"));
+    assert!(early.unwrap_err().to_string().contains("the neighbors of tile 1 are not there yet"));
     let work = Work::open(&path).unwrap();
-    run_job(&work, Job::Neighbours(1), Progress::none()).unwrap();
+    run_job(&work, Job::Neighbors(1), Progress::none()).unwrap();
     run_job(&work, Job::Bands(1), Progress::none()).unwrap();
     assert!(run_job(&work, Job::Bands(3), Progress::none()).is_err());
     let early = run_job(&work, Job::Maps(1), Progress::none());
@@ -329,10 +327,10 @@ fn two_who_sort_at_once_sort_once_and_files_of_another_work_are_not_taken() {
         assert!(both.into_iter().all(|sort| sort.join().unwrap().is_ok()));
     });
     for tile in 0..work.n_tiles().unwrap() {
-        run_job(&work, Job::Neighbours(tile), Progress::none()).unwrap();
+        run_job(&work, Job::Neighbors(tile), Progress::none()).unwrap();
     }
     std::fs::remove_file(path.join("plan.json")).unwrap();
-    let other = Params { neighbours: 4, ..params() };
+    let other = Params { neighbors: 4, ..params() };
     let begun = Work::begin(&path, &inputs, &other).map(|_| ());
     assert!(matches!(&begun, Err(TilesError::Input(what)) if what.contains("earlier work")), "{begun:?}");
 }
@@ -364,7 +362,7 @@ fn broken_files_of_the_folder_are_named() {
         let work = Work::begin(&path, std::slice::from_ref(&input), &params).unwrap().0;
         run_job(&work, Job::Sort, Progress::none()).unwrap();
         for tile in 0..work.n_tiles().unwrap() {
-            run_job(&work, Job::Neighbours(tile), Progress::none()).unwrap();
+            run_job(&work, Job::Neighbors(tile), Progress::none()).unwrap();
         }
         let bytes = std::fs::read(path.join(name)).unwrap();
         for cut in [0, 7, bytes.len() / 2, bytes.len() - 1] {

@@ -181,8 +181,8 @@ impl Totals {
                 // α_j = (max|W_f(j)| − mean|W_f(j)|)² (eq. 17)
                 MapKind::PerLevel => ((sums.most - sums.sum / n) * unit).powi(2),
                 // A level without any response adds nothing.
-                MapKind::Normalised | MapKind::Entropy if sums.sum == 0.0 => 0.0,
-                MapKind::Normalised => (sums.sum / n * unit).recip(),
+                MapKind::Normalized | MapKind::Entropy if sums.sum == 0.0 => 0.0,
+                MapKind::Normalized => (sums.sum / n * unit).recip(),
                 MapKind::Entropy => sums.unevenness(n, mean_length) / (sums.sum / n * unit),
             }),
         };

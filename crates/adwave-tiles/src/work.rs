@@ -11,7 +11,7 @@ use crate::layout::Layout;
 use crate::mesh::{self, FaceFiles, is_mesh};
 use crate::names::{FACES, PLAN, RECORDS, TABLE, is_own, is_temporary, is_tile, names};
 use crate::near_file::NearFile;
-use crate::part::{Kind, Neighbourhoods};
+use crate::part::{Kind, Neighborhoods};
 use crate::plan::{Forecast, Params, Plan};
 use crate::sort::{has_run, n_runs, records_of_a_run};
 use crate::{TilesError, cloud};
@@ -24,11 +24,11 @@ pub enum Job {
     Run(usize),
     /// All points in the order of the curve, and the faces of a mesh to its tiles; there is one of these.
     Sort,
-    /// The neighbourhoods of a tile, after the sort.
-    Neighbours(usize),
-    /// Which normals of a tile are on one side, after all neighbourhoods, where a cloud is denoised.
+    /// The neighborhoods of a tile, after the sort.
+    Neighbors(usize),
+    /// Which normals of a tile are on one side, after all neighborhoods, where a cloud is denoised.
     Sides(usize),
-    /// The bands of a tile or its positions without noise, after all neighbourhoods and sides.
+    /// The bands of a tile or its positions without noise, after all neighborhoods and sides.
     Bands(usize),
     /// The saliency map and the features of a tile, after all bands, where there are to be any.
     Maps(usize),
@@ -50,9 +50,9 @@ pub struct Status {
     pub runs_done: usize,
     /// Tiles, known once all is sorted.
     pub n_tiles: Option<usize>,
-    /// Tiles whose neighbours are found.
-    pub neighbours_done: usize,
-    /// Whether sides are to be found once all neighbours are.
+    /// Tiles whose neighbors are found.
+    pub neighbors_done: usize,
+    /// Whether sides are to be found once all neighbors are.
     pub has_sides: bool,
     /// Tiles whose sides are found.
     pub sides_done: usize,
@@ -164,7 +164,7 @@ impl Work {
             }
             return Ok((Self { folder: folder.to_owned(), plan }, forecast));
         }
-        // Neighbourhoods of other points would pass for those of these, and tiles, which may be inputs, would be replaced.
+        // Neighborhoods of other points would pass for those of these, and tiles, which may be inputs, would be replaced.
         if let Some(name) = names(folder)?.iter().find(|name| is_own(name)) {
             return Err(TilesError::Input(format!(
                 "{} is of an earlier work; move or delete such files, or name another folder",
@@ -298,17 +298,17 @@ impl Work {
         Ok(self.plan.n_tiles(self.blocks()?.len()))
     }
 
-    pub(crate) fn neighbourhoods(&self, blocks: &Blocks) -> Result<Neighbourhoods, TilesError> {
+    pub(crate) fn neighborhoods(&self, blocks: &Blocks) -> Result<Neighborhoods, TilesError> {
         let n_tiles = self.plan.n_tiles(blocks.len());
         let open = |tile| NearFile::open(&self.near(tile), &self.plan.tile(tile, blocks.len()));
         let files = (0..n_tiles).map(open).collect::<Result<Vec<_>, _>>()?;
         let kind = match self.plan.layout {
             Layout::Las(_) => {
-                Kind::Nearest(self.plan.params.neighbours.min((blocks.n_vertices as usize).saturating_sub(1)))
+                Kind::Nearest(self.plan.params.neighbors.min((blocks.n_vertices as usize).saturating_sub(1)))
             }
             Layout::Mesh(_) => Kind::Faces,
         };
-        Ok(Neighbourhoods::new(files, blocks, self.plan.blocks_per_tile, kind))
+        Ok(Neighborhoods::new(files, blocks, self.plan.blocks_per_tile, kind))
     }
 
     /// The lengths of the files of faces, once all are written.
@@ -330,7 +330,7 @@ impl Work {
                 self.is_sorted() || has_run(&self.plan, &self.folder, records_of_a_run(&self.plan), run)
             }
             Job::Sort => self.is_sorted(),
-            Job::Neighbours(tile) => self.near(tile).exists(),
+            Job::Neighbors(tile) => self.near(tile).exists(),
             Job::Sides(tile) => self.sides(tile).exists(),
             Job::Bands(tile) if self.has_maps() => {
                 [self.outcome(tile), self.made(tile), self.lengths(tile)].iter().all(|path| path.exists())
@@ -345,9 +345,9 @@ impl Work {
         type OfTile = fn(usize) -> Job;
         let (before, named): (OfTile, _) = match job {
             Job::Bands(_) if self.has_sides() => (Job::Sides, "sides"),
-            Job::Sides(_) | Job::Bands(_) => (Job::Neighbours, "neighbours"),
+            Job::Sides(_) | Job::Bands(_) => (Job::Neighbors, "neighbors"),
             Job::Maps(_) => (Job::Bands, "bands"),
-            Job::Run(_) | Job::Sort | Job::Neighbours(_) => return Ok(()),
+            Job::Run(_) | Job::Sort | Job::Neighbors(_) => return Ok(()),
         };
         match (0..n_tiles).find(|&tile| !self.is_done(before(tile))) {
             Some(tile) => Err(TilesError::Input(format!(
@@ -375,7 +375,7 @@ impl Work {
             n_runs,
             runs_done: done(n_runs, Job::Run),
             n_tiles,
-            neighbours_done: of_tiles(Job::Neighbours),
+            neighbors_done: of_tiles(Job::Neighbors),
             has_sides: self.has_sides(),
             sides_done: if self.has_sides() { of_tiles(Job::Sides) } else { 0 },
             bands_done: of_tiles(Job::Bands),

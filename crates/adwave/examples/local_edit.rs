@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // A ball along the surface round vertex 0; its weights fall softly to 0.
     let ball =
-        Region::Ball { centre: Place::Vertex(0), radius: Length::PercentOfDiagonal(10.0), falloff: None };
+        Region::Ball { center: Place::Vertex(0), radius: Length::PercentOfDiagonal(10.0), falloff: None };
     let weights = ball.weights(decomposer.metric(), &|_| None, &[], Progress::none())?;
     let touched = editor.push_layer(WeightedLayer { gains: Preset::Suppress.gains(8), weights })?;
     if let Touched::Some(touched) = &touched {

@@ -1,6 +1,6 @@
 //! Smooths a shape, file to file: `cargo run --example smooth_a_file [-- IN OUT]`.
 //!
-//! Without arguments it smooths the built-in creature. Everything else that the file holds (faces, colours, other fields) is
+//! Without arguments it smooths the built-in creature. Everything else that the file holds (faces, colors, other fields) is
 //! written as it was read.
 
 use adwave::Decomposer;

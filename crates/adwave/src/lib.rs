@@ -5,7 +5,7 @@
 //! | idea | where | equation |
 //! |---|---|---|
 //! | a shape, welded, triangulated and numbered for the analysis | [`shape`]: [`Shape`](shape::Shape), [`PreparedGeometry`](shape::PreparedGeometry) | |
-//! | how much neighbours have to do with each other: the local operator T | [`operator::local_operator`] | (eq. 1) (eq. 2) |
+//! | how much neighbors have to do with each other: the local operator T | [`operator::local_operator`] | (eq. 1) (eq. 2) |
 //! | one step of diffusion, Φ₁ = \[T\]_r, and its stationary distribution | [`operator::Diffusion`] | (eq. 4) (eq. 5) (eq. 10) |
 //! | heat on the surface in the place of that walk, for bands that do not see the mesh | [`operator::surface_diffusion`], [`laplacian`] | |
 //! | n steps as √n products with Φ₁ | [`sparse`], [`bands::Transform`] | |

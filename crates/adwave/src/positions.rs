@@ -18,7 +18,7 @@ pub enum Borders {
     Natural,
     /// The same, and vertices on the border stay where they are; the change grows to its full size over some edges.
     Keep,
-    /// As the bands have it (the paper's): smoothing draws borders in, since neighbours stand on one side only.
+    /// As the bands have it (the paper's): smoothing draws borders in, since neighbors stand on one side only.
     Free,
 }
 
@@ -103,11 +103,11 @@ const VOLUME_ACCURACY: f64 = 1e-13;
 /// the shape. Vertices that the filter left where they were stay there to the last bit. O(n log n).
 ///
 /// Along the normals ([`Along::Normal`]) a vertex moves by `n·(n·d)` in place of d, n the unit normal there, smoothed over a few edges;
-/// within the surface by `d − n·(n·d)`. On a cloud what is tangential pulls points together where they are dense: neighbours come
+/// within the surface by `d − n·(n·d)`. On a cloud what is tangential pulls points together where they are dense: neighbors come
 /// nearer and holes open.
 ///
 /// With borders other than [`Borders::Free`], vertices of a mesh for which no direction is asked for move along the normals in each connected part that
-/// has a border: what is tangential there is the drift of one-sided neighbours, which draws the outline in by σ/√π. Parts without a
+/// has a border: what is tangential there is the drift of one-sided neighbors, which draws the outline in by σ/√π. Parts without a
 /// border keep their bits. [`Volume::Keep`] then adds one offset δ times the vertex's
 /// normal, weighted 1 where the filter moved anything and 0 elsewhere, δ from Newton's method on the enclosed volume (`desbrun1999`).
 ///
@@ -216,7 +216,7 @@ fn reached(
 }
 
 /// Unit normals of the welded vertices, of the faces round them or of a cloud's tangent planes, after [`NORMAL_STEPS`] lazy steps to
-/// each neighbour alike; zero where there is none. Of a cloud they have either sign, and neighbours count with that of the vertex itself:
+/// each neighbor alike; zero where there is none. Of a cloud they have either sign, and neighbors count with that of the vertex itself:
 /// what moves along a normal does not depend on its sign, and to orient a cloud takes longer than to filter it.
 fn smooth_normals(decomposer: &Decomposer, progress: Progress<'_>) -> Result<Vec<[f64; 3]>, Cancelled> {
     let ring = decomposer.ring(progress)?;

@@ -91,7 +91,7 @@ fn a_lone_bump_is_found_on_its_top_at_its_own_size_however_fine_the_mesh() {
 }
 
 #[test]
-fn the_normalised_response_of_a_lone_bump_has_no_size() {
+fn the_normalized_response_of_a_lone_bump_has_no_size() {
     // mean|W_j| is the bump's own there, and R_j at the top is |M|/4π · q^(1/(q−1)) / a with a = w² + σ²/4, b = w² + σ²/2 and
     // q = b/a, which falls with σ.
     for (n, levels) in MESHES {
@@ -111,12 +111,12 @@ fn the_normalised_response_of_a_lone_bump_has_no_size() {
                 assert!((response / form - 1.0).abs() < CLOSED_FORM, "level {j}: {response}, not {form}");
             }
         }
-        assert!(ground.features(Response::Normalised).iter().all(|f| f.vertex != top));
+        assert!(ground.features(Response::Normalized).iter().all(|f| f.vertex != top));
     }
 }
 
 #[test]
-fn on_ground_with_relief_of_all_sizes_the_normalised_response_finds_the_bump_at_its_own_size() {
+fn on_ground_with_relief_of_all_sizes_the_normalized_response_finds_the_bump_at_its_own_size() {
     /// Not where the relief is symmetric, and at a vertex of each mesh.
     const TOP: [f64; 2] = [0.1, -1.0 / 6.0];
     /// The amplitude of an octave: so much that the relief and not the bump makes the means, so little that it does not hide
@@ -124,7 +124,7 @@ fn on_ground_with_relief_of_all_sizes_the_normalised_response_finds_the_bump_at_
     const RELIEF: f64 = 0.1;
     // With means that are the same on every level it is the plain response.
     let fitting = (2.0 * 2.0_f64.sqrt()).sqrt() * WIDTH;
-    for response in [Response::Normalised, Response::Literal, Response::Channels] {
+    for response in [Response::Normalized, Response::Literal, Response::Channels] {
         let sizes = MESHES.map(|(n, levels)| {
             let ground = Ground::new(n, levels, &|p| bump(p, TOP) + RELIEF * relief(p));
             let strongest = ground.strongest(response);

@@ -1,7 +1,7 @@
 //! Normals of real meshes that are taken as clouds point out where those of the mesh do.
 
-use adwave::shape::{Mesh, PreparedGeometry, Shape, WeldMode, nearest_neighbours, vertex_normals};
-use adwave::signal::{FIT_NEIGHBOURS, cloud_normals};
+use adwave::shape::{Mesh, PreparedGeometry, Shape, WeldMode, nearest_neighbors, vertex_normals};
+use adwave::signal::{FIT_NEIGHBORS, cloud_normals};
 use adwave::{Progress, vector::dot};
 use adwave_io::{ReadLimits, read_path};
 use adwave_test_data::data_test;
@@ -90,7 +90,7 @@ fn nearly_all_normals_of_a_cloud_point_outwards() {
             let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
             let points = geometry.points();
             let expected = outward_normals(points, geometry.triangles());
-            let found = cloud_normals(points, &nearest_neighbours(points, FIT_NEIGHBOURS));
+            let found = cloud_normals(points, &nearest_neighbors(points, FIT_NEIGHBORS));
             let pairs = expected.iter().zip(&found).filter(|(n, _)| **n != [0.0; 3]);
             let n_outward = pairs.clone().filter(|(n, m)| dot(n, m) > 0.0).count();
             let share = n_outward as f64 / pairs.count() as f64;
@@ -108,7 +108,7 @@ fn nearly_all_normals_of_a_cloud_point_outwards() {
 
 #[test]
 fn a_thin_plate_and_a_terrain_have_the_sides_that_they_have() {
-    // A plate of two sheets two steps apart, closed by a chamfer: what lies across is among the neighbours, and has the opposite
+    // A plate of two sheets two steps apart, closed by a chamfer: what lies across is among the neighbors, and has the opposite
     // normal.
     let n = 24_u32;
     let sheet = |z: f64| (0..n * n).map(move |i| [f64::from(i % n), f64::from(i / n), z]);
@@ -128,7 +128,7 @@ fn a_thin_plate_and_a_terrain_have_the_sides_that_they_have() {
             [f64::from(i % n) + out(i % n), f64::from(i / n) + out(i / n), 1.0]
         }))
         .collect();
-    let normals = cloud_normals(&plate, &nearest_neighbours(&plate, FIT_NEIGHBOURS));
+    let normals = cloud_normals(&plate, &nearest_neighbors(&plate, FIT_NEIGHBORS));
     let inner = |p: &[f64; 3]| p[..2].iter().all(|c| (4.0..f64::from(n) - 5.0).contains(c));
     for (p, normal) in plate.iter().zip(&normals).filter(|(p, _)| inner(p)) {
         assert!((normal[2] > 0.9) == (p[2] > 1.0) && normal[2].abs() > 0.9, "{p:?}: {normal:?}");
@@ -139,7 +139,7 @@ fn a_thin_plate_and_a_terrain_have_the_sides_that_they_have() {
             [p[0], p[1], sign * 3.0 * (-((p[0] - 8.0).powi(2) + (p[1] - 11.0).powi(2)) / 18.0).exp()]
         };
         let terrain: Vec<[f64; 3]> = sheet(0.0).map(hill).collect();
-        let normals = cloud_normals(&terrain, &nearest_neighbours(&terrain, FIT_NEIGHBOURS));
+        let normals = cloud_normals(&terrain, &nearest_neighbors(&terrain, FIT_NEIGHBORS));
         assert!(normals.iter().all(|n| n[2] > 0.0), "{sign}");
     }
 }

@@ -49,7 +49,7 @@ fn all() -> Vec<(String, Shape, OperatorParams)> {
         shapes.push((format!("torus {area:?}"), mesh(&points, &faces), default.with_mesh_area(area)));
     }
     shapes.push(("torus, 2 rings".into(), mesh(&points, &faces), default.with_rings(2)));
-    for area in [CloudArea::KthNeighbour, CloudArea::Unit, CloudArea::TangentVoronoi] {
+    for area in [CloudArea::KthNeighbor, CloudArea::Unit, CloudArea::TangentVoronoi] {
         shapes.push((format!("cloud {area:?}"), cloud(&points), default.with_cloud_area(area)));
     }
     let directed = default.with_cloud_graph(CloudGraph::Directed);
@@ -155,7 +155,7 @@ fn bands_sum_to_the_signal_and_constants_have_none() {
 }
 
 #[test]
-fn vertices_without_neighbours_keep_their_value() {
+fn vertices_without_neighbors_keep_their_value() {
     let shape = broken();
     let (values, _) = signal(&shape);
     let split = bands(&shape, &OperatorParams::default(), &values, 3);
@@ -170,7 +170,7 @@ fn rotating_moving_and_scaling_commute_with_the_transform() {
     let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
     let (scale, shift) = (7.3, Vector3::new(3.0, -2.0, 0.5));
     let place = |p: &[f64; 3]| -> [f64; 3] { (turn * Vector3::from(*p) * scale + shift).into() };
-    // A sphere whose vertices spread evenly has many neighbours at nearly equal distances; the grid of the torus has ties.
+    // A sphere whose vertices spread evenly has many neighbors at nearly equal distances; the grid of the torus has ties.
     for name in ["sphere", "torus", "plane"] {
         let (points, faces) = sample(name, 2000);
         let placed: Vec<_> = points.iter().map(place).collect();
@@ -261,7 +261,7 @@ fn channels_do_not_mix_and_threads_do_not_matter() {
 
 #[test]
 fn a_seam_that_differs_is_kept_and_does_not_split_the_surface() {
-    // Every triangle with corners of its own, as in an STL: the walk crosses, and a colour that jumps comes back.
+    // Every triangle with corners of its own, as in an STL: the walk crosses, and a color that jumps comes back.
     let (points, faces) = sample("sphere", 500);
     let soup: Vec<_> = faces.corners().iter().map(|&v| points[v as usize]).collect();
     let own: Vec<[u32; 3]> = (0..faces.len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
@@ -299,7 +299,7 @@ fn the_cycle_has_its_closed_form() {
 
 #[test]
 fn one_step_on_a_regular_triangulation_is_as_wide_as_the_formula_says() {
-    // In the middle of equilateral triangles of side 1 all six neighbours are alike: s² = ½·1.
+    // In the middle of equilateral triangles of side 1 all six neighbors are alike: s² = ½·1.
     let (rows, columns) = (80_u32, 80_u32);
     let mut points = Vec::new();
     for r in 0..rows {
@@ -319,8 +319,8 @@ fn one_step_on_a_regular_triangulation_is_as_wide_as_the_formula_says() {
     let (at, _) =
         points.iter().enumerate().find(|(_, p)| **p == points[(40 * columns + 40) as usize]).unwrap();
     let class = decomposer.geometry().vertex_map().welded(at);
-    let (neighbours, weights) = decomposer.diffusion().row(class);
-    assert_eq!(neighbours.len(), 6);
+    let (neighbors, weights) = decomposer.diffusion().row(class);
+    assert_eq!(neighbors.len(), 6);
     assert!(weights.iter().all(|w| (w - 1.0 / 12.0).abs() < ROW_SUM));
     assert!((decomposer.diffusion().step_length() - 0.5_f64.sqrt()).abs() < 1e-9);
 }

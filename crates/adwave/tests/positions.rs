@@ -92,13 +92,13 @@ fn the_outline_of_a_half_cylinder_keeps_its_length_and_its_straight_edges() {
 fn a_bump_next_to_the_border_is_smoothed_like_one_inside() {
     let (mut points, faces) = common::plane(80);
     let (radius, height) = (0.15, 0.1);
-    let centres = [[0.0, 0.0], [1.0 - radius, 0.0]];
+    let centers = [[0.0, 0.0], [1.0 - radius, 0.0]];
     for p in &mut points {
         let bump = |c: &[f64; 2]| {
             let square = (p[0] - c[0]).powi(2) + (p[1] - c[1]).powi(2);
             (-square / (2.0 * radius * radius)).exp()
         };
-        p[2] = height * centres.iter().map(bump).sum::<f64>();
+        p[2] = height * centers.iter().map(bump).sum::<f64>();
     }
     let shape = decomposer(&points, &faces);
     let top = |points: &[[f64; 3]], c: &[f64; 2]| {
@@ -106,11 +106,11 @@ fn a_bump_next_to_the_border_is_smoothed_like_one_inside() {
     };
     let after = |preset| settled(&shape, &points, preset, 5, borders(Borders::Natural));
     let paper = after(Preset::SuppressPaper);
-    let [inside, border] = centres.map(|c| top(&points, &c) - top(&paper, &c));
+    let [inside, border] = centers.map(|c| top(&points, &c) - top(&paper, &c));
     assert!((border / inside - 1.0).abs() < 0.05, "{inside} taken off inside, {border} at the border");
     // What 2Φⁿ − Φ²ⁿ takes off is a small difference of large ones; what it leaves is alike.
     let gentle = after(Preset::Suppress);
-    let [inside, border] = centres.map(|c| top(&gentle, &c));
+    let [inside, border] = centers.map(|c| top(&gentle, &c));
     assert!(inside < 0.99 * height, "{inside} left of {height}");
     assert!((border / inside - 1.0).abs() < 0.02, "{inside} left inside, {border} at the border");
 }
@@ -153,12 +153,12 @@ fn an_open_shape_has_no_volume_to_keep() {
 
 /// The distance of each point to its nearest.
 fn nearest(points: &[[f64; 3]]) -> Vec<f64> {
-    adwave::shape::nearest_neighbours(points, 1).radius
+    adwave::shape::nearest_neighbors(points, 1).radius
 }
 
 #[test]
 fn points_of_a_cloud_move_along_its_normals_and_stay_apart() {
-    // A sphere with waves, sampled at random: neighbours are at all distances.
+    // A sphere with waves, sampled at random: neighbors are at all distances.
     let mut sample = Sample::by_name("sphere", Some(6000)).unwrap();
     sample.add_noise(adwave::sample::NoiseSigma::MeanEdge(0.3), 5).unwrap();
     let mut seed = 7_u64;

@@ -21,9 +21,9 @@ const ROUNDING: f64 = 1e-12;
 const COMMUTES: f64 = 1e-6;
 
 const RESPONSES: [Response; 4] =
-    [Response::Normalised, Response::Literal, Response::Channels, Response::Sigma];
+    [Response::Normalized, Response::Literal, Response::Channels, Response::Sigma];
 const WEIGHTINGS: [Weighting; 5] =
-    [Weighting::PerLevel, Weighting::AsPrinted, Weighting::Normalised, Weighting::Ranks, Weighting::Uniform];
+    [Weighting::PerLevel, Weighting::AsPrinted, Weighting::Normalized, Weighting::Ranks, Weighting::Uniform];
 
 fn mesh(points: Vec<[f64; 3]>, faces: Polygons) -> Shape {
     Shape::Mesh(Mesh::new(points, faces).unwrap())
@@ -148,7 +148,7 @@ fn gcd(a: usize, b: usize) -> usize {
 
 #[test]
 fn ties_leave_exactly_one_feature() {
-    // Two neighbouring nodes with the same value by symmetry; both rows of the walk are mirror images.
+    // Two neighboring nodes with the same value by symmetry; both rows of the walk are mirror images.
     let edges: Vec<_> = (1..40).map(|i| (i - 1, i, 1.0)).collect();
     let graph = Shape::Graph(Graph::new(40, &edges).unwrap());
     let walk = walk(&graph);
@@ -192,7 +192,7 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
             Weighting::PerLevel => (level.max - level.mean).powi(2),
             Weighting::AsPrinted => (level.max - norm(5)).powi(2),
             Weighting::Entropy => unreachable!("not among those of this test"),
-            Weighting::Normalised => 1.0 / level.mean,
+            Weighting::Normalized => 1.0 / level.mean,
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         assert!((map[5] - alpha * norm(5)).abs() <= ROUNDING * map[5].abs());

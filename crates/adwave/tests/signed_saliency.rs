@@ -51,10 +51,10 @@ fn map(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: OperatorKind) -> Vec<f
 }
 
 #[test]
-fn a_drawn_map_is_within_less_than_a_colour_of_the_exact_one() {
+fn a_drawn_map_is_within_less_than_a_color_of_the_exact_one() {
     /// What the studio asks for.
     const ACCURACY: f64 = 3e-3;
-    const COLOURS: f64 = 256.0;
+    const COLORS: f64 = 256.0;
     let Sample { points, faces } = Sample::by_name("creature", Some(20_000)).unwrap();
     let shape = Shape::Mesh(Mesh::new(points.clone(), faces).unwrap());
     for (kind, schedule) in [
@@ -81,7 +81,7 @@ fn a_drawn_map_is_within_less_than_a_colour_of_the_exact_one() {
             let drawn = drawn_saliency(&decomposer, &drawn, Progress::none()).unwrap();
             let mut sizes: Vec<f64> = exact.iter().map(|v| v.abs()).collect();
             sizes.sort_by(f64::total_cmp);
-            let step = 2.0 * sizes[sizes.len() * 24 / 25] / COLOURS;
+            let step = 2.0 * sizes[sizes.len() * 24 / 25] / COLORS;
             let off = exact.iter().zip(&drawn).map(|(e, d)| (e - f64::from(*d)).abs()).fold(0.0, f64::max);
             assert!(off < step, "{kind:?}, {size}: {off:e}, a step is {step:e}");
         }

@@ -178,7 +178,7 @@ def with_results(
         none again while z is 0. Normals that are stored are left out, because they belong to the old points.
     fields, face_fields
         Values per vertex and per face, (n,) or (n, c), to attach under their names. The field 'color' becomes
-        the colours that trimesh and Open3D show, 'normal' the normals of Open3D.
+        the colors that trimesh and Open3D show, 'normal' the normals of Open3D.
     faces
         New faces, (m, k). With new faces, or a cloud of another number of points, no old values are kept.
 

@@ -1,6 +1,6 @@
 """What the shapes of other libraries hold.
 
-No library is imported to recognise its objects: the module names of their classes tell. Readers give what is
+No library is imported to recognize its objects: the module names of their classes tell. Readers give what is
 there as it is; `adwave._adapt` checks and converts it.
 """
 
@@ -69,7 +69,7 @@ def library_of(x: object) -> str | None:
 
 
 def class_names(x: object) -> set[str]:
-    """Names of the classes of `x`, so that subclasses are recognised."""
+    """Names of the classes of `x`, so that subclasses are recognized."""
     return {cls.__name__ for cls in type(x).__mro__}
 
 

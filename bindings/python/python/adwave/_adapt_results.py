@@ -219,7 +219,7 @@ def _rebuild_vectors(like: Any, results: _Results, is_mesh: bool) -> Any:
     for name, values in results.fields.items():
         if np.ndim(values) != 2 or np.shape(values)[1] < 3:
             raise ValueError(f"fields[{name!r}]: shape {np.shape(values)}, but Open3D wants (n, 3)")
-        # Open3D shows colours from 0 to 1, the others keep bytes.
+        # Open3D shows colors from 0 to 1, the others keep bytes.
         scale = 255.0 if name == "color" and np.asarray(values).dtype.kind in "iu" else 1.0
         setattr(new, f"{prefix}{name}s", utility.Vector3dVector(np.asarray(values)[:, :3] / scale))
     return new

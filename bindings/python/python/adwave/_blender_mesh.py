@@ -18,7 +18,7 @@ from adwave._progress import Report
 
 #: Names that begin with a dot are not listed by Blender.
 ORIGINAL = ".adwave_original"
-#: Ends of the scale of colours, of linear light: hollow, level, standing out.
+#: Ends of the scale of colors, of linear light: hollow, level, standing out.
 COLORS = ((0.05, 0.13, 0.6), (0.8, 0.8, 0.8), (0.6, 0.03, 0.02))
 
 Floats = NDArray[np.float64]
@@ -146,7 +146,7 @@ class Split:
 
 
 def colors_of(values: Floats) -> Singles:
-    """Linear colours for values with a sign, 4·n numbers; the strongest hundredth is at the ends of the scale."""
+    """Linear colors for values with a sign, 4·n numbers; the strongest hundredth is at the ends of the scale."""
     size = float(np.percentile(np.abs(values), 99)) or 1.0
     t = np.clip(np.nan_to_num(values) / size, -1, 1)[:, None]
     low, middle, high = (np.array(color) for color in COLORS)

@@ -42,14 +42,14 @@ class Decomposer:
     weld : bool
         Whether vertices at exactly equal positions are one for the analysis.
     rings : int
-        Walk on a mesh: how many rings of neighbours one step takes in.
+        Walk on a mesh: how many rings of neighbors one step takes in.
     mesh_area : {'barycentric', 'mixed-voronoi'}
         Walk on a mesh: the area of a vertex.
-    neighbours : int
-        Cloud: how many nearest neighbours one step takes in.
+    neighbors : int
+        Cloud: how many nearest neighbors one step takes in.
     directed : bool
         Walk on a cloud: step to the nearest of each point only, as the paper has it.
-    cloud_area : {'kth-neighbour', 'unit', 'tangent-voronoi'}
+    cloud_area : {'kth-neighbor', 'unit', 'tangent-voronoi'}
         Walk on a cloud: the area of a point.
     density_invariant : bool
         Walk: take out how densely the shape was sampled.
@@ -83,7 +83,7 @@ class Decomposer:
         weld: bool | None = None,
         rings: int | None = None,
         mesh_area: str | None = None,
-        neighbours: int | None = None,
+        neighbors: int | None = None,
         directed: bool | None = None,
         cloud_area: str | None = None,
         density_invariant: bool | None = None,
@@ -95,7 +95,7 @@ class Decomposer:
             "weld": weld,
             "rings": rings,
             "mesh_area": mesh_area,
-            "neighbours": neighbours,
+            "neighbors": neighbors,
             "directed": directed,
             "cloud_area": cloud_area,
             "density_invariant": density_invariant,
@@ -124,7 +124,7 @@ class Decomposer:
 
     @property
     def mean_length(self) -> float:
-        """Mean length of the edges, or mean distance of nearest neighbours, model units."""
+        """Mean length of the edges, or mean distance of nearest neighbors, model units."""
         return self._data.lengths()[1]
 
     @property
@@ -417,7 +417,7 @@ _OPTIONS = (
     "weld",
     "rings",
     "mesh_area",
-    "neighbours",
+    "neighbors",
     "directed",
     "cloud_area",
     "density_invariant",

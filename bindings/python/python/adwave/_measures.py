@@ -73,7 +73,7 @@ def saliency(
     faces: object = None,
     *,
     signal: SignalLike = None,
-    weighting: Literal["signed", "paper", "printed", "normalised", "ranks", "none"] = "signed",
+    weighting: Literal["signed", "paper", "printed", "normalized", "ranks", "none"] = "signed",
     unsigned: bool = False,
     skip: int | None = None,
     border: float | None = None,
@@ -98,7 +98,7 @@ def saliency(
         As for `decompose`.
     weighting : str
         ``'signed'``: 1/mean by how unevenly the level is spread, with the sign. ``'paper'``: (max − mean)² for each level.
-        ``'printed'``: (max − |W|)² at each vertex, as eq. 17 is printed. ``'normalised'``: 1/mean. ``'ranks'``. ``'none'``: 1.
+        ``'printed'``: (max − |W|)² at each vertex, as eq. 17 is printed. ``'normalized'``: 1/mean. ``'ranks'``. ``'none'``: 1.
     unsigned : bool
         Bumps and dents alike.
     skip : int, optional
@@ -178,7 +178,7 @@ def features(
     *,
     signal: SignalLike = None,
     theta: float = _native.THETA,
-    response: Literal["normalised", "literal", "channels", "sigma"] = "normalised",
+    response: Literal["normalized", "literal", "channels", "sigma"] = "normalized",
     per_component: bool = False,
     refine: bool = False,
     edge_ratio: float | None = None,
@@ -194,7 +194,7 @@ def features(
     progress: ProgressLike = None,
     **operator: Any,
 ) -> Features:
-    """Find the places where a level stands out among its neighbours in space and in scale (Algorithm 2).
+    """Find the places where a level stands out among its neighbors in space and in scale (Algorithm 2).
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def features(
         As for `decompose`.
     theta : float
         How many times the mean response of its level a feature has.
-    response : {'normalised', 'literal', 'channels', 'sigma'}
+    response : {'normalized', 'literal', 'channels', 'sigma'}
         What is compared in place and scale: each level by its own mean, W itself, every channel by itself, or W by σ.
     per_component : bool
         Take the mean over each connected component.
@@ -272,7 +272,7 @@ def gaze_scores(
     threshold : float
         More than this is looked at.
     points : (n, 3) array-like, optional
-        Positions: what distance from the centre explains is taken out of ``partial_correlation``.
+        Positions: what distance from the center explains is taken out of ``partial_correlation``.
 
     Returns
     -------

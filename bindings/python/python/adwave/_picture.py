@@ -1,4 +1,4 @@
-"""Pictures by adwave's own rasteriser: no graphics driver, no window."""
+"""Pictures by adwave's own rasterizer: no graphics driver, no window."""
 
 from __future__ import annotations
 
@@ -103,9 +103,9 @@ def render(
     shape, faces
         Anything that is a shape with positions; see `Shape`.
     values : str or (n,) array-like, optional
-        A number for each vertex, or the name of a signal; grey where NaN.
+        A number for each vertex, or the name of a signal; gray where NaN.
     colors : (n, 3) array-like of uint8 or of numbers from 0 to 1, optional
-        A colour for each vertex, in the place of values.
+        A color for each vertex, in the place of values.
     label : str, optional
         What the values are, for the bar.
     color_map : str, optional
@@ -128,7 +128,7 @@ def render(
         Parallel rays.
     background : (int, int, int), optional
         None for transparent.
-    balls : Features, or iterable of (centre, radius, colour)
+    balls : Features, or iterable of (center, radius, color)
         Marks: features as balls of radius σ, red where their sign is + and blue where it is −.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).

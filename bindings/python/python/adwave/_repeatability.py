@@ -87,7 +87,7 @@ def repeatability(
     runs: int = 3,
     within: float = 1.0,
     theta: float = _native.THETA,
-    response: Literal["normalised", "literal", "channels", "sigma"] = "normalised",
+    response: Literal["normalized", "literal", "channels", "sigma"] = "normalized",
     border: float | None = None,
     levels: int | None = None,
     lengths: Sequence[Length] | None = None,

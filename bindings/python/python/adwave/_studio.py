@@ -1,4 +1,4 @@
-"""The studio: an equaliser for a shape in the browser, and back."""
+"""The studio: an equalizer for a shape in the browser, and back."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Edited(NamedTuple):
 
 
 def studio(shape: object, faces: object = None, *, port: int = 0, open_browser: bool = True) -> Edited:
-    """Open an equaliser for a shape in the browser, and wait until it is done there.
+    """Open an equalizer for a shape in the browser, and wait until it is done there.
 
     A slider for each band, a brush that paints gains, layers, undo. *Done* in the page's file menu, or Ctrl-C here (in a notebook its stop button), ends
     it, and gives the edit either way.

@@ -155,7 +155,7 @@ def taubin(
 def differential_coordinates(
     shape: object, faces: object = None, *, signal: SignalLike = None, weights: _Weights = "cotangent"
 ) -> NDArray[np.float64]:
-    """``δ = (I − P) f``, P a mean over the neighbours: by how much each vertex differs from it.
+    """``δ = (I − P) f``, P a mean over the neighbors: by how much each vertex differs from it.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def from_differential_coordinates(
 ) -> NDArray[np.float64]:
     """The signal whose differential coordinates are nearest to these, with some vertices near places of their own.
 
-    Least squares: ``(LᵀL + W²) f = Lᵀδ + W²t``, by one sparse factorisation.
+    Least squares: ``(LᵀL + W²) f = Lᵀδ + W²t``, by one sparse factorization.
 
     Parameters
     ----------
@@ -295,7 +295,7 @@ def feature_map(
 
 
 class GraphWavelets:
-    """Spectral graph wavelets: kernels ``g_i`` of the normalised Laplacian of the same diffusion, as Chebyshev polynomials.
+    """Spectral graph wavelets: kernels ``g_i`` of the normalized Laplacian of the same diffusion, as Chebyshev polynomials.
 
     Parameters
     ----------
@@ -320,10 +320,10 @@ class GraphWavelets:
     >>> import adwave as aw
     >>> shape = aw.sample("creature", vertices=2000)
     >>> frame = aw.baselines.GraphWavelets(shape, 5)
-    >>> coefficients = frame.analyse()
+    >>> coefficients = frame.analyze()
     >>> coefficients.shape
     (5, 2024, 3)
-    >>> bool(abs(frame.synthesise(coefficients) - shape.points).max() < 1e-8)
+    >>> bool(abs(frame.synthesize(coefficients) - shape.points).max() < 1e-8)
     True
     """
 
@@ -357,15 +357,15 @@ class GraphWavelets:
         """``g_i(λ)`` at these λ in [0, 2], kernels × values, the low pass first."""
         return self._data.kernels(np.asarray(values, dtype=np.float64).tolist())
 
-    def analyse(self, signal: SignalLike = None, *, progress: ProgressLike = None) -> NDArray[np.float64]:
+    def analyze(self, signal: SignalLike = None, *, progress: ProgressLike = None) -> NDArray[np.float64]:
         """``c_i = g_i(L) f``, kernels × n (× channels), the low pass first."""
         _, values, is_flat = self.decomposer._signal(signal)
         given = np.array(self.decomposer.shape.points) if values is None else values
         with reporting(progress, "splitting") as report:
-            found = self._data.analyse(given, report)
+            found = self._data.analyze(given, report)
         return found[:, :, 0] if is_flat else found
 
-    def synthesise(
+    def synthesize(
         self, coefficients: ArrayLike, *, tolerance: float = 1e-10, progress: ProgressLike = None
     ) -> NDArray[np.float64]:
         """The signal whose coefficients are nearest to these, by conjugate gradients."""
@@ -375,7 +375,7 @@ class GraphWavelets:
         if stacked.ndim != 3:
             raise ValueError(f"coefficients: shape {given.shape}; give kernels × n, or kernels × n × channels")
         with reporting(progress, "putting together") as report:
-            back, _ = self._data.synthesise(stacked, tolerance, report)
+            back, _ = self._data.synthesize(stacked, tolerance, report)
         return back[:, 0] if is_flat else back
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -415,7 +415,7 @@ class DiffusionWavelets:
     >>> ring = aw.graph(32, [[i, (i + 1) % 32] for i in range(32)])
     >>> wavelets = aw.baselines.DiffusionWavelets(ring, levels=4)
     >>> f = np.cos(np.arange(32))
-    >>> bool(abs(wavelets.synthesise(wavelets.analyse(f)) - f).max() < 1e-10)
+    >>> bool(abs(wavelets.synthesize(wavelets.analyze(f)) - f).max() < 1e-10)
     True
     """
 
@@ -442,16 +442,16 @@ class DiffusionWavelets:
         """How many scaling functions each level has, from 0 on."""
         return self._data.ranks
 
-    def analyse(self, signal: ArrayLike) -> list[NDArray[np.float64]]:
+    def analyze(self, signal: ArrayLike) -> list[NDArray[np.float64]]:
         """Coefficients of a signal of one number at each vertex: of the wavelets of each level, then of the last scaling functions."""
         values = _adapt.values_array(signal, self.decomposer.n_vertices, "signal")
         if values.shape[1] != 1:
             raise ValueError(f"signal: shape {np.shape(signal)}; give one number for each vertex")
-        return self._data.analyse(values[:, 0])
+        return self._data.analyze(values[:, 0])
 
-    def synthesise(self, coefficients: Sequence[ArrayLike]) -> NDArray[np.float64]:
+    def synthesize(self, coefficients: Sequence[ArrayLike]) -> NDArray[np.float64]:
         """The signal of coefficients."""
-        return self._data.synthesise([np.asarray(c, dtype=np.float64) for c in coefficients])
+        return self._data.synthesize([np.asarray(c, dtype=np.float64) for c in coefficients])
 
     def scaling_functions(self, level: int) -> NDArray[np.float64]:
         """Those of a level from 1, a row for each, of unit length in the symmetric form."""

@@ -1,4 +1,4 @@
-"""An add-on for Blender 4.2 and newer: an equaliser for meshes in the sidebar of the 3D view, with denoising and saliency.
+"""An add-on for Blender 4.2 and newer: an equalizer for meshes in the sidebar of the 3D view, with denoising and saliency.
 
 `python -m adwave.blender --zip adwave-blender.zip` writes what Blender installs (Edit, Preferences, Get Extensions, Install from Disk);
 the panel is then in the tab *adwave*. In a script, where Blender's Python has adwave, two lines do:
@@ -49,7 +49,7 @@ __all__ = ["bl_info", "register", "unregister"]
 
 bl_info = {
     "name": "adwave",
-    "description": "An equaliser for shapes: smooth, enhance and denoise meshes by bands from fine to coarse",
+    "description": "An equalizer for shapes: smooth, enhance and denoise meshes by bands from fine to coarse",
     "author": "The adwave developers",
     "version": (0, 1, 0),
     "blender": (4, 2, 0),
@@ -243,12 +243,12 @@ class AdwaveDenoise(_OnMesh):
 
 
 class AdwaveSaliency(_OnMesh):
-    """Where the surface stands out (red) or is hollow (blue), as an attribute of numbers and one of colours"""
+    """Where the surface stands out (red) or is hollow (blue), as an attribute of numbers and one of colors"""
 
     bl_idname = "adwave.saliency"
     bl_label = "Saliency"
-    name: StringProperty(name="Name", description="Of the attribute; the colours' ends in _color", default="saliency")
-    show: BoolProperty(name="Show", description="Colour this view's solid shading by attributes", default=True)
+    name: StringProperty(name="Name", description="Of the attribute; the colors' ends in _color", default="saliency")
+    show: BoolProperty(name="Show", description="Color this view's solid shading by attributes", default=True)
 
     def _do(self, context: Any, mesh: Any, report: Report) -> None:
         if mesh.is_editmode or not mesh.is_editable:

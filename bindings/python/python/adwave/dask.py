@@ -39,7 +39,7 @@ def plan(
     creases: str = "auto",
     noise: float | None = None,
     levels: int | None = None,
-    neighbours: int | None = None,
+    neighbors: int | None = None,
     accuracy: float = 1e-6,
     memory: str | int | None = None,
     tiles: int | None = None,
@@ -59,7 +59,7 @@ def plan(
     vectors : sequence of int
         Bands, from 1, that each point gets as fields ``wavelet_j_x``, ``wavelet_j_y`` and ``wavelet_j_z``.
     saliency : bool or str
-        A field ``saliency``: the lengths of all levels weighed by ``'entropy'`` (which True means), ``'paper'``, ``'normalised'`` or ``'none'``, without a
+        A field ``saliency``: the lengths of all levels weighed by ``'entropy'`` (which True means), ``'paper'``, ``'normalized'`` or ``'none'``, without a
         sign.
     denoise : bool
         Takes the noise off the positions, as `adwave.denoise` does, in place of all that bands give.
@@ -71,8 +71,8 @@ def plan(
         Standard deviation of the noise along the normals, in the unit of the coordinates; estimated, where it is left out.
     levels : int, optional
         Number of dyadic levels; as many as there are gains, else 8.
-    neighbours : int, optional
-        How many nearest neighbours a step of the walk takes in; 10, of a work that denoises 12.
+    neighbors : int, optional
+        How many nearest neighbors a step of the walk takes in; 10, of a work that denoises 12.
     accuracy : float
         Relative error of the bands.
     memory : str or int, optional
@@ -105,7 +105,7 @@ def plan(
     if saliency:
         words.append("--saliency=" + ("entropy" if saliency is True else str(saliency)))
     options: list[tuple[str, object]] = [("--levels", levels), ("--memory", memory), ("--tiles", tiles)]
-    options.append(("--neighbours", neighbours))
+    options.append(("--neighbors", neighbors))
     if denoise:
         words.append("--denoise")
         options += [("--strength", float(strength)), ("--creases", creases), ("--noise-sigma", noise)]
@@ -124,7 +124,7 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     folder : path
         What `plan` gave.
     client : dask.distributed.Client
-        Its workers do the jobs: several sort some of the points each, one merges these, then one for each tile finds neighbours, of a cloud
+        Its workers do the jobs: several sort some of the points each, one merges these, then one for each tile finds neighbors, of a cloud
         that is denoised one the sides of its normals, then one for each tile computes its bands or takes the noise off, and one its map,
         where there is to be one.
     threads : int
@@ -164,7 +164,7 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
 
     done("run", range(int(_adwave(["tile", place, "status"])["n_runs"])))
     n_tiles = int(done("sort", range(1))[0]["n_tiles"])
-    done("neighbours", range(n_tiles))
+    done("neighbors", range(n_tiles))
     status = _adwave(["tile", place, "status"])
     if status["has_sides"]:
         done("sides", range(n_tiles))

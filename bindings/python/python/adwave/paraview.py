@@ -1,13 +1,13 @@
-"""Filters for ParaView and VTK: wavelet bands, an equaliser, saliency, features, denoising.
+"""Filters for ParaView and VTK: wavelet bands, an equalizer, saliency, features, denoising.
 
 In ParaView load this file as a plugin (Tools, Manage Plugins, Load New; `python -c "import adwave.paraview as p; print(p.__file__)"`
 prints where it is), where its Python has adwave and numpy; the filters stand below *adwave*. They take surfaces (`vtkPolyData`): of other
 datasets use Extract Surface first. The same classes work in VTK without ParaView:
 
-    equaliser = adwave.paraview.Equaliser()
-    equaliser.SetInputConnection(reader.GetOutputPort())
-    equaliser.SetGains("2 1.5 1")
-    equaliser.Update()
+    equalizer = adwave.paraview.Equalizer()
+    equalizer.SetInputConnection(reader.GetOutputPort())
+    equalizer.SetGains("2 1.5 1")
+    equalizer.Update()
 
 Errors are those of adwave, in one line, in ParaView's window of messages. Nothing of the input is changed in place.
 """
@@ -37,7 +37,7 @@ except ImportError:  # VTK alone: the descriptions of properties are for ParaVie
 
     smdomain = smhint = smproperty = smproxy = _Plain()
 
-__all__ = ["Denoise", "Equaliser", "Features", "Saliency", "WaveletBands"]
+__all__ = ["Denoise", "Equalizer", "Features", "Saliency", "WaveletBands"]
 
 _F = TypeVar("_F")
 
@@ -130,8 +130,8 @@ class WaveletBands(_Surface):
         _add(target, "S", bands.scaling(bands.n_levels))
 
 
-@_filter("AdwaveEqualiser", "Equaliser")
-class Equaliser(_Surface):
+@_filter("AdwaveEqualizer", "Equalizer")
+class Equalizer(_Surface):
     """Each band times its gain, everywhere or in a region; the points move, all else stays."""
 
     @smproperty.stringvector(name="Gains", default_values="")

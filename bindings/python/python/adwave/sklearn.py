@@ -46,7 +46,7 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
         self.widths = widths
 
     def fit(self, shapes: Sequence[object], y: Any = None) -> WaveletFeatures:
-        """Nothing is learnt; the number of features is noted.
+        """Nothing is learned; the number of features is noted.
 
         Parameters
         ----------

@@ -17,17 +17,17 @@ enum Basis {
 }
 
 impl Basis {
-    fn analyse(&self, f: &[f64]) -> Result<Coefficients, MultiscaleError> {
+    fn analyze(&self, f: &[f64]) -> Result<Coefficients, MultiscaleError> {
         match self {
-            Self::Orthogonal(basis) => basis.analyse(f),
-            Self::Biorthogonal(basis) => basis.analyse(f),
+            Self::Orthogonal(basis) => basis.analyze(f),
+            Self::Biorthogonal(basis) => basis.analyze(f),
         }
     }
 
-    fn synthesise(&self, c: &Coefficients) -> Result<Vec<f64>, MultiscaleError> {
+    fn synthesize(&self, c: &Coefficients) -> Result<Vec<f64>, MultiscaleError> {
         match self {
-            Self::Orthogonal(basis) => basis.synthesise(c),
-            Self::Biorthogonal(basis) => basis.synthesise(c),
+            Self::Orthogonal(basis) => basis.synthesize(c),
+            Self::Biorthogonal(basis) => basis.synthesize(c),
         }
     }
 }
@@ -62,16 +62,16 @@ pub(super) fn compare(
     let mean = vertex_map.mean(subject.signal, d);
     let start = Instant::now();
     let coefficients: Vec<Coefficients> =
-        (0..d).map(|c| basis.analyse(&channel(&mean, d, c))).collect::<Result<_, _>>()?;
+        (0..d).map(|c| basis.analyze(&channel(&mean, d, c))).collect::<Result<_, _>>()?;
     let analysis = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let back: Vec<Vec<f64>> = coefficients.iter().map(|c| basis.synthesise(c)).collect::<Result<_, _>>()?;
+    let back: Vec<Vec<f64>> = coefficients.iter().map(|c| basis.synthesize(c)).collect::<Result<_, _>>()?;
     let synthesis = start.elapsed().as_secs_f64();
     // What the scaling functions of the last level alone give: the coarse shape.
     let coarse = coefficients.iter().map(|c| {
         let mut c = c.clone();
         c.wavelets.iter_mut().flatten().for_each(|w| *w = 0.0);
-        basis.synthesise(&c)
+        basis.synthesize(&c)
     });
     let coarse = interleave(&coarse.collect::<Result<Vec<_>, _>>()?);
     let (ours, our_synthesis) = put_together(bands);

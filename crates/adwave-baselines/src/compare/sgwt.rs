@@ -2,7 +2,7 @@
 
 use super::parts::{channel, interleave, largest_difference, put_together, row, wavelets};
 use super::{CompareError, Comparison, Outcome, Subject};
-use crate::sgwt::{Frame, KernelFamily, Kernels, normalised_laplacian};
+use crate::sgwt::{Frame, KernelFamily, Kernels, normalized_laplacian};
 use adwave::Progress;
 use adwave::bands::Bands;
 use std::time::Instant;
@@ -18,7 +18,7 @@ pub(super) fn compare(
     let start = Instant::now();
     let walk = subject.walk.diffusion();
     let vertex_map = subject.walk.geometry().vertex_map();
-    let (laplacian, root) = normalised_laplacian(walk)?;
+    let (laplacian, root) = normalized_laplacian(walk)?;
     // I − Q has its spectrum in [0, 2].
     let kernels = Kernels::new(KernelFamily::Meyer, (bands.n_levels() + 1).max(3), 2.0)?;
     let frame = Frame::new(laplacian, kernels, ACCURACY)?;
@@ -31,7 +31,7 @@ pub(super) fn compare(
     for c in 0..d {
         let f: Vec<f64> = channel(&mean, d, c).iter().zip(&root).map(|(f, r)| f * r).collect();
         let start = Instant::now();
-        let coefficients = frame.analyse(&f, progress)?;
+        let coefficients = frame.analyze(&f, progress)?;
         analysis += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let (inverse, info) = frame.inverse(&coefficients, SOLVED, progress)?;

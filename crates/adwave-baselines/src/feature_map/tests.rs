@@ -53,8 +53,8 @@ fn a_monkey_saddle_counts_twice() {
         .map(|p| if p[0] == 0.0 && p[1] == 0.0 { 0.0 } else { (3.0 * p[1].atan2(p[0]) + 0.4).cos() })
         .collect();
     let (found, sum) = critical_points(&triangles, &f);
-    let centre = found.iter().find(|p| p.vertex == 0).unwrap();
-    assert_eq!((centre.kind, centre.multiplicity), (CriticalKind::Saddle, 2));
+    let center = found.iter().find(|p| p.vertex == 0).unwrap();
+    assert_eq!((center.kind, center.multiplicity), (CriticalKind::Saddle, 2));
     assert_eq!(sum, 1, "a disc");
 }
 

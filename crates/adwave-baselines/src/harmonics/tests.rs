@@ -219,7 +219,7 @@ fn more_harmonics_than_one_band_are_orthonormal_and_complete() {
         Harmonics::new(&laplacian, 130, &EigenParams::default().with_band(band), Progress::none()).unwrap()
     };
     let (one, many) = (by_bands(320), by_bands(25));
-    assert!(many.info.factorisations > 4);
+    assert!(many.info.factorizations > 4);
     for (a, b) in one.values.iter().zip(&many.values) {
         assert!((a - b).abs() <= 1e-9 * one.values[129], "{a} {b}");
     }

@@ -121,7 +121,7 @@ impl Laplacian {
             Shape::Graph(graph) => {
                 let class = |u: u32| geometry.vertex_map().welded(u as usize) as u32;
                 let edges = (0..n as u32).flat_map(|u| {
-                    let later = graph.neighbours(u as usize).filter(move |&(v, _)| v > u);
+                    let later = graph.neighbors(u as usize).filter(move |&(v, _)| v > u);
                     later.map(move |(v, w)| (class(u), class(v), w))
                 });
                 (edges.collect(), vec![1.0; n])

@@ -19,7 +19,7 @@ const NULL: f64 = 1e-11;
 pub struct EigenParams {
     /// Largest relative residual `‖(A−σI)⁻¹x − θx‖ / |θ|` in the inverse.
     pub tolerance: f64,
-    /// Most eigenpairs of one band, that is of one factorisation.
+    /// Most eigenpairs of one band, that is of one factorization.
     pub band: usize,
     /// Cap: solves for each eigenpair asked for, besides a thousand.
     pub max_solves_per_pair: usize,
@@ -52,8 +52,8 @@ pub struct EigenInfo {
     pub solves: usize,
     /// Restarts of the Lanczos process.
     pub restarts: usize,
-    /// Factorisations, those for counting included.
-    pub factorisations: usize,
+    /// Factorizations, those for counting included.
+    pub factorizations: usize,
     /// Connected components of the matrix.
     pub n_components: usize,
     /// Components solved by a dense method.
@@ -93,13 +93,13 @@ struct Part {
 ///
 /// `null`, where given, is a vector whose restriction to a component is in the null space, if anything is: it is checked,
 /// and the eigenvalue is then exactly 0. No eigenvalue is missed: the spectrum below the last is counted by the inertia
-/// of a factorisation. Each component is solved for itself, so that a thousand equal parts are no multiple eigenvalue.
+/// of a factorization. Each component is solved for itself, so that a thousand equal parts are no multiple eigenvalue.
 ///
 /// The result does not depend on the number of threads. Cost on a surface: about 2k solves, 8·n·k² operations and three
-/// factorisations a band.
+/// factorizations a band.
 ///
 /// # Errors
-/// [`LinalgError`] where the matrix has negative eigenvalues, cannot be factorised, or the pairs do not converge within
+/// [`LinalgError`] where the matrix has negative eigenvalues, cannot be factorized, or the pairs do not converge within
 /// the cap; when cancelled.
 ///
 /// ```
@@ -129,7 +129,7 @@ pub fn smallest_eigenpairs(
         rows[c as usize].push(x as u32);
     }
     let mut info =
-        EigenInfo { solves: 0, restarts: 0, factorisations: 0, n_components, n_dense: 0, residual: 0.0 };
+        EigenInfo { solves: 0, restarts: 0, factorizations: 0, n_components, n_dense: 0, residual: 0.0 };
     // By Weyl's law a component's share of the spectrum is its share of the surface; it is asked again where that is
     // not enough.
     let mut asked: Vec<usize> =
@@ -205,7 +205,7 @@ fn solve_part(
     let known = smallest_connected(&own, null.as_deref(), k, params, progress)?;
     info.solves += known.solves;
     info.restarts += known.restarts;
-    info.factorisations += known.factorisations;
+    info.factorizations += known.factorizations;
     Ok(Part { rows: rows.to_vec(), values: known.values, vectors: known.vectors })
 }
 

@@ -1,7 +1,7 @@
-//! Block Lanczos with full reorthogonalisation and thick restarts, on `(A − σI)⁻¹`.
+//! Block Lanczos with full reorthogonalization and thick restarts, on `(A − σI)⁻¹`.
 //!
 //! A basis V of the block Krylov space and the whole of `T = Vᵀ(A − σI)⁻¹V` are kept, so that a restart with the best
-//! Ritz vectors (`wu2000`) needs no special case. Blocks make the reorthogonalisation a product of matrices and the
+//! Ritz vectors (`wu2000`) needs no special case. Blocks make the reorthogonalization a product of matrices and the
 //! solves share one pass through the factor; they also find multiple eigenvalues. faer has a partial eigensolver of its
 //! own, but on some inputs it does not return.
 
@@ -14,7 +14,7 @@ use rand_pcg::Pcg64;
 
 /// Vectors of a block: two groups of the factor's lanes, for two threads.
 const BLOCK: usize = 16;
-/// A vector whose norm falls below this part of itself by orthogonalisation was dependent on the others.
+/// A vector whose norm falls below this part of itself by orthogonalization was dependent on the others.
 const DEPENDENT: f64 = 1e-11;
 
 /// Which eigenpairs are wanted.
@@ -65,7 +65,7 @@ pub(super) fn nearest_eigenpairs(
     let mut first = vec![0.0; n * BLOCK.min(room)];
     state.fill_random(&mut first);
     let _ = state.project(&mut first);
-    let kept = state.orthonormalise(&mut first).len() / BLOCK.min(room);
+    let kept = state.orthonormalize(&mut first).len() / BLOCK.min(room);
     first.truncate(kept * n);
     state.basis.values.extend(first);
     let mut check_at = count + 4 * BLOCK;
@@ -171,7 +171,7 @@ impl State<'_> {
             }
             self.t.push(column);
         }
-        let coupling = self.orthonormalise(&mut w);
+        let coupling = self.orthonormalize(&mut w);
         let kept = coupling.len() / width.max(1);
         w.truncate(kept * n);
         (w, coupling)
@@ -180,7 +180,7 @@ impl State<'_> {
     /// Makes the columns of `w` orthonormal, already orthogonal to the basis, and gives R with `w_before = w R`, rows × columns, row-major.
     /// Dependent columns are replaced by random ones; where the space is exhausted, rows are missing and `w` has columns
     /// too many.
-    fn orthonormalise(&mut self, w: &mut [f64]) -> Vec<f64> {
+    fn orthonormalize(&mut self, w: &mut [f64]) -> Vec<f64> {
         let n = self.basis.n;
         let width = w.len() / n;
         let mut r: Vec<Vec<f64>> = Vec::new();
@@ -217,7 +217,7 @@ impl State<'_> {
         r.concat()
     }
 
-    /// Orthogonalises column `at` of `w` against everything once more; false where nothing of it is left.
+    /// Orthogonalizes column `at` of `w` against everything once more; false where nothing of it is left.
     fn renew(&self, w: &mut [f64], at: usize) -> bool {
         let n = self.basis.n;
         let (before, rest) = w.split_at_mut(at * n);

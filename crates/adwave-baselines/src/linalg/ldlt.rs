@@ -1,4 +1,4 @@
-//! Factorisation `A − σI = L D Lᵀ` of a symmetric sparse matrix, solves for several right sides at once, inertia.
+//! Factorization `A − σI = L D Lᵀ` of a symmetric sparse matrix, solves for several right sides at once, inertia.
 
 // What runs in the sweeps has to be compiled for the kind of processor that they are dispatched to.
 #![allow(clippy::inline_always)]
@@ -50,7 +50,7 @@ impl Pattern {
             SymmetricOrdering::Amd,
             params,
         )
-        .map_err(|e| LinalgError::Factorise { shift: 0.0, what: format!("{e:?}") })?;
+        .map_err(|e| LinalgError::Factorize { shift: 0.0, what: format!("{e:?}") })?;
         Ok(Self { symbolic: Arc::new(symbolic), offsets: Arc::new(offsets), columns: Arc::new(columns) })
     }
 }
@@ -67,10 +67,10 @@ pub struct Ldlt {
 }
 
 impl Ldlt {
-    /// Factorises `matrix − shift·I`. Cost as fill: about O(n^1.5) on surfaces.
+    /// Factorizes `matrix − shift·I`. Cost as fill: about O(n^1.5) on surfaces.
     ///
     /// # Errors
-    /// [`LinalgError::Factorise`] when a pivot is zero or not finite, or memory runs out.
+    /// [`LinalgError::Factorize`] when a pivot is zero or not finite, or memory runs out.
     ///
     /// ```
     /// use adwave_baselines::linalg::{Ldlt, SymmetricMatrix};
@@ -88,7 +88,7 @@ impl Ldlt {
         matrix: &SymmetricMatrix,
         shift: f64,
     ) -> Result<Self, LinalgError> {
-        let fail = |what: String| LinalgError::Factorise { shift, what };
+        let fail = |what: String| LinalgError::Factorize { shift, what };
         let n = matrix.n();
         let symbolic = &pattern.symbolic;
         let mut entries = Vec::with_capacity(matrix.nnz());

@@ -1,7 +1,7 @@
-//! The linear algebra that the baselines share: symmetric sparse matrices, their factorisation, their smallest
+//! The linear algebra that the baselines share: symmetric sparse matrices, their factorization, their smallest
 //! eigenpairs, conjugate gradients.
 //!
-//! faer does the factorising and the dense algebra, without threads; what runs on several threads is cut here into chunks
+//! faer does the factorizing and the dense algebra, without threads; what runs on several threads is cut here into chunks
 //! that do not depend on their number, so that the bits of a result do not either.
 
 mod cg;
@@ -57,12 +57,12 @@ pub enum LinalgError {
         /// How many were given.
         got: usize,
     },
-    /// The factorisation met a pivot that is zero, or memory ran out.
-    #[error("the matrix minus {shift} times the identity cannot be factorised: {what}")]
-    Factorise {
+    /// The factorization met a pivot that is zero, or memory ran out.
+    #[error("the matrix minus {shift} times the identity cannot be factorized: {what}")]
+    Factorize {
         /// What was subtracted from the diagonal.
         shift: f64,
-        /// What the factorisation says.
+        /// What the factorization says.
         what: String,
     },
     /// A dense eigenproblem was not solved.

@@ -1,6 +1,6 @@
 //! The smallest eigenpairs of one connected matrix, band by band, each band certified by a count.
 //!
-//! By Sylvester's law the factorisation of `A − σI` says how many eigenvalues lie below σ, so that none can be missed
+//! By Sylvester's law the factorization of `A − σI` says how many eigenvalues lie below σ, so that none can be missed
 //! (spectrum slicing; `vallet2008` goes band by band likewise, without the count).
 
 use super::lanczos::{Wanted, nearest_eigenpairs};
@@ -20,7 +20,7 @@ pub(super) struct Known {
     pub(super) vectors: Panel,
     pub(super) solves: usize,
     pub(super) restarts: usize,
-    pub(super) factorisations: usize,
+    pub(super) factorizations: usize,
 }
 
 impl Known {
@@ -55,7 +55,7 @@ pub(super) fn smallest_connected(
     let n = matrix.n();
     let pattern = Pattern::new(matrix)?;
     let mut known =
-        Known { values: Vec::new(), vectors: Panel::new(n), solves: 0, restarts: 0, factorisations: 0 };
+        Known { values: Vec::new(), vectors: Panel::new(n), solves: 0, restarts: 0, factorizations: 0 };
     if let Some(null) = null {
         known.values.push(0.0);
         known.vectors.values.extend_from_slice(null);
@@ -70,10 +70,10 @@ pub(super) fn smallest_connected(
         let certifying = known.values.len() >= k;
         let (factor, missing) = if slice == 0 {
             let factor = Ldlt::with_pattern(&pattern, matrix, bottom)?;
-            known.factorisations += 1;
+            known.factorizations += 1;
             let negative = factor.n_below();
             if negative > 0 {
-                return Err(LinalgError::Factorise {
+                return Err(LinalgError::Factorize {
                     shift: bottom,
                     what: format!("it has {negative} negative eigenvalues where none are expected"),
                 });
@@ -136,7 +136,7 @@ fn next_shift(known: &Known, k: usize, density: f64, params: &EigenParams) -> f6
     if density > 0.0 { top + (half + 1.0) / density } else { 2.0 * top.max(f64::MIN_POSITIVE) }
 }
 
-/// Factorises at about `target` and says how many eigenvalues below it are not known. Moves the shift where it hits an
+/// Factorizes at about `target` and says how many eigenvalues below it are not known. Moves the shift where it hits an
 /// eigenvalue, and lowers it where the band below would be too large.
 fn factor_at(
     matrix: &SymmetricMatrix,
@@ -150,7 +150,7 @@ fn factor_at(
     let mut last_error = None;
     for attempt in 1..=MAX_TRIES {
         let nudge = 1.0 + 1e-5 * attempt as f64;
-        known.factorisations += 1;
+        known.factorizations += 1;
         let factor = match Ldlt::with_pattern(pattern, matrix, shift) {
             Ok(factor) => factor,
             Err(error) => {
@@ -170,7 +170,7 @@ fn factor_at(
         }
         return Ok((factor, count - below));
     }
-    Err(last_error.unwrap_or(LinalgError::Factorise {
+    Err(last_error.unwrap_or(LinalgError::Factorize {
         shift,
         what: format!("no shift near it gave a stable factor in {MAX_TRIES} tries"),
     }))

@@ -57,7 +57,7 @@ impl BiorthogonalDiffusionWavelets {
             if t.rows <= 1 {
                 break;
             }
-            diffused.normalise_columns();
+            diffused.normalize_columns();
             let parts = rank_revealing(&diffused, params.precision)?;
             let tq = t.times(&parts.q);
             t = tq.transposed_times(&tq);
@@ -83,7 +83,7 @@ impl BiorthogonalDiffusionWavelets {
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
-    pub fn analyse(&self, signal: &[f64]) -> Result<Coefficients, MultiscaleError> {
+    pub fn analyze(&self, signal: &[f64]) -> Result<Coefficients, MultiscaleError> {
         check_length(self.root.len(), signal.len())?;
         let mut scaling: Vec<f64> = signal.iter().zip(&self.root).map(|(f, r)| f * r).collect();
         let mut wavelets = Vec::new();
@@ -101,7 +101,7 @@ impl BiorthogonalDiffusionWavelets {
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
-    pub fn synthesise(&self, coefficients: &Coefficients) -> Result<Vec<f64>, MultiscaleError> {
+    pub fn synthesize(&self, coefficients: &Coefficients) -> Result<Vec<f64>, MultiscaleError> {
         check_length(self.levels.len(), coefficients.wavelets.len())?;
         let mut scaling = coefficients.scaling.clone();
         if let Some(last) = self.levels.last() {

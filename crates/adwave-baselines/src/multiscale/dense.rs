@@ -1,4 +1,4 @@
-//! Dense matrices, column-major, and their rank-revealing factorisation.
+//! Dense matrices, column-major, and their rank-revealing factorization.
 
 use super::MultiscaleError;
 use crate::linalg::{LinalgError, add_product, gram};
@@ -66,7 +66,7 @@ impl Dense {
     }
 
     /// Scales every column that is not 0 to length 1.
-    pub(super) fn normalise_columns(&mut self) {
+    pub(super) fn normalize_columns(&mut self) {
         for column in self.values.chunks_exact_mut(self.rows.max(1)) {
             let length = column.iter().map(|v| v * v).sum::<f64>().sqrt();
             if length > 0.0 {

@@ -49,7 +49,7 @@ impl DiffusionWavelets {
     /// let decomposer = Decomposer::new(&shape);
     /// let wavelets = DiffusionWavelets::new(decomposer.diffusion(), &MultiscaleParams::default(), Progress::none())?;
     /// let signal: Vec<f64> = (0..10).map(|i| f64::from(i * i)).collect();
-    /// let back = wavelets.synthesise(&wavelets.analyse(&signal)?)?;
+    /// let back = wavelets.synthesize(&wavelets.analyze(&signal)?)?;
     /// assert!(signal.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-12));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -101,7 +101,7 @@ impl DiffusionWavelets {
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
-    pub fn analyse(&self, signal: &[f64]) -> Result<Coefficients, MultiscaleError> {
+    pub fn analyze(&self, signal: &[f64]) -> Result<Coefficients, MultiscaleError> {
         check_length(self.root.len(), signal.len())?;
         let mut scaling: Vec<f64> = signal.iter().zip(&self.root).map(|(f, r)| f * r).collect();
         let mut wavelets = Vec::new();
@@ -120,7 +120,7 @@ impl DiffusionWavelets {
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
-    pub fn synthesise(&self, coefficients: &Coefficients) -> Result<Vec<f64>, MultiscaleError> {
+    pub fn synthesize(&self, coefficients: &Coefficients) -> Result<Vec<f64>, MultiscaleError> {
         check_length(self.levels.len(), coefficients.wavelets.len())?;
         let mut scaling = coefficients.scaling.clone();
         for (level, w) in self.levels.iter().zip(&coefficients.wavelets).rev() {

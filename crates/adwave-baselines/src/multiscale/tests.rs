@@ -42,8 +42,8 @@ fn diffusion_wavelets_are_orthonormal_fall_in_rank_and_reconstruct() {
             assert_eq!(wavelets.wavelets(level).len(), ranks[level - 1] - ranks[level]);
         }
         let f = signal(walk.n_vertices());
-        let coefficients = wavelets.analyse(&f).unwrap();
-        assert!(largest_difference(&f, &wavelets.synthesise(&coefficients).unwrap()) < ORTHOGONAL);
+        let coefficients = wavelets.analyze(&f).unwrap();
+        assert!(largest_difference(&f, &wavelets.synthesize(&coefficients).unwrap()) < ORTHOGONAL);
         // Parseval.
         let squares = |v: &[f64]| v.iter().map(|a| a * a).sum::<f64>();
         let total =
@@ -66,7 +66,7 @@ fn biorthogonal_wavelets_are_biorthogonal_and_reconstruct() {
             assert!(defect < BIORTHOGONAL, "level {level}: {defect:e}");
         }
         let f = signal(walk.n_vertices());
-        let back = wavelets.synthesise(&wavelets.analyse(&f).unwrap()).unwrap();
+        let back = wavelets.synthesize(&wavelets.analyze(&f).unwrap()).unwrap();
         assert!(largest_difference(&f, &back) < BIORTHOGONAL);
     }
 }
@@ -98,11 +98,11 @@ fn small_and_broken_graphs_give_an_answer() {
         let walk = walk(&shape);
         let f = signal(walk.n_vertices());
         let a = DiffusionWavelets::new(&walk, &MultiscaleParams::default(), Progress::none()).unwrap();
-        assert!(largest_difference(&f, &a.synthesise(&a.analyse(&f).unwrap()).unwrap()) < ORTHOGONAL);
+        assert!(largest_difference(&f, &a.synthesize(&a.analyze(&f).unwrap()).unwrap()) < ORTHOGONAL);
         let b = BiorthogonalDiffusionWavelets::new(&walk, &MultiscaleParams::default(), Progress::none())
             .unwrap();
-        assert!(largest_difference(&f, &b.synthesise(&b.analyse(&f).unwrap()).unwrap()) < BIORTHOGONAL);
-        assert!(a.analyse(&[0.0; 77]).is_err());
+        assert!(largest_difference(&f, &b.synthesize(&b.analyze(&f).unwrap()).unwrap()) < BIORTHOGONAL);
+        assert!(a.analyze(&[0.0; 77]).is_err());
     }
     let directed = Diffusion::from_rows(&[0, 1, 2], &[0, 0], &[1.0, 1.0]).unwrap();
     let refused = DiffusionWavelets::new(&directed, &MultiscaleParams::default(), Progress::none());

@@ -3,7 +3,7 @@
 use super::faces::{Faces, Lists, Measures, Widths, filtered, gaussian, mean_distance};
 use super::vertex_update::{Border, staying, updated};
 use super::{
-    FaceNeighbours, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
+    FaceNeighbors, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
 };
 use crate::linalg::conjugate_gradients;
 use adwave::Progress;
@@ -31,7 +31,7 @@ pub enum NormalScheme {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BilateralParams {
     /// Which faces are averaged over; by default those that share a vertex.
-    pub neighbours: FaceNeighbours,
+    pub neighbors: FaceNeighbors,
     /// σ_c in mean distances of the centroids of faces that share an edge; 1 by default.
     pub sigma_c: f64,
     /// σ_s, a distance of unit normals: 2 sin of half the angle between them; 0.35 by default.
@@ -47,7 +47,7 @@ pub struct BilateralParams {
 impl Default for BilateralParams {
     fn default() -> Self {
         Self {
-            neighbours: FaceNeighbours::ByVertex,
+            neighbors: FaceNeighbors::ByVertex,
             sigma_c: 1.0,
             sigma_s: 0.35,
             scheme: NormalScheme::Local { iterations: 20 },
@@ -98,10 +98,10 @@ const MAX_CG_ITERATIONS: usize = 100_000;
 
 /// The mesh with bilaterally filtered normals: positions in model units, in the order of the shape.
 ///
-/// `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_c²) · e^(−‖n_f − n_g‖²/2σ_s²) · n_g)` over the neighbours g, A the areas and c the
+/// `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_c²) · e^(−‖n_f − n_g‖²/2σ_s²) · n_g)` over the neighbors g, A the areas and c the
 /// centroids of the noisy mesh; then [`update_vertices`](super::update_vertices). Faces without area have no normal at first
-/// and no weight, and take what their neighbours have; neighbours turned inside out are as far as normals can be.
-/// O(rounds · pairs of neighbours).
+/// and no weight, and take what their neighbors have; neighbors turned inside out are as far as normals can be.
+/// O(rounds · pairs of neighbors).
 ///
 /// # Errors
 /// [`NormalFilterError`].
@@ -127,13 +127,13 @@ pub fn bilateral_normals(
     let faces = Faces::new(geometry)?;
     let (mut points, unit) = unit_points(geometry);
     let measures = faces.measures(&points);
-    let neighbours = faces.neighbours(params.neighbours);
+    let neighbors = faces.neighbors(params.neighbors);
     let space = params.sigma_c * mean_distance(&faces.across_edges(), &measures.centroids);
     let widths = Widths { space, range: params.sigma_s };
     let normals = match params.scheme {
-        NormalScheme::Local { iterations } => local(&measures, &neighbours, widths, iterations, progress)?,
+        NormalScheme::Local { iterations } => local(&measures, &neighbors, widths, iterations, progress)?,
         NormalScheme::Global { smoothness } => {
-            global(&measures, &neighbours, widths, smoothness, progress.quiet())?
+            global(&measures, &neighbors, widths, smoothness, progress.quiet())?
         }
     };
     let stays = staying(&faces, points.len(), params.border);
@@ -146,7 +146,7 @@ pub fn bilateral_normals(
 
 fn local(
     measures: &Measures,
-    neighbours: &Lists,
+    neighbors: &Lists,
     widths: Widths,
     iterations: usize,
     progress: Progress<'_>,
@@ -154,7 +154,7 @@ fn local(
     let mut normals = measures.normals.clone();
     for round in 0..iterations {
         progress.step(round as u64, iterations as u64)?;
-        normals = filtered(measures, &normals, &normals, neighbours, widths);
+        normals = filtered(measures, &normals, &normals, neighbors, widths);
     }
     Ok(normals)
 }
@@ -163,7 +163,7 @@ fn local(
 /// that `Mᵀy = y − AKD⁻¹y` needs no transposed matrix.
 fn global(
     measures: &Measures,
-    neighbours: &Lists,
+    neighbors: &Lists,
     widths: Widths,
     smoothness: f64,
     progress: Progress<'_>,
@@ -178,11 +178,11 @@ fn global(
                 gaussian(&centroids[f], &centroids[g], widths.space)
                     * gaussian(&normals[f], &normals[g], widths.range)
             };
-            neighbours.of(f).iter().map(weight).collect()
+            neighbors.of(f).iter().map(weight).collect()
         })
         .collect();
     let product = |x: &[f64], f: usize| -> f64 {
-        neighbours.of(f).iter().zip(&kernel[f]).map(|(&g, k)| k * x[g as usize]).sum()
+        neighbors.of(f).iter().zip(&kernel[f]).map(|(&g, k)| k * x[g as usize]).sum()
     };
     let inverse: Vec<f64> = (0..n)
         .into_par_iter()
@@ -195,7 +195,7 @@ fn global(
         let weighted: Vec<f64> = x.iter().zip(areas).map(|(x, a)| x * a).collect();
         let moved: Vec<f64> = (0..n)
             .into_par_iter()
-            // A face whose neighbours have no weight keeps its normal.
+            // A face whose neighbors have no weight keeps its normal.
             .map(|f| if inverse[f] > 0.0 { x[f] - inverse[f] * product(&weighted, f) } else { 0.0 })
             .collect();
         let scaled: Vec<f64> = moved.iter().zip(&inverse).map(|(m, i)| m * i).collect();

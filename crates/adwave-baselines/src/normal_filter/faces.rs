@@ -1,13 +1,13 @@
 //! The triangles of a mesh as nodes: who is next to whom, areas, centroids, normals.
 
-use super::{FaceNeighbours, NormalFilterError};
+use super::{FaceNeighbors, NormalFilterError};
 use adwave::shape::PreparedGeometry;
 use adwave::vector::{Vector, cross, norm, subtract, unit};
 use rayon::prelude::*;
 
 /// No vertex may have more faces: each face lists all that it shares a vertex with.
 const MAX_FACES_AT_VERTEX: usize = 500;
-/// No face has more neighbours within a radius: the first so many, ring by ring.
+/// No face has more neighbors within a radius: the first so many, ring by ring.
 const MAX_WITHIN: usize = 500;
 
 /// Lists of faces, one after the other.
@@ -37,7 +37,7 @@ impl Lists {
     }
 }
 
-/// The triangles with their neighbours; positions change, neighbours stay.
+/// The triangles with their neighbors; positions change, neighbors stay.
 #[derive(Debug)]
 pub(super) struct Faces<'a> {
     pub(super) triangles: &'a [[u32; 3]],
@@ -94,12 +94,12 @@ impl<'a> Faces<'a> {
         Measures { areas, centroids, normals }
     }
 
-    /// The neighbours of each face by rising index, without the face itself. The relation is symmetric.
-    pub(super) fn neighbours(&self, kind: FaceNeighbours) -> Lists {
-        Lists::new((0..self.len()).into_par_iter().map(|f| self.neighbours_of(f, kind)).collect())
+    /// The neighbors of each face by rising index, without the face itself. The relation is symmetric.
+    pub(super) fn neighbors(&self, kind: FaceNeighbors) -> Lists {
+        Lists::new((0..self.len()).into_par_iter().map(|f| self.neighbors_of(f, kind)).collect())
     }
 
-    fn neighbours_of(&self, f: usize, kind: FaceNeighbours) -> Vec<u32> {
+    fn neighbors_of(&self, f: usize, kind: FaceNeighbors) -> Vec<u32> {
         let corners = self.triangles[f];
         let mut found: Vec<u32> =
             corners.iter().flat_map(|&v| self.at_vertex.of(v as usize)).copied().collect();
@@ -110,17 +110,17 @@ impl<'a> Faces<'a> {
             other.sort_unstable();
             (0..3).filter(|&k| (k == 0 || other[k] != other[k - 1]) && corners.contains(&other[k])).count()
         };
-        found.retain(|&g| g as usize != f && (kind == FaceNeighbours::ByVertex || shared(g) >= 2));
+        found.retain(|&g| g as usize != f && (kind == FaceNeighbors::ByVertex || shared(g) >= 2));
         found
     }
 
     /// Each face and the faces beside it whose centroids are within `radius` of its own, found from face to face over
     /// shared vertices, at most [`MAX_WITHIN`].
-    pub(super) fn within(&self, radius: f64, centroids: &[Vector], neighbours: &Lists) -> Lists {
+    pub(super) fn within(&self, radius: f64, centroids: &[Vector], neighbors: &Lists) -> Lists {
         let of = |f: usize| {
             let (mut inside, mut seen, mut next) = (vec![f as u32], vec![f as u32], 0);
             while next < inside.len() && inside.len() < MAX_WITHIN {
-                for &g in neighbours.of(inside[next] as usize) {
+                for &g in neighbors.of(inside[next] as usize) {
                     if seen.contains(&g) {
                         continue;
                     }
@@ -190,18 +190,18 @@ pub(super) struct Widths {
     pub(super) range: f64,
 }
 
-/// `n_f ← unit(Σ_g A_g · W(c_f − c_g) · W(u_f − u_g) · n_g)` over the neighbours g, u the `compared` vectors; a normal stays
+/// `n_f ← unit(Σ_g A_g · W(c_f − c_g) · W(u_f − u_g) · n_g)` over the neighbors g, u the `compared` vectors; a normal stays
 /// where the sum vanishes.
 pub(super) fn filtered(
     measures: &Measures,
     normals: &[Vector],
     compared: &[Vector],
-    neighbours: &Lists,
+    neighbors: &Lists,
     widths: Widths,
 ) -> Vec<Vector> {
     let of = |f: usize| {
         let mut sum = [0.0; 3];
-        for &g in neighbours.of(f) {
+        for &g in neighbors.of(f) {
             let g = g as usize;
             let weight = measures.areas[g]
                 * gaussian(&measures.centroids[f], &measures.centroids[g], widths.space)
@@ -210,5 +210,5 @@ pub(super) fn filtered(
         }
         unit(&sum).unwrap_or(normals[f])
     };
-    (0..neighbours.len()).into_par_iter().map(of).collect()
+    (0..neighbors.len()).into_par_iter().map(of).collect()
 }

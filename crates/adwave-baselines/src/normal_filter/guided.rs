@@ -3,7 +3,7 @@
 use super::faces::{Faces, Lists, Measures, Widths, filtered, mean_distance};
 use super::vertex_update::{Border, staying, updated};
 use super::{
-    FaceNeighbours, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
+    FaceNeighbors, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
 };
 use adwave::Progress;
 use adwave::shape::PreparedGeometry;
@@ -78,7 +78,7 @@ const EPSILON: f64 = 1e-9;
 /// is in. Then `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_s²) · e^(−‖u_f − u_g‖²/2σ_r²) · n_g)` over the faces g within the
 /// radius, f among them, as found on the noisy mesh, at most 500; then [`update_vertices`](super::update_vertices). Every
 /// round starts from the faces' own normals. A corner of the shape that is one triangle on one of its sides is rounded off:
-/// all patches of that triangle go round an edge. O(rounds · (pairs of neighbours + pairs of faces in patches)).
+/// all patches of that triangle go round an edge. O(rounds · (pairs of neighbors + pairs of faces in patches)).
 ///
 /// # Errors
 /// [`NormalFilterError`].
@@ -91,9 +91,9 @@ pub fn guided_normals(
     let faces = Faces::new(geometry)?;
     let (mut points, unit) = unit_points(geometry);
     let across = faces.across_edges();
-    let around = faces.neighbours(FaceNeighbours::ByVertex);
+    let around = faces.neighbors(FaceNeighbors::ByVertex);
     let centroids = faces.measures(&points).centroids;
-    let neighbours = faces.within(params.radius * mean_distance(&across, &centroids), &centroids, &around);
+    let neighbors = faces.within(params.radius * mean_distance(&across, &centroids), &centroids, &around);
     let patches = Patches::new(around, &across);
     let stays = staying(&faces, points.len(), params.border);
     for round in 0..params.normal_iterations {
@@ -102,7 +102,7 @@ pub fn guided_normals(
         let space = params.sigma_s * mean_distance(&across, &measures.centroids);
         let widths = Widths { space, range: params.sigma_r };
         let guidance = patches.guidance(&measures);
-        let normals = filtered(&measures, &measures.normals, &guidance, &neighbours, widths);
+        let normals = filtered(&measures, &measures.normals, &guidance, &neighbors, widths);
         for _ in 0..params.vertex_iterations {
             progress.check()?;
             points = updated(&faces, &points, &normals, &stays);

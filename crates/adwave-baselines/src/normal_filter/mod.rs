@@ -5,7 +5,7 @@
 //! noise. Where they do not: that width has to be chosen for each mesh, smooth shapes become facetted, and both compare
 //! normals of faces that share a vertex, so that strong noise hides edges from them.
 //!
-//! `bilateral` and `guided` are the methods, `faces` has the triangles with their neighbours, areas, centroids and normals,
+//! `bilateral` and `guided` are the methods, `faces` has the triangles with their neighbors, areas, centroids and normals,
 //! `vertex_update` the second step. Both work on welded vertices and give positions in the order of the shape's.
 
 mod bilateral;
@@ -40,7 +40,7 @@ pub enum NormalFilterError {
         /// What it may be.
         wanted: &'static str,
     },
-    /// So many faces at a vertex that lists of neighbours would fill the memory.
+    /// So many faces at a vertex that lists of neighbors would fill the memory.
     #[error(
         "vertex {vertex} (counted from 0) has {n_faces} faces, more than the {most} that the filter takes; remesh it"
     )]
@@ -68,9 +68,9 @@ pub enum NormalFilterError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Which faces are neighbours of a face.
+/// Which faces are neighbors of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FaceNeighbours {
+pub enum FaceNeighbors {
     /// Those that share a vertex.
     #[default]
     ByVertex,

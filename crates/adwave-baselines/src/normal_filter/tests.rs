@@ -267,7 +267,7 @@ fn what_cannot_be_filtered_is_an_error() {
 
     let faceless = geometry(points, &[]);
     assert_eq!(guided_normals(&faceless, &GuidedParams::default(), none), Err(NormalFilterError::NotAMesh));
-    // A fan whose hub has more faces than lists of neighbours can hold.
+    // A fan whose hub has more faces than lists of neighbors can hold.
     let n = 600;
     let rim = (0..n).map(|k| f64::from(k) * std::f64::consts::TAU / f64::from(n));
     let fan: Vec<[f64; 3]> = std::iter::once([0.0; 3]).chain(rim.map(|a| [a.cos(), a.sin(), 0.0])).collect();

@@ -59,7 +59,7 @@ impl ExactFrame {
     ///
     /// # Errors
     /// [`SgwtError::Length`].
-    pub fn analyse(&self, signal: &[f64]) -> Result<Vec<Vec<f64>>, SgwtError> {
+    pub fn analyze(&self, signal: &[f64]) -> Result<Vec<Vec<f64>>, SgwtError> {
         check(self.n, signal.len())?;
         let hat = self.spectral(signal);
         Ok((0..self.kernels.len())

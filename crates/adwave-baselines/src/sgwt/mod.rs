@@ -106,7 +106,7 @@ impl Frame {
     /// let path = SymmetricMatrix::from_halves(2, &[(0, 0, 1.0), (1, 1, 1.0), (0, 1, -1.0)])?;
     /// let kernels = Kernels::new(KernelFamily::Itersine, 4, largest_eigenvalue(&path))?;
     /// let frame = Frame::new(path, kernels, 1e-8)?;
-    /// let c = frame.analyse(&[3.0, -1.0], Progress::none())?;
+    /// let c = frame.analyze(&[3.0, -1.0], Progress::none())?;
     /// let energy: f64 = c.iter().flatten().map(|v| v * v).sum();
     /// assert!((energy - 10.0).abs() < 1e-6); // a tight frame with A = B = 1
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -134,7 +134,7 @@ impl Frame {
     ///
     /// # Errors
     /// [`SgwtError::Length`], when cancelled.
-    pub fn analyse(&self, signal: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, SgwtError> {
+    pub fn analyze(&self, signal: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, SgwtError> {
         check(self.laplacian.n(), signal.len())?;
         Ok(chebyshev::apply(&self.laplacian, &self.polynomials, signal, progress)
             .map_err(LinalgError::from)?)
@@ -170,7 +170,7 @@ impl Frame {
         let apply = |x: &[f64], y: &mut [f64]| {
             // Not cancelled inside a step: the solver looks between steps.
             let square = self
-                .analyse(x, Progress::none())
+                .analyze(x, Progress::none())
                 .and_then(|c| self.adjoint(&c, Progress::none()))
                 .expect("the lengths are right, and nothing cancels");
             y.copy_from_slice(&square);
@@ -188,7 +188,7 @@ fn check(expected: usize, got: usize) -> Result<(), SgwtError> {
 ///
 /// # Errors
 /// [`SgwtError::NotReversible`].
-pub fn normalised_laplacian(walk: &Diffusion) -> Result<(SymmetricMatrix, Vec<f64>), SgwtError> {
+pub fn normalized_laplacian(walk: &Diffusion) -> Result<(SymmetricMatrix, Vec<f64>), SgwtError> {
     if !walk.is_reversible() {
         return Err(SgwtError::NotReversible);
     }

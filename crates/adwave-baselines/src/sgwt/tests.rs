@@ -51,7 +51,7 @@ fn polynomials_agree_with_the_exact_transform() {
         let kernels = Kernels::new(family, 6, largest_eigenvalue(&laplacian)).unwrap();
         let exact = ExactFrame::new(&laplacian, kernels.clone()).unwrap();
         let frame = Frame::new(laplacian.clone(), kernels, accuracy(family)).unwrap();
-        let (a, b) = (exact.analyse(&f).unwrap(), frame.analyse(&f, Progress::none()).unwrap());
+        let (a, b) = (exact.analyze(&f).unwrap(), frame.analyze(&f, Progress::none()).unwrap());
         for (i, (a, b)) in a.iter().zip(&b).enumerate() {
             let error = distance(a, b) / norm(&f);
             assert!(error < 1e-6, "{family:?} {i}: {error:e}");
@@ -75,7 +75,7 @@ fn coefficients_lie_within_the_frame_bounds_and_can_be_inverted() {
     for family in FAMILIES {
         let kernels = Kernels::new(family, 7, largest_eigenvalue(&laplacian)).unwrap();
         let frame = Frame::new(laplacian.clone(), kernels.clone(), accuracy(family)).unwrap();
-        let c = frame.analyse(&f, Progress::none()).unwrap();
+        let c = frame.analyze(&f, Progress::none()).unwrap();
         let energy = c.iter().map(|c| norm(c).powi(2)).sum::<f64>() / norm(&f).powi(2);
         let (a, b) = frame.bounds;
         assert!(a * (1.0 - 1e-9) <= energy && energy <= b * (1.0 + 1e-9), "{family:?}: {a} {energy} {b}");
@@ -85,7 +85,7 @@ fn coefficients_lie_within_the_frame_bounds_and_can_be_inverted() {
         let (back, info) = frame.inverse(&c, 1e-12, Progress::none()).unwrap();
         assert!(distance(&back, &f) < 1e-8 * norm(&f), "{family:?}: {info:?}");
         let exact = ExactFrame::new(&laplacian, kernels).unwrap();
-        let back = exact.inverse(&exact.analyse(&f).unwrap()).unwrap();
+        let back = exact.inverse(&exact.analyze(&f).unwrap()).unwrap();
         assert!(distance(&back, &f) < 1e-10 * norm(&f), "{family:?}");
         assert!(exact.bounds.0 >= a - 1e-6 && exact.bounds.1 <= b + 1e-6);
     }
@@ -99,7 +99,7 @@ fn wavelets_have_zero_mean_except_the_low_pass() {
     for family in FAMILIES {
         let kernels = Kernels::new(family, 6, largest_eigenvalue(&laplacian)).unwrap();
         let exact = ExactFrame::new(&laplacian, kernels).unwrap();
-        let c = exact.analyse(&spike).unwrap();
+        let c = exact.analyze(&spike).unwrap();
         let from = if family == KernelFamily::Itersine { 2 } else { 1 };
         for wavelet in &c[from..] {
             assert!(wavelet.iter().sum::<f64>().abs() < 1e-12, "{family:?}");
@@ -126,10 +126,10 @@ fn tiny_graphs_and_wrong_input() {
         let kernels = Kernels::new(KernelFamily::Meyer, 4, largest_eigenvalue(&laplacian)).unwrap();
         let frame = Frame::new(laplacian.clone(), kernels, 1e-6).unwrap();
         let f = signal(n);
-        let c = frame.analyse(&f, Progress::none()).unwrap();
+        let c = frame.analyze(&f, Progress::none()).unwrap();
         let (back, _) = frame.inverse(&c, 1e-10, Progress::none()).unwrap();
         assert!(distance(&back, &f) <= 1e-6 * norm(&f));
-        assert!(frame.analyse(&vec![0.0; n + 1], Progress::none()).is_err());
+        assert!(frame.analyze(&vec![0.0; n + 1], Progress::none()).is_err());
     }
     assert!(Kernels::new(KernelFamily::Meyer, 1, 1.0).is_err());
     let laplacian = grid(3);

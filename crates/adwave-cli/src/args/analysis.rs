@@ -19,7 +19,7 @@ macro_rules! signal_names {
 
 pub(crate) use signal_names;
 
-/// The signal that is split, filtered or analysed.
+/// The signal that is split, filtered or analyzed.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct FieldArgs {
     #[arg(
@@ -83,7 +83,7 @@ impl MapArgs {
             WeightingArg::Signed => None,
             WeightingArg::Paper => Some(Weighting::PerLevel),
             WeightingArg::Printed => Some(Weighting::AsPrinted),
-            WeightingArg::Normalised => Some(Weighting::Normalised),
+            WeightingArg::Normalized => Some(Weighting::Normalized),
             WeightingArg::Ranks => Some(Weighting::Ranks),
             WeightingArg::None => Some(Weighting::Uniform),
         };
@@ -125,7 +125,7 @@ pub(crate) enum WeightingArg {
     /// (max − |W|)² at each vertex, as eq. 17 is printed
     Printed,
     /// 1/mean, so that every level counts alike
-    Normalised,
+    Normalized,
     /// Ranks in place of values
     Ranks,
     /// 1
@@ -179,7 +179,7 @@ named! {
     /// `adwave::features::Response` by its names here.
     ResponseArg for Response {
         /// Each level by its own mean
-        Normalised = Normalised,
+        Normalized = Normalized,
         /// W itself, as printed; finds the size of a scalar's bumps
         Literal = Literal,
         /// Every channel by itself

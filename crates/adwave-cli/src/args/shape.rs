@@ -37,22 +37,22 @@ pub(crate) struct ShapeArgs {
     /// Take vertices at exactly equal positions as different vertices
     #[arg(long, help_heading = "Diffusion operator")]
     pub(crate) no_weld: bool,
-    /// Mesh: how many rings of neighbours one step takes in
+    /// Mesh: how many rings of neighbors one step takes in
     #[arg(long, value_name = "N", value_parser = at_least_one, default_value_t = count(OperatorParams::default().rings), help_heading = "Diffusion operator")]
     pub(crate) rings: NonZeroUsize,
     /// Mesh: the area of a vertex
     #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Diffusion operator")]
     pub(crate) mesh_area: MeshAreaArg,
-    /// Cloud: how many nearest neighbours one step takes in
-    #[arg(long, value_name = "K", value_parser = at_least_one, default_value_t = count(OperatorParams::default().neighbours), help_heading = "Diffusion operator")]
-    pub(crate) neighbours: NonZeroUsize,
+    /// Cloud: how many nearest neighbors one step takes in
+    #[arg(long, value_name = "K", value_parser = at_least_one, default_value_t = count(OperatorParams::default().neighbors), help_heading = "Diffusion operator")]
+    pub(crate) neighbors: NonZeroUsize,
     /// Cloud: step to the nearest of each point only, as the paper has it, not in both directions
     #[arg(long, help_heading = "Diffusion operator")]
     pub(crate) directed: bool,
     /// Cloud: the area of a point
     #[arg(long, value_name = "KIND", value_enum, default_value_t, help_heading = "Diffusion operator")]
     pub(crate) cloud_area: CloudAreaArg,
-    /// Walk: take out how densely the shape was sampled (Coifman & Lafon's α = 1, neighbours by length); slower where that varies much
+    /// Walk: take out how densely the shape was sampled (Coifman & Lafon's α = 1, neighbors by length); slower where that varies much
     #[arg(long, help_heading = "Diffusion operator")]
     pub(crate) density_invariant: bool,
     /// Mesh, cloud: do not step across creases, where normals turn sharply
@@ -123,7 +123,7 @@ impl ShapeArgs {
             .with_weld(if self.no_weld { WeldMode::Off } else { WeldMode::EqualPositions })
             .with_rings(self.rings.get())
             .with_mesh_area(self.mesh_area.into())
-            .with_neighbours(self.neighbours.get())
+            .with_neighbors(self.neighbors.get())
             .with_cloud_graph(if self.directed { CloudGraph::Directed } else { CloudGraph::Union })
             .with_cloud_area(self.cloud_area.into())
             .with_density_invariant(self.density_invariant)
@@ -160,7 +160,7 @@ named! {
 named! {
     /// `adwave::shape::CloudArea` by its names here.
     CloudAreaArg for CloudArea {
-        KthNeighbour = KthNeighbour,
+        KthNeighbor = KthNeighbor,
         Unit = Unit,
         TangentVoronoi = TangentVoronoi,
     }

@@ -50,11 +50,11 @@ pub(crate) struct SaliencyArgs {
     /// Write what each level adds too, as the fields saliency3, saliency4 …
     #[arg(long, help_heading = "Map")]
     pub(crate) per_level: bool,
-    /// The colours: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, grey, coolwarm, red-blue or spectral
+    /// The colors: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, gray, coolwarm, red-blue or spectral
     /// [default: coolwarm about 0 where the map has a sign, else viridis]
     #[arg(long, alias = "colormap", value_name = "NAME", help_heading = "Map")]
     pub(crate) color_map: Option<String>,
-    /// The last colour stands for this percentile of the map, of its size where it has a sign, and all above
+    /// The last color stands for this percentile of the map, of its size where it has a sign, and all above
     #[arg(long, value_name = "P", default_value_t = 99.0, help_heading = "Map")]
     pub(crate) color_top: f64,
 }
@@ -93,12 +93,12 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     report(args, global, &analysis, &map)
 }
 
-/// The colours of a map, by default diverging round 0 where it has a sign.
+/// The colors of a map, by default diverging round 0 where it has a sign.
 fn color_map(args: &SaliencyArgs) -> Result<Option<ColorMap>, CliError> {
     let Some(name) = &args.color_map else { return Ok(None) };
     ColorMap::from_name(name).map(Some).ok_or_else(|| {
         let names: Vec<&str> = ColorMap::names().collect();
-        CliError::Input(format!("there is no colour map '{name}'; there is {}", names.join(", ")))
+        CliError::Input(format!("there is no color map '{name}'; there is {}", names.join(", ")))
     })
 }
 
@@ -156,7 +156,7 @@ fn fields(saliency: &Saliency, levels: &[(SaliencyLevel, Vec<f64>)]) -> Vec<Fiel
     std::iter::once(field("saliency".to_owned(), &saliency.map)).chain(each).collect()
 }
 
-/// The shape with the fields and colours.
+/// The shape with the fields and colors.
 fn write_colored(
     args: &SaliencyArgs,
     global: &Global<'_>,

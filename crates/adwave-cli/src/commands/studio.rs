@@ -1,4 +1,4 @@
-//! `adwave studio`: an equaliser for the shape, in the browser.
+//! `adwave studio`: an equalizer for the shape, in the browser.
 
 use crate::args::Kind;
 use crate::error::CliError;

@@ -121,7 +121,7 @@ fn number(node: Node<'_, '_>, name: &'static str) -> Result<f64, ReadError> {
     })
 }
 
-/// The colour in a node; one by a formula is none.
+/// The color in a node; one by a formula is none.
 fn color(node: Node<'_, '_>) -> Option<Color> {
     let own = child(node, "color")?;
     let part = |name| text_of(own, name).and_then(|text| parse_f64(text.as_bytes()));
@@ -258,7 +258,7 @@ impl Assembly<'_> {
     }
 }
 
-/// Colours as a field, NaN where there is none; nothing where there are none at all.
+/// Colors as a field, NaN where there is none; nothing where there are none at all.
 fn field(colors: &[Option<Color>]) -> Option<Field> {
     if !colors.iter().any(Option::is_some) {
         return None;

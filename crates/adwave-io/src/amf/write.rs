@@ -1,4 +1,4 @@
-//! AMF: one object of one volume, with colours of its vertices and of its triangles.
+//! AMF: one object of one volume, with colors of its vertices and of its triangles.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ fn color(fields: &[Field]) -> Option<&Field> {
     fields.iter().find(|f| f.name == "color" && matches!(f.n_channels, 3 | 4))
 }
 
-/// Colours are numbers from 0 to 1 in an AMF; one of no number is left out.
+/// Colors are numbers from 0 to 1 in an AMF; one of no number is left out.
 fn push_color(field: Option<&Field>, i: usize, out: &mut Vec<u8>) {
     let Some(field) = field else { return };
     let scale = if matches!(field.values, FieldValues::U8(_)) { 255.0 } else { 1.0 };

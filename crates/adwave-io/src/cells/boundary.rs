@@ -14,7 +14,7 @@ pub(crate) struct VolumeFaces {
 }
 
 impl VolumeFaces {
-    /// Adds a face. Cells that are collapsed to simpler ones name a corner twice: the face is one with the neighbour's only without it, and
+    /// Adds a face. Cells that are collapsed to simpler ones name a corner twice: the face is one with the neighbor's only without it, and
     /// one that is collapsed to an edge is none.
     pub(crate) fn push(&mut self, corners: impl Iterator<Item = u32>, cell: u32) {
         let start = self.corners.len();

@@ -5,7 +5,7 @@ use adwave::{Cancelled, Progress};
 use crate::progress::all;
 
 /// A name for each column. Names of the file are kept, with `x`, `y`, `z` for the coordinates; columns without
-/// names get theirs from their values: unit vectors are normals, whole numbers up to 255 three by three are colours.
+/// names get theirs from their values: unit vectors are normals, whole numbers up to 255 three by three are colors.
 pub(crate) fn name_columns(
     names: &[String],
     values: &[f64],

@@ -36,7 +36,7 @@ pub(crate) fn is_mgh(bytes: &[u8]) -> bool {
         && (4..20).step_by(4).all(|at| int(bytes, at).is_some_and(|n| n > 0))
 }
 
-/// Whether it may be an annotation: pairs of a vertex and its colour, and a table of colours after them.
+/// Whether it may be an annotation: pairs of a vertex and its color, and a table of colors after them.
 pub(crate) fn is_annotation(bytes: &[u8]) -> bool {
     let Some(n) = int(bytes, 0).and_then(|n| usize::try_from(n).ok()).filter(|&n| n > 0) else {
         return false;
@@ -82,8 +82,8 @@ pub(crate) fn read_mgh(bytes: &[u8], progress: Progress<'_>) -> Result<Field, Re
     Ok(Field::new("overlay", frames, by_vertex.values))
 }
 
-/// Reads an annotation: the place of each vertex's label in the table of colours, −1 where it has none; without
-/// a table the colours as numbers.
+/// Reads an annotation: the place of each vertex's label in the table of colors, −1 where it has none; without
+/// a table the colors as numbers.
 pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Field, ReadError> {
     let n = int(bytes, 0).and_then(|n| usize::try_from(n).ok()).ok_or_else(|| cut(bytes))?;
     let pairs =
@@ -103,7 +103,7 @@ pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Fi
         colors
     } else {
         let mut entries = table.entries().ok_or_else(|| {
-            ReadError::at_byte(table.at, "the table of colours breaks off; get the whole file")
+            ReadError::at_byte(table.at, "the table of colors breaks off; get the whole file")
         })?;
         entries.sort_by_key(|entry| entry.0);
         let label = |color: i32| {
@@ -115,7 +115,7 @@ pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Fi
     Ok(Field::new("label", 1, FieldValues::I32(labels)))
 }
 
-/// The table of colours at the end of an annotation.
+/// The table of colors at the end of an annotation.
 struct Table<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -135,7 +135,7 @@ impl Table<'_> {
         Some(())
     }
 
-    /// The colour of each entry as the pairs have it, and its number.
+    /// The color of each entry as the pairs have it, and its number.
     fn entries(&mut self) -> Option<Vec<(i32, i32)>> {
         if self.int()? != 1 {
             return None;

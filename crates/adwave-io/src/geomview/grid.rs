@@ -1,4 +1,4 @@
-//! `[U][C][N][Z][4][u][v][n]MESH`: a grid of points, whose neighbours make quadrilaterals.
+//! `[U][C][N][Z][4][u][v][n]MESH`: a grid of points, whose neighbors make quadrilaterals.
 
 use adwave::Progress;
 

@@ -78,7 +78,7 @@ pub(crate) fn begins_object(word: &[u8]) -> bool {
         || matches!(word, b"LIST" | b"VECT" | b"SKEL" | b"4SKEL")
 }
 
-/// `[C][N][4]QUAD` and `POLY`: whether there are normals, colours and a fourth coordinate.
+/// `[C][N][4]QUAD` and `POLY`: whether there are normals, colors and a fourth coordinate.
 fn polygons(word: &[u8]) -> Option<[bool; 3]> {
     let own = word.strip_suffix(b"QUAD").or_else(|| word.strip_suffix(b"POLY"))?;
     own.iter().all(|b| b"CN4".contains(b)).then(|| [b'N', b'C', b'4'].map(|letter| own.contains(&letter)))
@@ -251,7 +251,7 @@ impl Reader<'_> {
                 self.scene.edges.extend(previous.map(|before| [before, vertex]));
                 previous = Some(vertex);
             }
-            // A colour may end the line.
+            // A color may end the line.
             let end = crate::text::line_end(tokens.bytes, tokens.position);
             let rest = crate::text::words(&tokens.bytes[tokens.position..end]).take_while(|w| w[0] != b'}');
             if rest.count() == 4 {
@@ -264,7 +264,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `VECT`: counts, sizes of lines and numbers of colours, then vertices, then colours.
+    /// `VECT`: counts, sizes of lines and numbers of colors, then vertices, then colors.
     fn vectors(&mut self, tokens: &mut Tokens<'_>) -> Result<(), ReadError> {
         word(tokens);
         let mut counts = [0; 3];
@@ -302,9 +302,9 @@ impl Reader<'_> {
             }
             self.scene.edges.extend((size < -1).then(|| [first + n - 1, first]));
         }
-        tokens.check(n_colors, 8, "colour")?;
+        tokens.check(n_colors, 8, "color")?;
         for row in 0..4 * n_colors {
-            tokens.number("colour", row)?;
+            tokens.number("color", row)?;
         }
         self.scene.end_object();
         Ok(())

@@ -19,7 +19,7 @@ pub(crate) struct Accessor {
     pub(crate) n_channels: usize,
     pub(crate) count: usize,
     /// Whether whole numbers stand for fractions of their largest.
-    pub(crate) is_normalised: bool,
+    pub(crate) is_normalized: bool,
     /// Where its numbers are; all are 0 where it has none of its own.
     pub(crate) place: Option<Place>,
     pub(crate) is_sparse: bool,
@@ -90,9 +90,9 @@ impl Accessor {
             }
             Some(view) => Some(place(document, index, json, view, count, row)?),
         };
-        let is_normalised = json.get("normalized") == Some(&Json::Bool(true)) && value_type.is_integer();
+        let is_normalized = json.get("normalized") == Some(&Json::Bool(true)) && value_type.is_integer();
         let is_sparse = json.get("sparse").is_some();
-        Ok(Self { index, value_type, n_channels, count, is_normalised, place, is_sparse })
+        Ok(Self { index, value_type, n_channels, count, is_normalized, place, is_sparse })
     }
 
     /// The bytes of its numbers, from the first row on.
@@ -181,7 +181,7 @@ impl Accessor {
             ValueType::U32 => 4_294_967_295.0,
             _ => return Cow::Borrowed(values),
         };
-        if !self.is_normalised {
+        if !self.is_normalized {
             return Cow::Borrowed(values);
         }
         Cow::Owned(FieldValues::F64((0..values.len()).map(|k| (values.get(k) / largest).max(-1.0)).collect()))

@@ -54,7 +54,7 @@ pub(crate) fn read_gltf(
         }
     }
     // What a node moves has more digits than the file's numbers.
-    let is_plain = |part: &Part| part.instance.matrix == IDENTITY && !part.positions.is_normalised;
+    let is_plain = |part: &Part| part.instance.matrix == IDENTITY && !part.positions.is_normalized;
     shape.precision = if parts.iter().all(is_plain) { Precision::F32 } else { Precision::F64 };
     shape.points = points.into();
     shape.vertex_fields = fields(&document, &parts, shape.n_vertices, progress)?;
@@ -209,7 +209,7 @@ fn numbered(fields: &[Field], progress: Progress<'_>) -> Result<Vec<Field>, Read
 }
 
 /// Normals are turned with their mesh, texture coordinates have v upwards, small whole numbers that stand for fractions are those
-/// but for colours.
+/// but for colors.
 fn in_scene(attribute: &str, accessor: &Accessor, values: FieldValues, matrix: &Matrix) -> FieldValues {
     let is_color = attribute.starts_with("COLOR_");
     let mut values = match accessor.fractions(&values) {
@@ -238,7 +238,7 @@ pub(crate) fn flip_v(values: &mut FieldValues) {
     }
 }
 
-/// Rows of more channels: the alpha of a colour that has none is 1.
+/// Rows of more channels: the alpha of a color that has none is 1.
 fn widened(values: FieldValues, from: usize, to: usize, n_rows: usize) -> FieldValues {
     if from == to {
         return values;
@@ -261,7 +261,7 @@ fn absent(attribute: &str, n: usize) -> FieldValues {
     FieldValues::F32(vec![value; n])
 }
 
-/// One list after the other; of two types both become floats, colours as fractions.
+/// One list after the other; of two types both become floats, colors as fractions.
 fn joined(before: FieldValues, after: FieldValues) -> FieldValues {
     macro_rules! same {
         ($($variant:ident),*) => {

@@ -329,7 +329,7 @@ impl Changed<'_> {
 fn holds(accessor: &Accessor, attribute: &Attribute) -> bool {
     accessor.value_type == attribute.value_type
         && accessor.n_channels == attribute.channels.1
-        && accessor.is_normalised == attribute.is_normalised
+        && accessor.is_normalized == attribute.is_normalized
 }
 
 /// By their first bytes.

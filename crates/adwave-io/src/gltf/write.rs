@@ -38,7 +38,7 @@ pub(crate) struct Rows {
     pub(crate) count: usize,
     pub(crate) n_channels: usize,
     pub(crate) value_type: ValueType,
-    pub(crate) is_normalised: bool,
+    pub(crate) is_normalized: bool,
 }
 
 impl Rows {
@@ -77,7 +77,7 @@ impl Numbers {
             ("count", rows.count.into()),
             ("type", kind.into()),
         ]);
-        if rows.is_normalised {
+        if rows.is_normalized {
             accessor.set("normalized", Json::Bool(true));
         }
         if let Some([low, high]) = range {
@@ -99,7 +99,7 @@ pub(crate) fn positions(
     let bytes = collect(points.len(), progress, |i| points[i].map(f32::to_le_bytes))?;
     let bytes = bytes.as_flattened().as_flattened().to_vec();
     let rows =
-        Rows { bytes, count: points.len(), n_channels: 3, value_type: ValueType::F32, is_normalised: false };
+        Rows { bytes, count: points.len(), n_channels: 3, value_type: ValueType::F32, is_normalized: false };
     Ok((rows, range(points)))
 }
 
@@ -123,7 +123,7 @@ pub(crate) struct Attribute {
     /// The first of the field's channels, and how many.
     pub(crate) channels: (usize, usize),
     pub(crate) value_type: ValueType,
-    pub(crate) is_normalised: bool,
+    pub(crate) is_normalized: bool,
 }
 
 /// The attributes that a field becomes: more than one where it has more than four channels.
@@ -131,8 +131,8 @@ pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
     let (n, own) = (field.n_channels, field.values.value_type());
     let small = matches!(own, ValueType::U8 | ValueType::I8 | ValueType::U16 | ValueType::I16);
     let is_color = matches!(own, ValueType::U8 | ValueType::U16);
-    let one = |name: &str, value_type, is_normalised| {
-        vec![Attribute { name: name.into(), channels: (0, n), value_type, is_normalised }]
+    let one = |name: &str, value_type, is_normalized| {
+        vec![Attribute { name: name.into(), channels: (0, n), value_type, is_normalized }]
     };
     match (field.name.as_str(), n) {
         ("normal", 3) => one("NORMAL", ValueType::F32, false),
@@ -145,7 +145,7 @@ pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
                 name: format!("_{name}_{c}"),
                 channels: (c, 1),
                 value_type: if small { own } else { ValueType::F32 },
-                is_normalised: false,
+                is_normalized: false,
             })
             .collect(),
     }
@@ -181,8 +181,8 @@ pub(crate) fn rows(
         });
         bytes
     };
-    let (value_type, is_normalised) = (attribute.value_type, attribute.is_normalised);
-    Ok(Rows { bytes, count, n_channels: n, value_type, is_normalised })
+    let (value_type, is_normalized) = (attribute.value_type, attribute.is_normalized);
+    Ok(Rows { bytes, count, n_channels: n, value_type, is_normalized })
 }
 
 /// Refuses values that a 32-bit float cannot hold, and reports digits that it does not.
@@ -204,7 +204,7 @@ pub(crate) fn report_field(
     Ok(())
 }
 
-/// Where the node puts the points: about their centre where 32-bit floats would lose what the shape has there.
+/// Where the node puts the points: about their center where 32-bit floats would lose what the shape has there.
 fn place(shape: &ShapeFile) -> Option<[f64; 3]> {
     /// So many times farther from the origin than they are large.
     const FAR: f64 = 16.0;
@@ -213,9 +213,9 @@ fn place(shape: &ShapeFile) -> Option<[f64; 3]> {
         return None;
     }
     let (low, high) = bounding_box(&shape.points)?;
-    let centre: [f64; 3] = std::array::from_fn(|c| 0.5 * low[c] + 0.5 * high[c]);
+    let center: [f64; 3] = std::array::from_fn(|c| 0.5 * low[c] + 0.5 * high[c]);
     let size = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max);
-    centre.iter().any(|x| x.abs() > FAR * size).then_some(centre)
+    center.iter().any(|x| x.abs() > FAR * size).then_some(center)
 }
 
 /// Says in the asset's extras where the shape came from, or no longer.
@@ -245,8 +245,8 @@ pub(crate) fn write_gltf(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let (n, points) = (shape.points.len(), &shape.points);
-    let centre = place(shape);
-    let shift = centre.unwrap_or_default();
+    let center = place(shape);
+    let shift = center.unwrap_or_default();
     let local =
         collect(n, progress, |i| std::array::from_fn::<f32, 3, _>(|c| (points[i][c] - shift[c]) as f32))?;
     let is_exact = |k: usize| {
@@ -292,8 +292,8 @@ pub(crate) fn write_gltf(
         primitives.push(object([("attributes", named), ("mode", 0.into())]));
     }
     let mut node = object([("mesh", 0.into())]);
-    if let Some(centre) = centre {
-        node.set("translation", Json::List(centre.map(Json::of_number).to_vec()));
+    if let Some(center) = center {
+        node.set("translation", Json::List(center.map(Json::of_number).to_vec()));
     }
     let generator = concat!("adwave ", env!("CARGO_PKG_VERSION"));
     let mut json = object([("asset", object([("version", "2.0".into()), ("generator", generator.into())]))]);
@@ -318,7 +318,7 @@ fn corner_rows(corners: &[u32], n_vertices: usize, progress: Progress<'_>) -> Re
         collect(corners.len(), progress, |k| corners[k].to_le_bytes())?.as_flattened().to_vec()
     };
     let value_type = if is_short { ValueType::U16 } else { ValueType::U32 };
-    Ok(Rows { bytes, count: corners.len(), n_channels: 1, value_type, is_normalised: false })
+    Ok(Rows { bytes, count: corners.len(), n_channels: 1, value_type, is_normalized: false })
 }
 
 /// Writes the document with its buffers: the first of a GLB behind the text, all others in it.
@@ -362,7 +362,7 @@ mod tests {
 
     #[test]
     fn a_shape_far_from_the_origin_keeps_its_detail() {
-        // A survey's coordinates, with millimetres.
+        // A survey's coordinates, with millimeters.
         let points = vec![[4_512_345.123, 5_401_234.456, 312.001], [4_512_346.125, 5_401_234.455, 312.002]];
         let shape = ShapeFile::from_cloud(points.clone());
         let mut bytes = Vec::new();

@@ -14,7 +14,7 @@ use crate::{Field, FieldValues, ShapeFile, ValueType, WriteError, WriteReport};
 const SPECIFICATION: &[u8] = b"LASF_Spec";
 const EXTRA_BYTES: u16 = 4;
 
-/// Colours of one byte become those of two.
+/// Colors of one byte become those of two.
 fn factor(field: &Field) -> f64 {
     if field.name == "color" && matches!(field.values, FieldValues::U8(_)) { 257.0 } else { 1.0 }
 }
@@ -29,7 +29,7 @@ pub(crate) fn fits(field: &Field, kind: ValueType) -> bool {
         _ => 0.0..=65535.0,
     };
     let factor = factor(field);
-    // Colours that are numbers from 0 to 1 are no colours of a LAS.
+    // Colors that are numbers from 0 to 1 are no colors of a LAS.
     let is_color = field.name != "color" || matches!(field.values, FieldValues::U8(_) | FieldValues::U16(_));
     let holds = |k: usize| {
         let value = factor * field.values.get(k);

@@ -1,4 +1,4 @@
-//! The colours, normals and texture coordinates of an OBJ as fields of its vertices, where each vertex has one.
+//! The colors, normals and texture coordinates of an OBJ as fields of its vertices, where each vertex has one.
 
 use adwave::{Cancelled, Progress};
 
@@ -85,7 +85,7 @@ fn joined(
     Ok(all)
 }
 
-/// What stands after z: a weight, or a colour.
+/// What stands after z: a weight, or a color.
 fn tails(shape: &mut ShapeFile, chunks: &mut [Chunk], progress: Progress<'_>) -> Result<(), Cancelled> {
     let n_channels = chunks.iter().map(|p| p.tail_len).max().unwrap_or(0);
     let name = match n_channels {

@@ -128,7 +128,7 @@ fn numbers(cursor: &mut Cursor<'_>, n: usize, what: &str) -> Result<[f64; 3], St
     Ok(xyz)
 }
 
-/// The weight or colour after z. A word that is no number ends it: it is some program's remark.
+/// The weight or color after z. A word that is no number ends it: it is some program's remark.
 fn vertex_tail(chunk: &mut Chunk, cursor: &mut Cursor<'_>) {
     let mut tail = [f64::NAN; 4];
     let mut n = 0;

@@ -9,7 +9,7 @@ use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
-/// Writes the original with other coordinates, and with other colours if these were replaced.
+/// Writes the original with other coordinates, and with other colors if these were replaced.
 pub(crate) fn update_obj(
     shape: &ShapeFile,
     rows: &TextRows,
@@ -30,7 +30,7 @@ pub(crate) fn update_obj(
             push_color(color, i, buffer);
         }
     };
-    // Whatever stands after z makes room for the colour.
+    // Whatever stands after z makes room for the color.
     let dropped: &[usize] = if color.is_some() { &[3, 4, 5, 6, 7] } else { &[] };
     rows.write_all(shape, &RowEdit { dropped, append: Some(&append) }, out, progress)?;
     Ok(report)
@@ -40,7 +40,7 @@ fn is_color(field: &Field) -> bool {
     matches!(field.n_channels, 3 | 4)
 }
 
-/// Colours are numbers from 0 to 1 in an OBJ.
+/// Colors are numbers from 0 to 1 in an OBJ.
 fn push_color(color: &Field, i: usize, out: &mut Vec<u8>) {
     let scale = if matches!(color.values, FieldValues::U8(_)) { 255.0 } else { 1.0 };
     for c in 0..color.n_channels {
@@ -58,7 +58,7 @@ fn push_line(out: &mut Vec<u8>, keyword: &str, numbers: impl Iterator<Item = f64
     }
 }
 
-/// Writes points, colours, normals, texture coordinates, faces and edges.
+/// Writes points, colors, normals, texture coordinates, faces and edges.
 pub(crate) fn write_obj(
     shape: &ShapeFile,
     report: &mut WriteReport,

@@ -88,7 +88,7 @@ pub(crate) fn read_off_binary(
     Ok(shape)
 }
 
-/// Faces: a count, corners, how many numbers the colour has, and these.
+/// Faces: a count, corners, how many numbers the color has, and these.
 fn read_faces(
     cursor: &mut Cursor<'_>,
     n: u64,
@@ -121,7 +121,7 @@ fn read_faces(
         let n_numbers: u32 = cursor.number("face", row)?;
         if n_numbers > 4 {
             let message =
-                format!("the colour of face {row} has {n_numbers} numbers, more than 4; get it anew");
+                format!("the color of face {row} has {n_numbers} numbers, more than 4; get it anew");
             return Err(ReadError::at_byte(cursor.position - 4, message));
         }
         let numbers = cursor.rows(n_numbers.into(), 4, "face")?;
@@ -135,7 +135,7 @@ fn read_faces(
         let name = if longest == 1 { "color_index" } else { "color" };
         shape.face_fields.push(Field::new(name, longest, FieldValues::F32(colors)));
     } else if longest > 0 {
-        shape.extras.push("colours of faces".into());
+        shape.extras.push("colors of faces".into());
     }
     Ok(())
 }

@@ -117,7 +117,7 @@ pub(crate) fn finish(
     vertex_fields(&mut shape, layout, &tails, progress)?;
     match face_tails.longest {
         0 => {}
-        // One value is an index into a table of colours.
+        // One value is an index into a table of colors.
         1 => shape.face_fields.push(face_tails.field("color_index", 0, 1, progress)?),
         n => shape.face_fields.push(face_tails.field("color", 0, n, progress)?),
     }
@@ -310,7 +310,7 @@ fn vertex_fields(
     let after_w_and_normal =
         tails.longest.saturating_sub(usize::from(layout.has_w) + 3 * usize::from(layout.has_normal));
     let for_color = after_w_and_normal.saturating_sub(2 * usize::from(layout.has_texcoord));
-    // Others write colours without the letter.
+    // Others write colors without the letter.
     if layout.has_color || matches!(for_color, 3 | 4) {
         add("color", if for_color >= 4 { 4 } else { 3 }, shape)?;
     }

@@ -11,7 +11,7 @@ use crate::text::{is_blank, parse_f64};
 use crate::tokens::Tokens;
 use crate::{ReadError, ReadLimits, ShapeFile};
 
-/// Reads an OFF in which lines mean nothing but, where there are colours of faces, their end.
+/// Reads an OFF in which lines mean nothing but, where there are colors of faces, their end.
 pub(crate) fn read_by_tokens(
     bytes: Vec<u8>,
     limits: &ReadLimits,
@@ -42,7 +42,7 @@ pub(crate) fn read_by_tokens(
         values.tails.end_row();
     }
     tokens.check(n_faces, 2, "face")?;
-    // Without colours the words are used up exactly; with them the rest of a line belongs to its face.
+    // Without colors the words are used up exactly; with them the rest of a line belongs to its face.
     let plain = faces(&mut tokens.clone(), n_faces, n_vertices, Colors::None, progress);
     let is_whole = |(_, end): &(Faces, usize)| Tokens::new(&bytes, *end).next().is_none();
     (values.faces, values.face_tails) = match plain {
@@ -131,7 +131,7 @@ fn faces(
             tails.push(x, word);
         }
         if !matches!(tails.n_values() - first, 0 | 1 | 3 | 4) {
-            return Err(tokens.wrong("face", row, "a colour of 1, 3 or 4 numbers"));
+            return Err(tokens.wrong("face", row, "a color of 1, 3 or 4 numbers"));
         }
         tails.end_row();
     }

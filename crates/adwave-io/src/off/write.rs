@@ -17,7 +17,7 @@ fn push_fields(line: &mut Vec<u8>, fields: &[&Field], i: usize) {
     }
 }
 
-/// Writes points with normal, colour and texture coordinate, and faces with colour.
+/// Writes points with normal, color and texture coordinate, and faces with color.
 pub(crate) fn write_off(
     shape: &ShapeFile,
     report: &mut WriteReport,

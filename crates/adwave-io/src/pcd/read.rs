@@ -342,7 +342,7 @@ fn to_shape(
     Ok(shape)
 }
 
-/// The bytes of a packed colour, which files hold as the bits of a float or as a whole number: blue lowest.
+/// The bytes of a packed color, which files hold as the bits of a float or as a whole number: blue lowest.
 fn unpack_color(list: &FieldValues, n_channels: usize, progress: Progress<'_>) -> Result<Field, ReadError> {
     let bits = |i: usize| match list {
         FieldValues::F32(v) => v[i].to_bits(),

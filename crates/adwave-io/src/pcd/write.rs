@@ -11,7 +11,7 @@ use crate::progress::at_row;
 use crate::text::{push_f32, push_f64};
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
 
-/// A colour of bytes is packed into one number, as the library expects it.
+/// A color of bytes is packed into one number, as the library expects it.
 fn is_packed(field: &Field) -> bool {
     field.name == "color" && matches!(field.n_channels, 3 | 4) && matches!(field.values, FieldValues::U8(_))
 }

@@ -8,7 +8,7 @@ use crate::gltf::read::{Part, field_name};
 use crate::gltf::update::GltfOriginal;
 use crate::{Field, FieldValues, ShapeFile};
 
-/// The base colours: those of pictures where a part has texture coordinates, else of the material alone; NaN without a material.
+/// The base colors: those of pictures where a part has texture coordinates, else of the material alone; NaN without a material.
 /// `given` takes the place of all pictures. Factors of the material multiply, as the format has it.
 pub(super) fn colors(
     shape: &ShapeFile,

@@ -1,4 +1,4 @@
-//! Which picture each material of an OBJ takes its colour from.
+//! Which picture each material of an OBJ takes its color from.
 
 use std::collections::HashMap;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Colours of a texture at the vertices of a mesh: OBJ with its materials, or any shape with UVs and a picture.
+//! Colors of a texture at the vertices of a mesh: OBJ with its materials, or any shape with UVs and a picture.
 
 mod gltf_parts;
 mod materials;
@@ -16,7 +16,7 @@ use materials::read_materials;
 use obj_corners::Corners;
 use picture::Picture;
 
-/// Why there are no colours.
+/// Why there are no colors.
 #[derive(Debug, thiserror::Error)]
 pub enum TextureError {
     /// The file of the shape, or of its materials, cannot be read.
@@ -58,7 +58,7 @@ impl ClassifiedError for TextureError {
     }
 }
 
-/// The colours of a texture at the vertices: the field `texture`, red, green and blue in [0, 1] as the picture has them.
+/// The colors of a texture at the vertices: the field `texture`, red, green and blue in [0, 1] as the picture has them.
 ///
 /// `image` is the picture; without it an OBJ's materials name one for each part (`map_Kd`), and a glTF's (`baseColorTexture`). Sampled between pixels, repeated
 /// beyond the picture's edges, the first row of pixels at v = 1. A vertex on a seam gets the mean of its places in the

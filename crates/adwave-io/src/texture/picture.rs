@@ -47,13 +47,13 @@ impl Picture {
         Ok(Self { pixels })
     }
 
-    /// The colour at (u, v), channels in [0, 1]; NaN where u or v is not finite.
+    /// The color at (u, v), channels in [0, 1]; NaN where u or v is not finite.
     pub(super) fn sample(&self, u: f64, v: f64) -> [f64; 3] {
         if !(u.is_finite() && v.is_finite()) {
             return [f64::NAN; 3];
         }
         let (width, height) = self.pixels.dimensions();
-        // Pixel centres lie half a pixel in.
+        // Pixel centers lie half a pixel in.
         let x = u.rem_euclid(1.0) * f64::from(width) - 0.5;
         let y = (1.0 - v).rem_euclid(1.0) * f64::from(height) - 0.5;
         let (left, top) = (x.floor(), y.floor());

@@ -1,4 +1,4 @@
-//! One model of a 3MF: its objects, colours and what is built of them.
+//! One model of a 3MF: its objects, colors and what is built of them.
 
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ pub(crate) struct Component {
 pub(crate) struct Object {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// The colours of the corners of each triangle; empty where none has any.
+    /// The colors of the corners of each triangle; empty where none has any.
     pub(crate) colors: Vec<[Option<Color>; 3]>,
     pub(crate) components: Vec<Component>,
 }
@@ -34,21 +34,21 @@ pub(crate) struct Object {
 /// A model.
 #[derive(Default)]
 pub(crate) struct Model {
-    /// The length of its unit in metres.
+    /// The length of its unit in meters.
     pub(crate) unit: f64,
     pub(crate) objects: HashMap<u32, Object>,
     /// In the order of the file.
     pub(crate) ids: Vec<u32>,
     pub(crate) built: Vec<Component>,
-    /// Whether a triangle has colours of its corners and not one of its own.
+    /// Whether a triangle has colors of its corners and not one of its own.
     pub(crate) has_corners: bool,
-    /// Whether a colour has a transparency.
+    /// Whether a color has a transparency.
     pub(crate) has_alpha: bool,
     /// Whether there are materials or textures that are not read.
     pub(crate) has_materials: bool,
 }
 
-/// Colours by group and index.
+/// Colors by group and index.
 type Groups = HashMap<u32, Vec<Option<Color>>>;
 
 impl Model {

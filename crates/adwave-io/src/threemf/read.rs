@@ -164,7 +164,7 @@ impl Assembly<'_> {
         let n = shape.faces.len();
         if self.colors.iter().flatten().any(Option::is_some) {
             self.colors.resize(n, [None; 3]);
-            // White is what has no colour.
+            // White is what has no color.
             let white = [255; 4];
             if !has_corners {
                 let values =
@@ -176,7 +176,7 @@ impl Assembly<'_> {
                 let values = FieldValues::U8(values.collect());
                 shape.vertex_fields.push(Field::new("color", n_channels, values));
             } else {
-                extras.push("colours of face corners".into());
+                extras.push("colors of face corners".into());
             }
         }
         shape.extras = extras;
@@ -184,7 +184,7 @@ impl Assembly<'_> {
     }
 }
 
-/// The colour of each vertex, where all corners of it have the same.
+/// The color of each vertex, where all corners of it have the same.
 fn one_per_vertex(shape: &ShapeFile, colors: &[[Option<Color>; 3]]) -> Option<Vec<Option<Color>>> {
     let mut found: Vec<Option<Color>> = vec![None; shape.n_vertices];
     for (&v, color) in shape.faces.corners().iter().zip(colors.as_flattened()) {

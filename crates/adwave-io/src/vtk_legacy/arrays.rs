@@ -44,7 +44,7 @@ impl Values<'_> {
                 let n = words(file.line()).next().and_then(crate::text::parse_u64).unwrap_or(1);
                 let end_of_line = file.at;
                 if file.pass("LOOKUP_TABLE") {
-                    file.name("the name of a table of colours")?;
+                    file.name("the name of a table of colors")?;
                 } else {
                     // The line ends where it did; binary numbers follow.
                     file.at = if file.is_binary { end_of_line - 1 } else { end_of_line };
@@ -55,7 +55,7 @@ impl Values<'_> {
             }
             b"COLOR_SCALARS" => {
                 let name = file.name("the name of an array")?;
-                let n = file.count("the number of colours")?;
+                let n = file.count("the number of colors")?;
                 self.colors(file, &name, channels(file, n)?)?;
                 return Ok(true);
             }
@@ -83,7 +83,7 @@ impl Values<'_> {
         Ok(true)
     }
 
-    /// Colours: bytes, or in a text shares of 255.
+    /// Colors: bytes, or in a text shares of 255.
     fn colors(&mut self, file: &mut Scanner<'_>, name: &str, n_channels: u64) -> Result<(), ReadError> {
         if file.is_binary {
             return self.read(file, name, n_channels, ArrayType::Numbers(ValueType::U8));

@@ -84,12 +84,12 @@ pub(crate) fn read_vtk(
                 skip_metadata(&mut file);
             }
             b"LOOKUP_TABLE" => {
-                let name = file.name("the name of a table of colours")?;
-                let n = file.count("the number of colours")?.saturating_mul(4);
+                let name = file.name("the name of a table of colors")?;
+                let n = file.count("the number of colors")?.saturating_mul(4);
                 // Bytes, or in a text shares of 255.
                 let kind = if file.is_binary { ValueType::U8 } else { ValueType::F64 };
-                file.array(n, ArrayType::Numbers(kind), "a table of colours")?;
-                content.extras.push(format!("table of colours `{name}`"));
+                file.array(n, ArrayType::Numbers(kind), "a table of colors")?;
+                content.extras.push(format!("table of colors `{name}`"));
             }
             _ => {
                 let is_known = content.geometry(&mut file, at, &keyword, limits)?

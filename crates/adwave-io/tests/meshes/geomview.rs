@@ -16,7 +16,7 @@ fn grids_make_quadrilaterals() {
     let points = "0 0 0 1 0 0 2 0 0 0 1 0 1 1 0 2 1 0 0 2 0 1 2 0 2 2 0";
     assert_eq!(read(format!("uvMESH 3 3 {points}").as_bytes(), "a").faces().len(), 9);
     assert_eq!(read(format!("uMESH 3 3 {points}").as_bytes(), "a").faces().len(), 6);
-    // Heights alone, normals and colours, the fourth coordinate.
+    // Heights alone, normals and colors, the fourth coordinate.
     let height = read(b"ZMESH 2 2 1 2 3 4", "a");
     assert_eq!(height.points(), [[0.0, 0.0, 1.0], [1.0, 0.0, 2.0], [0.0, 1.0, 3.0], [1.0, 1.0, 4.0]]);
     let rich = read(b"CNMESH 1 2\n0 0 0  0 0 1  1 0 0 1\n1 0 0  0 0 1  0 1 0 1\n", "a");

@@ -57,7 +57,7 @@ fn a_3mf_places_objects_of_all_parts_in_its_unit() {
 }
 
 #[test]
-fn colours_of_a_3mf_are_those_of_vertices_or_of_faces() {
+fn colors_of_a_3mf_are_those_of_vertices_or_of_faces() {
     let colors =
         "<m:colorgroup id=\"5\"><m:color color=\"#FF0000\"/><m:color color=\"#00FF0080\"/></m:colorgroup>";
     let part = |of_triangle: &str| {
@@ -107,7 +107,7 @@ fn hostile_3mf_are_errors() {
     });
 }
 
-/// Two objects with colours everywhere, one of them placed twice, the other not at all.
+/// Two objects with colors everywhere, one of them placed twice, the other not at all.
 const AMF: &str = "<?xml version=\"1.0\"?><amf unit=\"inch\"><metadata type=\"name\">a</metadata>\
     <object id=\"a\"><mesh><vertices>\
     <vertex><coordinates><x>0</x><y>0</y><z>0</z></coordinates><color><r>1</r><g>0</g><b>0.5</b></color></vertex>\
@@ -120,7 +120,7 @@ const AMF: &str = "<?xml version=\"1.0\"?><amf unit=\"inch\"><metadata type=\"na
     <instance objectid=\"a\"><deltaz>-1</deltaz></instance></constellation></amf>";
 
 #[test]
-fn an_amf_is_placed_and_coloured() {
+fn an_amf_is_placed_and_colored() {
     let file = read(AMF.as_bytes(), "a.amf");
     assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (6, 4, Some(Format::Amf)));
     let [x, y, z] = file.points()[1];
@@ -146,7 +146,7 @@ fn an_amf_is_placed_and_coloured() {
 }
 
 #[test]
-fn colours_are_written_and_other_fields_named() {
+fn colors_are_written_and_other_fields_named() {
     let mut mesh = ShapeFile::from_mesh(
         vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0]],
         Polygons::from_triangles(&[[0, 1, 2]]),

@@ -8,7 +8,7 @@ use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Colours that differ for all kinds of colour vision. Source: Okabe and Ito, "Color universal design", 2008.
+/// Colors that differ for all kinds of color vision. Source: Okabe and Ito, "Color universal design", 2008.
 const COLORS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -136,7 +136,7 @@ fn fitting<B: DrawingBackend>(
     Ok((size * slot.saturating_sub(size / 3) / widest).clamp(7, size))
 }
 
-/// Writes the title and, below it, the series by their colours in as many rows as they need; returns where they end.
+/// Writes the title and, below it, the series by their colors in as many rows as they need; returns where they end.
 fn legend<B: DrawingBackend>(chart: &Chart, area: &Area<B>, size: u32) -> Result<u32, PlotError> {
     let failed = |e: &dyn std::fmt::Display| PlotError::drawing(e);
     let line = 3 * size as i32 / 2;

@@ -22,7 +22,7 @@ pub struct SparsityPattern {
     pub entries: Vec<[u32; 2]>,
 }
 
-/// The colour of a cell that is all entries.
+/// The color of a cell that is all entries.
 const DARK: RGBColor = RGBColor(0, 80, 140);
 const GROUND: RGBColor = RGBColor(244, 244, 244);
 /// The part of the darkness that one entry in a cell of many has at least.

@@ -6,7 +6,7 @@ fn chart(points: Vec<[f64; 2]>, scale: AxisScale, mark: Mark) -> Chart {
     Chart { title: "t".to_owned(), x: axis.clone(), y: axis, series }
 }
 
-/// Pixels of a series' colour.
+/// Pixels of a series' color.
 fn inked(chart: &Chart, color: [u8; 3]) -> usize {
     chart.picture(300, 200).unwrap().rgba.chunks_exact(4).filter(|p| p[..3] == color).count()
 }

@@ -6,13 +6,13 @@ use crate::vector::Direction;
 /// A disc seen at a slant, or a ball.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Disc {
-    /// The centre in samples.
+    /// The center in samples.
     pub(crate) x: f32,
     pub(crate) y: f32,
     pub(crate) near: f32,
     /// The radius in samples.
     pub(crate) radius: f32,
-    /// How much nearer a point one radius towards the viewer is.
+    /// How much nearer a point one radius toward the viewer is.
     pub(crate) near_per_radius: f32,
     /// The disc's normal in the viewer's axes, or nothing for a ball.
     pub(crate) normal: Option<Direction>,
@@ -35,7 +35,7 @@ impl Disc {
         self.radius.max(0.75)
     }
 
-    /// How far towards the viewer the surface lies at an offset from the centre in radii; nothing outside.
+    /// How far toward the viewer the surface lies at an offset from the center in radii; nothing outside.
     fn height(&self, u: f32, v: f32) -> Option<f32> {
         let flat = u * u + v * v;
         match self.normal {

@@ -41,12 +41,12 @@ impl Triangle {
         self.doubled_area() < 0
     }
 
-    /// The first and last sample centre within it, columns and rows.
+    /// The first and last sample center within it, columns and rows.
     fn sample_box(&self) -> [[i32; 2]; 2] {
         let range = |c: [i32; 3]| {
             let (low, high) = (c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]));
             let (steps, half) = (STEPS as i32, STEPS as i32 / 2);
-            // Centres lie at halves: the first not before `low`, the last not after `high`.
+            // Centers lie at halves: the first not before `low`, the last not after `high`.
             [(low - half + steps - 1).div_euclid(steps), (high - half).div_euclid(steps)]
         };
         [range(self.0.map(|c| c.x)), range(self.0.map(|c| c.y))]

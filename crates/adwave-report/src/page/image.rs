@@ -156,7 +156,7 @@ mod tests {
         };
         for (bytes, ground) in [(light, LIGHT_GROUND), (dark, DARK_GROUND)] {
             let pixel = image::load_from_memory(&bytes).unwrap().into_rgb8().get_pixel(4, 4).0;
-            // JPEG of one colour is off by rounding.
+            // JPEG of one color is off by rounding.
             assert!(pixel.iter().zip(ground).all(|(a, b)| a.abs_diff(b) <= 2), "{pixel:?} {ground:?}");
         }
     }

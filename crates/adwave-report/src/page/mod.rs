@@ -61,7 +61,7 @@ pub enum Block {
     Paragraph(String),
     /// A remark.
     Note(String),
-    /// A judgement and what it rests on.
+    /// A judgment and what it rests on.
     Verdict(Verdict),
     /// Names with their values.
     Facts(Vec<Fact>),
@@ -75,7 +75,7 @@ pub enum Block {
     Files(Vec<Link>),
 }
 
-/// A judgement.
+/// A judgment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
     /// Whether it is good.
@@ -86,7 +86,7 @@ pub struct Verdict {
     pub sentence: String,
 }
 
-/// How a judgement sounds; it colours it.
+/// How a judgment sounds; it colors it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
     /// All is well.
@@ -117,27 +117,27 @@ pub struct Figure {
     pub alt: String,
     /// What to see.
     pub caption: String,
-    /// What its colours stand for.
+    /// What its colors stand for.
     pub legend: Option<Legend>,
     /// A file beside the page that opens when the picture is chosen.
     pub link: Option<String>,
 }
 
-/// What colours stand for.
+/// What colors stand for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Legend {
     /// A range of values.
     Bar {
         /// Name and unit.
         label: String,
-        /// What the first colour stands for.
+        /// What the first color stands for.
         low: String,
-        /// What the last colour stands for.
+        /// What the last color stands for.
         high: String,
         /// From first to last, evenly spaced.
         colors: Vec<[u8; 3]>,
     },
-    /// One meaning a colour.
+    /// One meaning a color.
     Keys(Vec<([u8; 3], String)>),
 }
 

@@ -15,7 +15,7 @@ const SMALL: (u32, u32) = (520, 400);
 /// Pixels of a sparsity pattern.
 const PATTERN: (u32, u32) = (460, 500);
 
-/// Equal weights between neighbours on a line of points.
+/// Equal weights between neighbors on a line of points.
 pub(super) fn line() -> Result<Shape, FigureError> {
     let edges: Vec<_> = (1..N_POINTS as u32).map(|i| (i - 1, i, 1.0)).collect();
     Ok(Shape::Graph(Graph::new(N_POINTS, &edges)?))

@@ -13,7 +13,7 @@ pub(super) const ORANGE: [u8; 3] = [230, 126, 34];
 /// Sides of one panel, pixels.
 const PANEL: u32 = 460;
 
-/// The colours of a panel.
+/// The colors of a panel.
 enum Look {
     Clay,
     Colors(Vec<[u8; 3]>),
@@ -30,7 +30,7 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// A model in one colour.
+    /// A model in one color.
     pub(super) fn new(model: &'a Model, caption: impl Into<String>) -> Self {
         Self::moved(model, model.points().to_vec(), caption)
     }
@@ -56,18 +56,18 @@ impl<'a> Frame<'a> {
         self.field_in(values, label, ValueRange::Auto)
     }
 
-    /// With a field and the values that the ends of the colours stand for.
+    /// With a field and the values that the ends of the colors stand for.
     pub(super) fn field_in(self, values: &[f64], label: &str, range: ValueRange) -> Self {
         let look = Look::Field { values: values.to_vec(), label: label.to_owned(), range };
         Self { look, ..self }
     }
 
-    /// With a saliency map; its top twentieth has the brightest colour, so that a few tips do not leave the rest dark.
+    /// With a saliency map; its top twentieth has the brightest color, so that a few tips do not leave the rest dark.
     pub(super) fn saliency(self, map: &[f64]) -> Self {
         self.field_in(map, "saliency", ValueRange::Fixed(0.0, value_range(map, 0.0, 0.95).1))
     }
 
-    /// With a colour for each vertex.
+    /// With a color for each vertex.
     pub(super) fn colors(self, colors: Vec<[u8; 3]>) -> Self {
         Self { look: Look::Colors(colors), ..self }
     }

@@ -24,7 +24,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let sigma = |j: usize| walk.diffusion().step_length() * ((j as f64 - 1.0) / 2.0).exp2();
     let shown = (3..=N_LEVELS).find(|&j| sigma(j) >= WIDTH * size).unwrap_or(N_LEVELS);
     let vertex = facing_vertex(&model);
-    let centre = model.points()[vertex];
+    let center = model.points()[vertex];
     let classes = walk.geometry().vertex_map().as_slice();
     let areas = walk.areas();
     // Sums are over the welded vertices: of welded vertices the first counts.
@@ -63,7 +63,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let highest = extent(&both.scaling_function).1;
         let reached = phi.iter().filter(|v| v.1 > NEGLIGIBLE * highest).count() as f64 / phi.len() as f64;
         let total: f64 = psi.iter().map(|v| v.1.abs()).sum();
-        let within = psi.iter().filter(|(x, _)| distance(&model.points()[*x], &centre) <= 4.0 * sigma(j));
+        let within = psi.iter().filter(|(x, _)| distance(&model.points()[*x], &center) <= 4.0 * sigma(j));
         let share = within.map(|v| v.1.abs()).sum::<f64>() / total;
         sums_hold &= (sum(&phi) - 1.0).abs() < ROUNDING && sum(&psi).abs() < ROUNDING && low >= 0.0;
         if j <= shown {
@@ -88,7 +88,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let Some((Some(before), now)) = pictured else {
         return Err("a level and one before it are shown".into());
     };
-    // Entries are masses of vertices; by area they are values that neighbours of different size share.
+    // Entries are masses of vertices; by area they are values that neighbors of different size share.
     let mean_area = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
     let density = |f: &[f64]| -> Vec<f64> {
         f.iter().zip(&areas).map(|(v, a)| if *a > 0.0 { v / a * mean_area } else { f64::NAN }).collect()
@@ -96,7 +96,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let top = extent(&density(&before.scaling_function)).1;
     let wave = density(&now.wavelet);
     let most = wave.iter().copied().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
-    // Half of the centre's height is full colour, so that the ring shows, which is wide and shallow.
+    // Half of the center's height is full color, so that the ring shows, which is wide and shallow.
     let range = ValueRange::Fixed(-0.5 * most, 0.5 * most);
     let mut sheet = Sheet::new(3).view(View { azimuth: 0.0, elevation: 10.0 });
     sheet.push(Frame::new(&model, format!("φ_{}", shown - 1)).field_in(

@@ -128,7 +128,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             "fig05.png",
             format!(
                 "Top: the shape on levels 0, 6, 9, 12 and {n_levels}, at one scale; a constant shape is a point, marked by \
-                 a ball. Bottom: mean curvature on the same levels, drawn on the shape with one range of colours."
+                 a ball. Bottom: mean curvature on the same levels, drawn on the shape with one range of colors."
             ),
             &sheet,
             context,
@@ -178,7 +178,7 @@ struct Limit {
 impl Case {
     /// One for every component with more than one vertex.
     fn limits(&self) -> Vec<Limit> {
-        let neighbours = self.walk.neighbours();
+        let neighbors = self.walk.neighbors();
         let n = self.walk.geometry().n_vertices();
         let mut component = vec![usize::MAX; n];
         let mut n_components = 0;
@@ -189,7 +189,7 @@ impl Case {
             }
             component[start] = n_components;
             while let Some(x) = open.pop() {
-                for &y in neighbours.of(x) {
+                for &y in neighbors.of(x) {
                     if component[y as usize] == usize::MAX {
                         component[y as usize] = n_components;
                         open.push(y as usize);

@@ -36,7 +36,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             "largest |W|",
             "alpha",
             "share of the map (%)",
-            "likeness of |W| at neighbours",
+            "likeness of |W| at neighbors",
         ],
     );
     let total: f64 = map.iter().sum();
@@ -44,7 +44,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut likeness = Vec::new();
     for (level, part) in &levels {
         let size_of_wavelet: Vec<f64> = bands.wavelet(level.level).iter().map(|w| w.abs()).collect();
-        likeness.push(likeness_of_neighbours(&model.triangles, &size_of_wavelet));
+        likeness.push(likeness_of_neighbors(&model.triangles, &size_of_wavelet));
         sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
         table.push([
             level.level.to_string(),
@@ -92,7 +92,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 }
 
 /// The correlation of a field at the two ends of an edge: near 1 for a field that varies slowly.
-fn likeness_of_neighbours(triangles: &[[u32; 3]], field: &[f64]) -> f64 {
+fn likeness_of_neighbors(triangles: &[[u32; 3]], field: &[f64]) -> f64 {
     let edges = || triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
     let (mut a, mut b) = (Vec::new(), Vec::new());
     for (x, y) in edges().chain(edges().map(|(x, y)| (y, x))) {

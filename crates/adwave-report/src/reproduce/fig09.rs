@@ -35,7 +35,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let bands = bands(context, &walk, &curvature, 1, N_LEVELS)?;
         ours.push(saliency(&walk, &bands, &SaliencyParams::paper())?.map);
         our_seconds += 0.5 * start.elapsed().as_secs_f64();
-        let equal = SaliencyParams::paper().with_weighting(Weighting::Normalised);
+        let equal = SaliencyParams::paper().with_weighting(Weighting::Normalized);
         alike.push(saliency(&walk, &bands, &equal)?.map);
         let start = Instant::now();
         theirs.push(lee_saliency(&pose.shape, context.progress)?.saliency);

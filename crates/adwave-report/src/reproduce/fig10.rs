@@ -20,7 +20,7 @@ const NOISE: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
 /// Each noise is drawn so often.
 const N_SEEDS: u64 = 3;
 const RESPONSES: [(&str, Response); 3] =
-    [("literal", Response::Literal), ("normalised", Response::Normalised), ("channels", Response::Channels)];
+    [("literal", Response::Literal), ("normalized", Response::Normalized), ("channels", Response::Channels)];
 /// Levels from here on are coarse.
 const COARSE: usize = 5;
 /// The features of the coarsest level are the same under noise when such a part is found again.
@@ -112,7 +112,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         &[fewer, coarse > fine, coarse_channels > fine_channels, coarsest >= THE_SAME],
         format!(
             "A larger θ leaves fewer features: {}. Coarse features are the more stable ones: of levels 5 to 7 {} are found \
-             again over all noise, of levels 2 to 4 {} (normalised), and {} against {} (channels). At 50 % noise {} of \
+             again over all noise, of levels 2 to 4 {} (normalized), and {} against {} (channels). At 50 % noise {} of \
              those on level {}, the coarsest that has any, are found again, where the paper says that they are exactly the same. Algorithm 2 as it is \
              printed (literal) finds {n_literal} of coordinates.",
             if fewer { "yes" } else { "no" },
@@ -129,13 +129,13 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .sheet(
             "theta.png",
             "Features of the coordinates as balls of radius σ_j. Columns: θ = 1.6, 2.4, 3.0. Rows: the response as printed, \
-             normalised level by level, and every coordinate by itself.",
+             normalized level by level, and every coordinate by itself.",
             &sheet,
             context,
         )?
         .sheet(
             "noise.png",
-            "θ = 2.4 under noise along the normals of 10 % to 50 % of the mean edge. Top: normalised, bottom: channels.",
+            "θ = 2.4 under noise along the normals of 10 % to 50 % of the mean edge. Top: normalized, bottom: channels.",
             &noisy_sheet,
             context,
         )?
@@ -143,7 +143,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(shares)
         .say(
             "With the response as printed hardly anything is found: the length of W_f of coordinates grows from level to \
-             level almost everywhere, so that no middle level is a maximum. Divided by the mean of its level (normalised, \
+             level almost everywhere, so that no middle level is a maximum. Divided by the mean of its level (normalized, \
              the default here) finger tips, claws, ears and tail are found; coordinate by coordinate (channels) there are \
              more of them and the result is closest to the paper's picture, but depends on the direction of the axes.",
         )

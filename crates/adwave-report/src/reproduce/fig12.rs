@@ -117,7 +117,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .say(
             "The diffusion operator steps between the 10 nearest points, in both directions, and W_f(j, x) is the Euclidean norm over the \
              three coordinates. The paper has 4 levels; then only levels 2 and 3 can hold features, so the pictures have 7. \
-             The response as printed finds next to nothing of coordinates; the pictures show the normalised one. A \
+             The response as printed finds next to nothing of coordinates; the pictures show the normalized one. A \
              border of a surface stands out as well: no filter of borders is applied here, as in the paper.",
         );
     for model in &models {

@@ -64,8 +64,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             .max_by(|&x, &y| score(&chain_on.points()[x]).total_cmp(&score(&chain_on.points()[y])));
         Place::Vertex(best.unwrap_or(0) as u32)
     };
-    let ball = |centre: Place, percent: f64| Region::Ball {
-        centre,
+    let ball = |center: Place, percent: f64| Region::Ball {
+        center,
         radius: Length::PercentOfDiagonal(percent),
         falloff: None,
     };
@@ -141,9 +141,9 @@ fn letter_s(points: &[[f64; 3]]) -> Result<Region, FigureError> {
     let size = 0.5 * (high[1] - low[1]);
     // Two arcs of three quarters of a circle each, the upper open to the right, the lower to the left.
     let (arc, n) = (0.30, 24);
-    let arc_point = |centre: f64, from: f64, to: f64, k: usize| {
+    let arc_point = |center: f64, from: f64, to: f64, k: usize| {
         let angle = TAU * (from + (to - from) * k as f64 / f64::from(n));
-        [arc * angle.cos(), centre + arc * angle.sin()]
+        [arc * angle.cos(), center + arc * angle.sin()]
     };
     let upper = (0..=n as usize).map(|k| arc_point(arc, 0.06, 0.75, k));
     let lower = (1..=n as usize).map(|k| arc_point(-arc, 0.25, -0.44, k));

@@ -55,10 +55,10 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         section.say(if subject.is_geometry() {
             "The shape smoothed: the positions S_j, all in one scale.".to_owned()
         } else {
-            format!("The signal smoothed: S_j of {}, all with the same colours.", subject.scalar_name())
+            format!("The signal smoothed: S_j of {}, all with the same colors.", subject.scalar_name())
         });
         section.gallery(smoothed(subject, studio));
-        section.say("What the bands hold: W_j on the shape as it is, each with colours of its own range.");
+        section.say("What the bands hold: W_j on the shape as it is, each with colors of its own range.");
         section.gallery(magnitudes(subject, studio));
     }
     (section, bands)
@@ -148,7 +148,7 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], spread: &Spread) -> Table
     let mut table = Table::new(
         "bands.csv",
         "The bands, fine to coarse. The signal's energy is its mean square about its mean; that of a band is the mean square \
-         of W_j. Neighbouring bands overlap, so the shares of the signal's energy do not add up to 100 %.",
+         of W_j. Neighboring bands overlap, so the shares of the signal's energy do not add up to 100 %.",
         &[
             "level j",
             "steps n_j",

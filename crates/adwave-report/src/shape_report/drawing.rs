@@ -1,4 +1,4 @@
-//! Pictures of the shape for the page: one camera, and the colours' meaning beside them.
+//! Pictures of the shape for the page: one camera, and the colors' meaning beside them.
 
 use super::Viewpoint;
 use crate::page::{Figure, Image, Legend};
@@ -24,7 +24,7 @@ const MIN_HEIGHT: u32 = 160;
 const MAX_VERTICES: usize = 250_000;
 /// Cells along the diagonal of which one vertex each is kept: as wide as a pixel where the shape fills the picture.
 const CELLS: f64 = 800.0;
-/// Colours of a legend's bar; a browser mixes those between.
+/// Colors of a legend's bar; a browser mixes those between.
 const N_STOPS: u32 = 16;
 
 /// The shape as it is drawn, and the camera.
@@ -44,7 +44,7 @@ pub(crate) struct Studio<'a> {
 pub(crate) struct Frame<'a> {
     /// Other positions for the vertices.
     pub(crate) points: Option<Cow<'a, [[f64; 3]]>>,
-    /// Its colours.
+    /// Its colors.
     pub(crate) field: Option<FieldLook>,
     /// Balls on it.
     pub(crate) balls: Vec<Ball>,
@@ -55,7 +55,7 @@ pub(crate) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// The shape as it is, in one colour.
+    /// The shape as it is, in one color.
     pub(crate) fn plain(alt: impl Into<String>, caption: impl Into<String>) -> Self {
         Self { points: None, field: None, balls: Vec::new(), alt: alt.into(), caption: caption.into() }
     }
@@ -79,14 +79,14 @@ impl<'a> Frame<'a> {
 /// Positions and values of the vertices that are drawn.
 type Shown<'a> = (Cow<'a, [[f64; 3]]>, Option<Cow<'a, [f64]>>);
 
-/// A field with its colours.
+/// A field with its colors.
 pub(crate) struct FieldLook {
     values: Vec<f64>,
     label: String,
     scale: Scale,
 }
 
-/// Which values the ends of the colours stand for.
+/// Which values the ends of the colors stand for.
 #[derive(Clone, Copy)]
 pub(crate) struct Scale {
     low: f64,

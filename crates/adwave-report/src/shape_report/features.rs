@@ -37,7 +37,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let n_levels = subject.bands.n_levels();
     section.say(format!(
-        "A feature is a {} where |W_j| is larger than at its neighbours, there and on the levels below and above, and at \
+        "A feature is a {} where |W_j| is larger than at its neighbors, there and on the levels below and above, and at \
          least {} times the mean of its level. Levels 2 to {} can have some. Its radius is σ_j.",
         subject.vertex(),
         params.theta,
@@ -138,7 +138,7 @@ fn pictures(
     };
     let front = Frame::plain(
         format!("Features of {}", subject.name),
-        "A ball for each feature, of radius σ_j, coloured by level. Features on the far side are hidden.",
+        "A ball for each feature, of radius σ_j, colored by level. Features on the far side are hidden.",
     );
     let back = Frame::plain(
         format!("Features of {} from the opposite side", subject.name),

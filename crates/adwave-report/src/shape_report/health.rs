@@ -52,7 +52,7 @@ fn oddities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
             health.n_welded,
             "Taken as one welded vertex; results are given to each of them.",
         ),
-        ("Vertices without neighbours", health.n_isolated, "Nothing to average with: every band is 0 there."),
+        ("Vertices without neighbors", health.n_isolated, "Nothing to average with: every band is 0 there."),
         ("Vertices of no face", health.n_unreferenced, "Points that the surface does not use."),
         (
             "Vertices without a value",
@@ -115,9 +115,9 @@ fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
             }
             (Shape::Mesh(_), OperatorKind::Surface) => "Mean over the edges.",
             (_, OperatorKind::Walk) => {
-                "Mean distance to the nearest neighbours; the operator's kernel is as wide as that."
+                "Mean distance to the nearest neighbors; the operator's kernel is as wide as that."
             }
-            (_, OperatorKind::Surface) => "Mean distance to the neighbours on the surface.",
+            (_, OperatorKind::Surface) => "Mean distance to the neighbors on the surface.",
         };
         let name = if let Shape::Mesh(_) = subject.shape { "Mean edge" } else { "Mean spacing" };
         list.push(fact(name, format!("{} {unit}", digits(edge)), meaning));
@@ -161,7 +161,7 @@ fn counts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     }
     let edges = match subject.shape {
         Shape::Mesh(_) => "Distinct, after welding.",
-        Shape::Cloud(_) => "Pairs of neighbours that the diffusion steps between.",
+        Shape::Cloud(_) => "Pairs of neighbors that the diffusion steps between.",
         Shape::Graph(_) => "",
     };
     list.push(fact("Edges", grouped(health.n_edges), edges));

@@ -237,7 +237,7 @@ fn introduction(subject: &Subject<'_>) -> Vec<String> {
             subject.name
         ),
         format!(
-            "S_j is the signal after n_j small steps of averaging between neighbours, which smooth away what is narrower than \
+            "S_j is the signal after n_j small steps of averaging between neighbors, which smooth away what is narrower than \
              about σ_j, in {}. Band j, W_j = S_(j−1) − S_j, is what goes from one to the next: the details of about that width. \
              The bands W_1 … W_J and the rest S_J add up to the signal; J is the number of levels.",
             subject.width_unit()

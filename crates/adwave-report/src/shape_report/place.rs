@@ -10,7 +10,7 @@ const FLAT: f64 = 0.05;
 pub(super) struct Places {
     low: [f64; 3],
     high: [f64; 3],
-    /// Up, right, and towards the viewer: the axis, and 1 or −1 for its direction.
+    /// Up, right, and toward the viewer: the axis, and 1 or −1 for its direction.
     axes: [(usize, f64); 3],
 }
 
@@ -61,7 +61,7 @@ pub(super) struct Patch {
 
 /// The patches of welded vertices whose value is above a threshold, that with the largest sum first.
 pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> Vec<Patch> {
-    let neighbours = subject.walk.neighbours();
+    let neighbors = subject.walk.neighbors();
     let mut waiting: Vec<bool> = values.iter().map(|&v| v > threshold).collect();
     let mut found = Vec::new();
     for first in 0..values.len() {
@@ -77,7 +77,7 @@ pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> 
             if values[x] > values[patch.peak] {
                 patch.peak = x;
             }
-            for &y in neighbours.of(x) {
+            for &y in neighbors.of(x) {
                 if std::mem::take(&mut waiting[y as usize]) {
                     stack.push(y as usize);
                 }

@@ -144,7 +144,7 @@ fn pictures(
     let front = Frame::plain(
         format!("Saliency of {}", subject.name),
         format!(
-            "Saliency{}; the most salient {:.0} % of the vertices all have the last colour{}.",
+            "Saliency{}; the most salient {:.0} % of the vertices all have the last color{}.",
             if is_signed { ", red above 0 and blue below" } else { "" },
             100.0 * TOP,
             if is_signed { " of their side" } else { "" }

@@ -15,7 +15,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
         return section;
     }
     let what = match subject.shape {
-        Shape::Cloud(_) => "each point a disc as wide as its distance to its neighbours",
+        Shape::Cloud(_) => "each point a disc as wide as its distance to its neighbors",
         _ => "its faces, lit from the upper left",
     };
     let plain =
@@ -32,7 +32,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
             let scale = Scale::of(&values);
             FieldLook::new(values.clone(), subject.scalar_name(), scale)
         };
-        let missing = if subject.walk.mask_flags().is_some() { "; grey where it has no value" } else { "" };
+        let missing = if subject.walk.mask_flags().is_some() { "; gray where it has no value" } else { "" };
         let caption = format!("The signal {}{missing}.", subject.scalar_name());
         let front = Frame::plain(format!("{} on {}", subject.signal, subject.name), caption);
         let behind = Frame::plain(

@@ -77,12 +77,12 @@ fn a_saved_shape_has_the_bytes_of_its_recipe_replayed() {
     assert_eq!(studio.get("/api/shapes/1/download?format=ply").body, bytes);
     // The page's own numbers: positions, the sum of the bands, the exact result.
     let info = studio.get("/api/shapes/1").json();
-    let (n, centre) = (info["n_vertices"].as_u64().unwrap() as usize, &info["centre"]);
+    let (n, center) = (info["n_vertices"].as_u64().unwrap() as usize, &info["center"]);
     let exact = read_path(saved, &ReadLimits::default()).unwrap();
     let shown = studio.get("/api/shapes/1/exact").floats();
     for (x, p) in exact.points().iter().enumerate() {
         for c in 0..3 {
-            assert_eq!(shown[3 * x + c], (p[c] - centre[c].as_f64().unwrap()) as f32, "vertex {x}");
+            assert_eq!(shown[3 * x + c], (p[c] - center[c].as_f64().unwrap()) as f32, "vertex {x}");
         }
     }
     let finished = studio.end();
@@ -236,7 +236,7 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
         (json!({"revision": 9, "layer": []}), "unknown field"),
         (bad_layer(layer(&long, &Value::Null)), "gains for"),
         (
-            bad_layer(layer(&ones, &json!({"ball": {"centre": {"vertex": 99999}, "radius": 1}}))),
+            bad_layer(layer(&ones, &json!({"ball": {"center": {"vertex": 99999}, "radius": 1}}))),
             "vertex 99999",
         ),
         (bad_layer(layer(&ones, &json!({"field": {"name": "nothing"}}))), "'nothing'"),
@@ -264,7 +264,7 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
         ("PUT", "levels", "{\"levels\": 0}", 400, "level"),
         ("PUT", "levels", "{\"lengths\": [-1]}", 400, "length"),
         ("PUT", "recipe", "layer = 3", 400, "line"),
-        ("PUT", "recipe", "field = 'colour'", 400, "colour"),
+        ("PUT", "recipe", "field = 'color'", 400, "color"),
         ("POST", "weights", "[", 400, "no region"),
         ("POST", "save", "{\"name\": \"../up.ply\"}", 400, "without folders"),
         ("POST", "save", "{\"name\": \"/etc/up.ply\"}", 400, "without folders"),

@@ -38,7 +38,7 @@ fn the_page_in_one_file_has_all_within_itself() {
     let folder = TempDir::new().unwrap();
     let studio = Studio::on(&creature(&folder, 2000), folder.path());
     let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
-    let ball = json!({"ball": {"centre": {"vertex": 3}, "radius": "20%"}});
+    let ball = json!({"ball": {"center": {"vertex": 3}, "radius": "20%"}});
     studio.put("/api/shapes/1/edit", &edit(1, &[layer(&vec![0.5; n_levels], &ball)]));
     let page = studio.get("/api/shapes/1/page").text();
     assert!(page.starts_with("<!doctype html>") && page.contains("default-src 'none'"));

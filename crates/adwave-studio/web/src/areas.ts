@@ -58,7 +58,7 @@ export function regionChooser(studio: Studio): HTMLElement {
   const { region, key } = studio.layer;
   const { inner, inverted } = bare(region);
   const kind = kindOf(inner);
-  const { diagonal, centre } = shape;
+  const { diagonal, center } = shape;
   const wrap = (r: Region | null): Region | null => (inverted && r ? { not: r } : r);
   const set = (r: Region | null, step: boolean) => studio.changeLayer({ region: wrap(r) }, step, key);
 
@@ -68,17 +68,17 @@ export function regionChooser(studio: Studio): HTMLElement {
       case 'painted':
         return { painted: [] };
       case 'ball':
-        return { ball: { centre: { vertex: studio.lastVertex ?? 0 }, radius: 0.15 * diagonal } };
+        return { ball: { center: { vertex: studio.lastVertex ?? 0 }, radius: 0.15 * diagonal } };
       case 'box':
         return {
           box: {
-            min: centre.map((c) => c - half),
-            max: centre.map((c) => c + half),
+            min: center.map((c) => c - half),
+            max: center.map((c) => c + half),
             falloff: 0.05 * diagonal,
           },
         };
       case 'half-space':
-        return { 'half-space': { point: [...centre], normal: [1, 0, 0], falloff: 0.1 * diagonal } };
+        return { 'half-space': { point: [...center], normal: [1, 0, 0], falloff: 0.1 * diagonal } };
       case 'component':
         return { component: { vertex: studio.lastVertex ?? 0 } };
       case 'field': {
@@ -149,9 +149,9 @@ export function regionChooser(studio: Studio): HTMLElement {
     parts.push(
       h('p', { class: 'hint' }, text.ballHint),
       length(text.radius, lengthOf(ball.radius, diagonal), 60, (radius) => ({ ball: { ...ball, radius } })),
-      button(text.moveCentre, () => {
-        studio.say(text.clickCentre);
-        studio.pickNext = (vertex) => set({ ball: { ...ball, centre: { vertex } } }, true);
+      button(text.moveCenter, () => {
+        studio.say(text.clickCenter);
+        studio.pickNext = (vertex) => set({ ball: { ...ball, center: { vertex } } }, true);
       }),
     );
   } else if (inner && 'stroke' in inner) {
@@ -173,11 +173,11 @@ export function regionChooser(studio: Studio): HTMLElement {
         parts.push(
           slider(
             `${end === 'min' ? text.from : text.to} ${'xyz'[c]}`,
-            { min: -50, max: 50, step: 0.5, value: (100 * (box[end][c]! - centre[c]!)) / diagonal },
-            (v) => short(centre[c]! + (v / 100) * diagonal),
+            { min: -50, max: 50, step: 0.5, value: (100 * (box[end][c]! - center[c]!)) / diagonal },
+            (v) => short(center[c]! + (v / 100) * diagonal),
             (v, done) => {
               if (!done) return;
-              set({ box: { ...box, [end]: box[end].with(c, centre[c]! + (v / 100) * diagonal) } }, true);
+              set({ box: { ...box, [end]: box[end].with(c, center[c]! + (v / 100) * diagonal) } }, true);
             },
           ),
         );
@@ -194,12 +194,12 @@ export function regionChooser(studio: Studio): HTMLElement {
     const side = `${(half.normal[axis] ?? 1) < 0 ? '-' : '+'}${'xyz'[Math.max(0, axis)]}`;
     parts.push(
       select(
-        text.towards,
+        text.toward,
         ['+x', '-x', '+y', '-y', '+z', '-z'].map((s) => [s, s.replace('-', '−')] as const),
         side,
         (s) => {
           const normal = [0, 0, 0].with('xyz'.indexOf(s[1]!), s[0] === '-' ? -1 : 1);
-          set({ 'half-space': { ...half, point: [...centre], normal } }, true);
+          set({ 'half-space': { ...half, point: [...center], normal } }, true);
         },
       ),
       slider(
@@ -208,14 +208,14 @@ export function regionChooser(studio: Studio): HTMLElement {
           min: -50,
           max: 50,
           step: 0.5,
-          value: (100 * ((half.point[axis] ?? 0) - centre[Math.max(0, axis)]!)) / diagonal,
+          value: (100 * ((half.point[axis] ?? 0) - center[Math.max(0, axis)]!)) / diagonal,
         },
-        (v) => short(centre[Math.max(0, axis)]! + (v / 100) * diagonal),
+        (v) => short(center[Math.max(0, axis)]! + (v / 100) * diagonal),
         (v, done) => {
           if (!done) return;
           const a = Math.max(0, axis);
           set(
-            { 'half-space': { ...half, point: half.point.with(a, centre[a]! + (v / 100) * diagonal) } },
+            { 'half-space': { ...half, point: half.point.with(a, center[a]! + (v / 100) * diagonal) } },
             true,
           );
         },

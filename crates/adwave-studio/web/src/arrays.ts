@@ -194,7 +194,7 @@ export class ShapeArrays {
     this.changed();
   }
 
-  /** A number of each vertex, for colours. */
+  /** A number of each vertex, for colors. */
   setScalar(values: Float32Array): void {
     replace(this.base, 'scalar', values, 1, false);
     if (this.hasEdited) this.edited.setAttribute('scalar', this.base.getAttribute('scalar'));

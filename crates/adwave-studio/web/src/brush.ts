@@ -39,10 +39,10 @@ const SMOOTHING = 0.25;
 /** The brush in model units. `pressure` of a pen makes it smaller; `invert` swaps adding and subtracting. */
 export function brushShape(studio: Studio, pressure: number, invert: boolean): BrushShape {
   const opposite: BrushMode = brush.mode === 'subtract' ? 'add' : 'subtract';
-  const { diagonal, centre } = studio.shape!;
+  const { diagonal, center } = studio.shape!;
   const radius = (brush.radius / 100) * diagonal * pressure;
   // The plane of symmetry is x = 0 where the shape is about it, else the middle.
-  const mirror = Math.abs(centre[0]) < 0.02 * diagonal ? -centre[0] : 0;
+  const mirror = Math.abs(center[0]) < 0.02 * diagonal ? -center[0] : 0;
   return {
     radius,
     falloff: brush.falloff * radius,
@@ -50,7 +50,7 @@ export function brushShape(studio: Studio, pressure: number, invert: boolean): B
     mode: invert ? opposite : brush.mode,
     facing:
       brush.frontOnly && studio.shape!.kind === 'mesh'
-        ? { direction: studio.view.camera.towards(), falloff: FRONT_FALLOFF }
+        ? { direction: studio.view.camera.toward(), falloff: FRONT_FALLOFF }
         : null,
     mirror: brush.symmetric ? mirror : null,
   };

@@ -23,13 +23,13 @@ export class Camera {
   trackball = false;
   /** The axis that stands upright. */
   up: 'y' | 'z' = 'y';
-  private readonly centre = new Vector3();
+  private readonly center = new Vector3();
   private radius = 1;
   private width = 1;
   private height = 1;
 
-  setBounds(centre: readonly number[], radius: number): void {
-    this.centre.set(centre[0]!, centre[1]!, centre[2]!);
+  setBounds(center: readonly number[], radius: number): void {
+    this.center.set(center[0]!, center[1]!, center[2]!);
     this.radius = radius || 1;
   }
 
@@ -45,12 +45,12 @@ export class Camera {
   }
 
   /** The direction from the pivot to the viewer. */
-  towards(): number[] {
+  toward(): number[] {
     return this.three.getWorldDirection(new Vector3()).negate().toArray();
   }
 
   frame(): void {
-    this.pivot.copy(this.centre);
+    this.pivot.copy(this.center);
     const half = (FIELD_OF_VIEW * Math.PI) / 360;
     const narrow = Math.min(1, this.three.aspect);
     this.distance = this.radius / Math.sin(Math.atan(Math.tan(half) * narrow));
@@ -143,7 +143,7 @@ export class Camera {
   update(): void {
     const back = new Vector3(0, 0, this.distance).applyQuaternion(this.three.quaternion);
     this.three.position.copy(this.pivot).add(back);
-    const away = this.three.position.distanceTo(this.centre);
+    const away = this.three.position.distanceTo(this.center);
     this.three.near = Math.max(away - 2 * this.radius, this.distance * 0.01, this.radius * 1e-4);
     this.three.far = away + 3 * this.radius;
     this.three.updateProjectionMatrix();

@@ -1,4 +1,4 @@
-/** A dialogue of the browser, with a title and a way out. */
+/** A dialog of the browser, with a title and a way out. */
 
 import { h, iconButton } from './dom';
 import { text } from './text';

@@ -121,7 +121,7 @@ export class Files {
     await this.try(async () => download(await this.studio.view.picture(), `${this.stem}.png`));
   }
 
-  /** All that leaves the studio, in one dialogue. */
+  /** All that leaves the studio, in one dialog. */
   menu(): void {
     const { studio } = this;
     const { shape } = studio;

@@ -3,7 +3,7 @@
 import { BufferAttribute, type BufferGeometry } from 'three';
 
 /** The middle of the bounding box, and how far the vertices reach from it. */
-export function boundingSphere(p: Float32Array): { centre: number[]; radius: number } {
+export function boundingSphere(p: Float32Array): { center: number[]; radius: number } {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < p.length; i += 3) {
@@ -13,14 +13,14 @@ export function boundingSphere(p: Float32Array): { centre: number[]; radius: num
       if (x > high[c]!) high[c] = x;
     }
   }
-  const centre = low.map((x, c) => (x + high[c]!) / 2);
+  const center = low.map((x, c) => (x + high[c]!) / 2);
   let radius = 0;
-  const [cx, cy, cz] = centre as [number, number, number];
+  const [cx, cy, cz] = center as [number, number, number];
   for (let i = 0; i < p.length; i += 3) {
     const d = (p[i]! - cx) ** 2 + (p[i + 1]! - cy) ** 2 + (p[i + 2]! - cz) ** 2;
     if (d > radius) radius = d;
   }
-  return { centre, radius: Math.sqrt(radius) };
+  return { center, radius: Math.sqrt(radius) };
 }
 
 /** Puts an array into an attribute: of the same size into the buffer that is there. */

@@ -1,6 +1,6 @@
-/** How the shape is looked at: style, colours, features, before and after. */
+/** How the shape is looked at: style, colors, features, before and after. */
 
-import { colouring } from './colouring';
+import { coloring } from './coloring';
 import { check, h, iconButton, segments } from './dom';
 import { count, short } from './lengths';
 import type { Feature } from './protocol';
@@ -45,7 +45,7 @@ export function look(studio: Studio, stage: Stage): Look {
   );
   studio.on('shape', () => setStyle(view.style));
 
-  const colours = colouring(studio);
+  const colors = coloring(studio);
 
   // Features.
   const featureList = h('output', { class: 'feature', hidden: true });
@@ -96,7 +96,7 @@ export function look(studio: Studio, stage: Stage): Look {
             type: 'button',
             onclick: () =>
               studio.addLayer(text.layerName(studio.doc.layers.length + 1), {
-                ball: { centre: { vertex }, radius: sigma },
+                ball: { center: { vertex }, radius: sigma },
               }),
           },
           text.actHere,
@@ -108,7 +108,7 @@ export function look(studio: Studio, stage: Stage): Look {
     featureList.hidden = true;
     if (!answer.hit) return;
     const v = answer.hit.vertex;
-    featureList.textContent = `${text.vertex(v)}${colours.valueAt(v)}`;
+    featureList.textContent = `${text.vertex(v)}${colors.valueAt(v)}`;
     featureList.hidden = false;
   };
 
@@ -242,7 +242,7 @@ export function look(studio: Studio, stage: Stage): Look {
     { class: 'look-panel', id: 'look', 'aria-label': text.look },
     h('header', {}, h('h2', {}, text.look)),
     styleButtons,
-    ...colours.controls,
+    ...colors.controls,
     featureBox,
     featureList,
     cameraRow,
@@ -250,12 +250,12 @@ export function look(studio: Studio, stage: Stage): Look {
   );
   return {
     panel,
-    legend: colours.legend,
+    legend: colors.legend,
     readouts,
     divider,
     style: setStyle,
     cycleStyle: () => setStyle(styles[(styles.indexOf(view.style) + 1) % styles.length]!),
-    toggleChange: colours.toggleChange,
+    toggleChange: colors.toggleChange,
     toggleSplit,
   };
 }

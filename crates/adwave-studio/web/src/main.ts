@@ -4,7 +4,7 @@ import type { Api } from './api';
 import type { Early, fetchShape as FetchShape } from './boot';
 import { brushPanel } from './brush';
 import { h, iconButton } from './dom';
-import { equaliser } from './equaliser';
+import { equalizer } from './equalizer';
 import { Files } from './files';
 import { listenToKeys, showKeys } from './keys';
 import { layersPanel } from './layers';
@@ -114,13 +114,13 @@ export function start({ api, list, early, fetchShape }: Start): void {
     loading,
     toasts,
   );
-  const sections = [equaliser(studio), layersPanel(studio), brushPanel(studio), look.panel] as const;
+  const sections = [equalizer(studio), layersPanel(studio), brushPanel(studio), look.panel] as const;
   const tabButtons = (Object.keys(text.tabs) as (keyof typeof text.tabs)[]).map((id) =>
     h(
       'button',
       {
         type: 'button',
-        'aria-pressed': String(id === 'equaliser'),
+        'aria-pressed': String(id === 'equalizer'),
         'data-tab': id,
         onclick: () => {
           app.dataset['tab'] = id;
@@ -130,7 +130,7 @@ export function start({ api, list, early, fetchShape }: Start): void {
       text.tabs[id],
     ),
   );
-  app.dataset['tab'] = 'equaliser';
+  app.dataset['tab'] = 'equalizer';
   app.replaceChildren(
     bar,
     scene,

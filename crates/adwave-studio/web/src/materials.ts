@@ -1,4 +1,4 @@
-/** The shaders of the shape with what they are told: colours, a scalar field, the edit as a sum of bands. */
+/** The shaders of the shape with what they are told: colors, a scalar field, the edit as a sum of bands. */
 
 import {
   DataTexture,
@@ -10,7 +10,7 @@ import {
   Vector3,
   Vector4,
 } from 'three';
-import { type MapName, table } from './colours';
+import { type MapName, table } from './colors';
 import { fragmentShader, maskPacks, type Variant, vertexShader } from './shader';
 
 /** What layers with a mask do, by slot: opacity · (gain − 1) of each band. */
@@ -36,7 +36,7 @@ export class Materials {
       surface: { value: new Vector3() },
       accent: { value: new Vector3() },
       range: { value: new Vector2(0, 1) },
-      colours: { value: this.texture },
+      colors: { value: this.texture },
       tint: { value: this.tints[0] },
       tint1: { value: this.tints[1] },
       pointSize: { value: 1 },
@@ -59,7 +59,7 @@ export class Materials {
     return material;
   }
 
-  setColours(surface: [number, number, number], accent: [number, number, number]): void {
+  setColors(surface: [number, number, number], accent: [number, number, number]): void {
     (this.shared['surface']!.value as Vector3).set(...surface);
     (this.shared['accent']!.value as Vector3).set(...accent);
   }

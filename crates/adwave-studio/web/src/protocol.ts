@@ -6,7 +6,7 @@ export type Length = number | string;
 export type Region =
   | { vertices: { indices: number[]; radius: Length; falloff?: Length } }
   | { stroke: { path: Place[]; radius: Length; falloff?: Length } }
-  | { ball: { centre: Place; radius: Length; falloff?: Length } }
+  | { ball: { center: Place; radius: Length; falloff?: Length } }
   | { box: { min: number[]; max: number[]; falloff?: Length } }
   | { 'half-space': { point: number[]; normal: number[]; falloff?: Length } }
   | { field: { name: string; low: number; high: number } }
@@ -69,7 +69,7 @@ export interface Shape {
   kind: string;
   n_vertices: number;
   n_triangles: number;
-  centre: [number, number, number];
+  center: [number, number, number];
   diagonal: number;
   mean_length: number;
   closed: boolean;
@@ -113,7 +113,7 @@ export type CompareMethod = 'taubin' | 'harmonics';
 
 export interface Comparison {
   how: { degree: number; frequency: number } | { harmonics: number; t: number };
-  /** Rms distance of a vertex from the mean of its neighbours. */
+  /** Rms distance of a vertex from the mean of its neighbors. */
   roughness: { before: number; edit: number; other: number };
   /** Rms distance that vertices are moved. */
   rms: { edit: number; other: number };

@@ -50,7 +50,7 @@ export class Session {
       url: `${api.root}api/shapes/${shape.id}/`,
       token: api.token,
       n: shape.n_vertices,
-      centre: shape.centre,
+      center: shape.center,
       diagonal: shape.diagonal,
       meanLength: shape.mean_length || shape.diagonal / 100,
       cloud,

@@ -86,18 +86,18 @@ export function fragmentShader({ cloud, clay, flat, scalar, tint }: Variant): st
   return `precision highp float;
 uniform vec3 surface;
 ${tint ? 'uniform vec3 accent;\nin float vTint;' : ''}
-${scalar ? 'uniform vec2 range;\nuniform sampler2D colours;\nin float vScalar;' : ''}
+${scalar ? 'uniform vec2 range;\nuniform sampler2D colors;\nin float vScalar;' : ''}
 ${flat && !cloud ? '' : 'in vec3 vNormal;'}
 in vec3 vPlace;
-out vec4 colour;
+out vec4 color;
 void main() {
 ${cloud ? round : facing}
   vec3 base = surface;
-${scalar ? '  base = vScalar == vScalar ? texture(colours, vec2((vScalar - range.x) / (range.y - range.x), 0.5)).rgb : vec3(0.5);' : ''}
+${scalar ? '  base = vScalar == vScalar ? texture(colors, vec2((vScalar - range.x) / (range.y - range.x), 0.5)).rgb : vec3(0.5);' : ''}
 ${tint ? '  base = mix(base, accent, 0.72 * min(vTint, 1.0));' : ''}
 ${cloud ? '' : '  base *= side;'}
 ${clay ? CLAY : SHADED}
-  colour = vec4(light, 1.0);
+  color = vec4(light, 1.0);
 }`;
 }
 
@@ -113,8 +113,8 @@ void main() {
 
 export const lineFragment = `precision highp float;
 uniform vec4 ink;
-out vec4 colour;
-void main() { colour = ink; }`;
+out vec4 color;
+void main() { color = ink; }`;
 
 /** Balls of a width in model units, shaded as if they were round. */
 export const ballVertex = `precision highp float;
@@ -136,12 +136,12 @@ export const ballFragment = `precision highp float;
 uniform vec3 high;
 uniform vec3 low;
 in float vSign;
-out vec4 colour;
+out vec4 color;
 void main() {
   vec2 q = 2.0 * gl_PointCoord - 1.0;
   float r = dot(q, q);
   if (r > 1.0) discard;
   vec3 n = vec3(q.x, -q.y, sqrt(1.0 - r));
   float key = max(0.0, dot(n, normalize(vec3(-0.45, 0.6, 0.75))));
-  colour = vec4((vSign > 0.0 ? high : low) * (0.45 + 0.6 * key), 1.0);
+  color = vec4((vSign > 0.0 ? high : low) * (0.45 + 0.6 * key), 1.0);
 }`;

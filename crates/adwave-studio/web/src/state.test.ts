@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { painted } from './brush';
-import { colourAt, rangeOf } from './colours';
+import { colorAt, rangeOf } from './colors';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
 import { count, lengthOf, short } from './lengths';
 import { maskPacks, vertexShader } from './shader';
@@ -77,7 +77,7 @@ test('a stroke on a region that was not painted begins with it', () => {
     facing: null,
     mirror: null,
   };
-  const ball = { ball: { centre: { vertex: 1 }, radius: 2 } };
+  const ball = { ball: { center: { vertex: 1 }, radius: 2 } };
   expect(painted(ball, [4], shape)).toEqual({
     painted: [
       { add: ball },
@@ -97,13 +97,13 @@ test('lengths and numbers', () => {
   expect(count(1234567)).toBe('1\u202f234\u202f567');
 });
 
-test('colours', () => {
+test('colors', () => {
   // Ends of viridis, as its authors have them: (68, 1, 84) and (253, 231, 37).
   for (const [t, rgb] of [
     [0, [68, 1, 84]],
     [1, [253, 231, 37]],
   ] as const) {
-    for (const [c, x] of colourAt('viridis', t).entries()) expect(Math.abs(x - rgb[c]!)).toBeLessThan(6);
+    for (const [c, x] of colorAt('viridis', t).entries()) expect(Math.abs(x - rgb[c]!)).toBeLessThan(6);
   }
   expect(rangeOf(Float32Array.from([-1, Number.NaN, 3]), 'all', true)).toEqual([-3, 3]);
   expect(rangeOf(Float32Array.from([5, 5]), 'all', false)).toEqual([5, 10]);

@@ -1,7 +1,7 @@
 /** What the parts of the page share: the shape, its document, the worker, the picture, and what is selected. */
 
 import type { Api } from './api';
-import { rangeOf } from './colours';
+import { rangeOf } from './colors';
 import type { News } from './compute/messages';
 import { Detail } from './detail';
 import { Display } from './display';
@@ -145,7 +145,7 @@ export class Studio {
 
   updateTint(): void {
     const slot = this.masks.slot(this.selected);
-    // Two shapes are compared in one colour.
+    // Two shapes are compared in one color.
     this.view.setTint(this.tint && slot >= 0 && !this.compared ? slot : null);
   }
 

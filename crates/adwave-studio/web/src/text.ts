@@ -18,8 +18,8 @@ export const text = {
   afterShort: 'after',
   loading: 'Reading the shape',
 
-  // Equaliser
-  equaliser: 'Equaliser',
+  // Equalizer
+  equalizer: 'Equalizer',
   presets: 'Presets',
   presetNames: {
     smooth: 'Smooth',
@@ -119,12 +119,12 @@ export const text = {
   blurHint: 'A softer edge (U)',
   invert: 'Invert where it acts',
   ballHint: 'By distance along the surface.',
-  moveCentre: 'Choose the centre',
-  clickCentre: 'Click on the shape where the centre is to be.',
+  moveCenter: 'Choose the center',
+  clickCenter: 'Click on the shape where the center is to be.',
   missed: 'There is no surface there. Click on the shape.',
   from: 'From',
   to: 'To',
-  towards: 'Towards',
+  toward: 'Toward',
   plane: 'Plane at',
   field: 'Field',
   fieldLow: '0 at',
@@ -178,8 +178,8 @@ export const text = {
   look: 'View',
   style: 'How the shape is drawn',
   styles: { shaded: 'Shaded', matcap: 'Clay', flat: 'Flat', edges: 'Edges' },
-  colours: 'Colours',
-  noColours: 'none',
+  colors: 'Colors',
+  noColors: 'none',
   fields: 'Fields',
   bandSizes: 'Size of a band',
   change: 'Change',
@@ -188,7 +188,7 @@ export const text = {
   maps: [
     ['viridis', 'viridis'],
     ['diverging', 'blue to red'],
-    ['grey', 'grey'],
+    ['gray', 'gray'],
   ] as const,
   range: 'Range',
   rangeMost: 'inner 96 %',
@@ -251,9 +251,9 @@ export const text = {
   thisEdit: 'this edit',
   roughness: 'roughness',
   howTaubin: (degree: number, frequency: string) =>
-    `Windowed sinc of degree ${degree}, gain ½ at frequency ${frequency}, found so that the roughness is the same: the rms distance of a vertex from the mean of its neighbours.`,
+    `Windowed sinc of degree ${degree}, gain ½ at frequency ${frequency}, found so that the roughness is the same: the rms distance of a vertex from the mean of its neighbors.`,
   howHarmonics: (n: number, t: string) =>
-    `${n} harmonics, gain e^(−λt) with t = ${t}, found so that the roughness is the same: the rms distance of a vertex from the mean of its neighbours.`,
+    `${n} harmonics, gain e^(−λt) with t = ${t}, found so that the roughness is the same: the rms distance of a vertex from the mean of its neighbors.`,
   report: 'Report',
   reportNote: 'What the edited shape consists of: health, bands, saliency, features, with pictures.',
   reportGo: 'Make the report',
@@ -304,7 +304,7 @@ export const text = {
     ['Ctrl+S Ctrl+O', 'save, open'],
     ['\\', 'before, while it is held'],
     ['S', 'before and after side by side'],
-    ['C', 'the change as colours'],
+    ['C', 'the change as colors'],
     ['M', 'shaded, clay, flat, edges'],
     ['F 1 3 7', 'show all, front, right, top (Shift: from behind)'],
     ['E', 'to the sliders; Tab to the next, arrows move'],
@@ -317,7 +317,7 @@ export const text = {
     ['Esc', 'give up the stroke, put the brush away'],
     ['?', 'this list'],
   ] as const,
-  tabs: { equaliser: 'Bands', layers: 'Layers', brush: 'Brush', look: 'View' },
+  tabs: { equalizer: 'Bands', layers: 'Layers', brush: 'Brush', look: 'View' },
 };
 
 /** Texts of the one file that the file menu makes. */

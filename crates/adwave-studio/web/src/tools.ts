@@ -18,7 +18,7 @@ function button(label: string, onclick: () => void): HTMLButtonElement {
   return h('button', { type: 'button', onclick }, label);
 }
 
-/** The sections of the tools; `close` closes the dialogue that they are in. */
+/** The sections of the tools; `close` closes the dialog that they are in. */
 export function tools(studio: Studio, files: Files, close: () => void): Node[] {
   const shape = studio.shape!;
   const strength = h('input', {
@@ -29,7 +29,7 @@ export function tools(studio: Studio, files: Files, close: () => void): Node[] {
     value: '1',
     'aria-label': text.strength,
   });
-  /** Closes the dialogue, says that it takes a while, and does it with the edit kept by the server. */
+  /** Closes the dialog, says that it takes a while, and does it with the edit kept by the server. */
   const work = (what: () => Promise<void>) => {
     close();
     studio.say(text.working);

@@ -15,7 +15,7 @@ import {
 } from 'three';
 import { ShapeArrays } from './arrays';
 import { Camera } from './camera';
-import type { MapName } from './colours';
+import type { MapName } from './colors';
 import { boundingSphere } from './geometry';
 import { type Masked, Materials } from './materials';
 import { Overlays } from './overlays';
@@ -24,12 +24,12 @@ import type { Feature } from './protocol';
 export type Style = 'shaded' | 'matcap' | 'flat' | 'edges';
 export type Theme = 'light' | 'dark';
 
-const COLOURS: Record<Theme, { surface: number; accent: number; paper: number; ink: number }> = {
+const COLORS: Record<Theme, { surface: number; accent: number; paper: number; ink: number }> = {
   light: { surface: 0xd9d7d2, accent: 0x0b6bcb, paper: 0xf4f4f2, ink: 0x1b1d20 },
   dark: { surface: 0xbdbbb6, accent: 0x4aa3ff, paper: 0x17181a, ink: 0xf2f2f0 },
 };
 
-// Colours are those of the screen, as the style sheet has them; the shaders write them as they are.
+// Colors are those of the screen, as the style sheet has them; the shaders write them as they are.
 ColorManagement.enabled = false;
 
 /** Pixels of the picture a pixel of the screen while a large shape moves without a graphics processor. */
@@ -81,14 +81,14 @@ export class View {
   }
 
   setTheme(theme: Theme): void {
-    const colours = COLOURS[theme];
-    this.materials.setColours(rgb(colours.surface), rgb(colours.accent));
-    this.renderer.setClearColor(colours.paper, 1);
-    this.overlays.setInk(rgb(colours.ink), rgb(theme === 'dark' ? 0 : COLOURS.light.ink));
+    const colors = COLORS[theme];
+    this.materials.setColors(rgb(colors.surface), rgb(colors.accent));
+    this.renderer.setClearColor(colors.paper, 1);
+    this.overlays.setInk(rgb(colors.ink), rgb(theme === 'dark' ? 0 : COLORS.light.ink));
     this.request();
   }
 
-  /** A new shape. Positions are relative to its centre. */
+  /** A new shape. Positions are relative to its center. */
   setShape(positions: Float32Array, triangles: Uint32Array, cloud: boolean, meanLength: number): void {
     this.clear();
     this.pointSize = meanLength * 1.4;
@@ -97,8 +97,8 @@ export class View {
     this.body = cloud ? new Points(geometry, material) : new Mesh(geometry, material);
     this.body.frustumCulled = false;
     this.scene.add(this.body);
-    const { centre, radius } = boundingSphere(positions);
-    this.camera.setBounds(centre, radius);
+    const { center, radius } = boundingSphere(positions);
+    this.camera.setBounds(center, radius);
     this.camera.start();
     this.request();
   }
@@ -270,6 +270,6 @@ export class View {
   }
 }
 
-function rgb(colour: number): [number, number, number] {
-  return [(colour >> 16) / 255, ((colour >> 8) & 255) / 255, (colour & 255) / 255];
+function rgb(color: number): [number, number, number] {
+  return [(color >> 16) / 255, ((color >> 8) & 255) / 255, (color & 255) / 255];
 }

@@ -93,7 +93,7 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
     kind: cloud ? 'cloud' : 'mesh',
     n_vertices: model.n,
     n_triangles: cloud ? 0 : model.triangles.length / 3,
-    centre: [0, 0, 0],
+    center: [0, 0, 0],
     diagonal: 3.5,
     mean_length: 3.5 / Math.sqrt(model.n),
     closed: !cloud,

@@ -17,7 +17,7 @@ export function decodePng(bytes) {
       width = chunk.readUInt32BE(0);
       height = chunk.readUInt32BE(4);
       channels = { 2: 3, 6: 4 }[chunk[9]];
-      if (chunk[8] !== 8 || !channels || chunk[12] !== 0) throw new Error('not a PNG of 8 bits with colours');
+      if (chunk[8] !== 8 || !channels || chunk[12] !== 0) throw new Error('not a PNG of 8 bits with colors');
     } else if (type === 'IDAT') parts.push(chunk);
     at += 12 + length;
   }

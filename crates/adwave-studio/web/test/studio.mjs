@@ -324,7 +324,7 @@ export async function tour(url, folder, { limit = LIMIT } = {}) {
       await phone.goto(url);
       await untilReady(phone);
       await phone.waitForTimeout(400);
-      for (const tab of ['equaliser', 'layers', 'brush', 'look']) {
+      for (const tab of ['equalizer', 'layers', 'brush', 'look']) {
         await phone.locator(`.sheet-tabs [data-tab=${tab}]`).tap();
         await phone.waitForTimeout(150);
         await phone.screenshot({ path: join(folder, `14-narrow-${scheme}-${tab}.png`) });

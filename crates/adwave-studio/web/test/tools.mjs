@@ -27,7 +27,7 @@ const slide = (page, band, value) =>
     },
     [band, value],
   );
-/** Deviation of the colours of a picture within a box. */
+/** Deviation of the colors of a picture within a box. */
 const look = async (page, name, selector) =>
   deviation(
     decodePng(await page.screenshot({ path: join(folder, name) })),

@@ -13,7 +13,7 @@ use crate::tests::{RECORD, cloud, joined, write};
 use crate::{Job, Params, Work, run, run_job};
 
 fn params() -> Params {
-    Params { denoise: Some(DenoiseParams::default()), neighbours: 12, ..Params::default() }
+    Params { denoise: Some(DenoiseParams::default()), neighbors: 12, ..Params::default() }
 }
 
 /// How far apart a point may be by tiles and in memory, in standard deviations of the noise: there polynomials are cut by what the signal
@@ -150,7 +150,7 @@ fn jobs_are_done_twice_and_by_others_and_what_is_missing_or_broken_is_said() {
     let done = |job| run_job(&work, job, Progress::none());
     done(Job::Sort).unwrap();
     for tile in [2, 0, 1, 1] {
-        done(Job::Neighbours(tile)).unwrap();
+        done(Job::Neighbors(tile)).unwrap();
     }
     assert!(done(Job::Bands(0)).unwrap_err().to_string().contains("the sides of tile 0 are not there yet"));
     for tile in [1, 2, 0, 2] {

@@ -1,19 +1,19 @@
-//! Meshes: their files, the faces of each tile, neighbours by faces, and results in the order of the file.
+//! Meshes: their files, the faces of each tile, neighbors by faces, and results in the order of the file.
 //!
 //! Vertices at one position are one vertex, as for every mesh in memory. Faces are told the places of their corners along the curve and
 //! dealt out to the tiles that these lie in (`faces`); a tile then has all faces of its vertices, in the order of the file, so that
-//! its neighbours and areas are those of the whole (`neighbours`). Results go back to the order of the file by its numbers (`join`).
+//! its neighbors and areas are those of the whole (`neighbors`). Results go back to the order of the file by its numbers (`join`).
 
 mod faces;
 mod join;
-mod neighbours;
+mod neighbors;
 mod part_faces;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use faces::{deal, places_at_a_time};
 pub(crate) use join::join;
-pub(crate) use neighbours::neighbours_of_tile;
+pub(crate) use neighbors::neighbors_of_tile;
 pub(crate) use part_faces::FaceFiles;
 
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use adwave::Progress;
 use adwave::shape::{Polygons, triangulate};
 
-use super::neighbours::{first_face, places};
+use super::neighbors::{first_face, places};
 use crate::stretches::Stretches;
 use crate::{TilesError, VERTICES_IN_A_BLOCK};
 

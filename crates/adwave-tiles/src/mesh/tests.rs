@@ -289,7 +289,7 @@ fn jobs_in_parts_of_any_size_and_twice_give_the_same() {
     let whole = joined(&folder.path().join("whole"), &input, &params);
     let path = folder.path().join("parts");
     let work = Work::begin(&path, std::slice::from_ref(&input), &params).unwrap().0;
-    assert!(run_job(&work, Job::Neighbours(0), Progress::none()).is_err());
+    assert!(run_job(&work, Job::Neighbors(0), Progress::none()).is_err());
     // Left by a run that was killed, between its two halves too.
     std::fs::write(path.join("faces-00000.bin"), b"half").unwrap();
     work.sort_in_runs(7000, 5000, Progress::none()).unwrap();
@@ -300,7 +300,7 @@ fn jobs_in_parts_of_any_size_and_twice_give_the_same() {
     work.sort_in_runs(7000, 4321, Progress::none()).unwrap();
     let n_tiles = work.n_tiles().unwrap();
     for tile in (0..n_tiles).rev().chain([1]) {
-        run_job(&Work::open(&path).unwrap(), Job::Neighbours(tile), Progress::none()).unwrap();
+        run_job(&Work::open(&path).unwrap(), Job::Neighbors(tile), Progress::none()).unwrap();
     }
     for tile in (0..n_tiles).rev().chain([1]) {
         run_job(&Work::open(&path).unwrap(), Job::Bands(tile), Progress::none()).unwrap();
@@ -317,8 +317,8 @@ fn jobs_in_parts_of_any_size_and_twice_give_the_same() {
     for name in ["faces-00001.bin", "records.bin", "near-00001.bin"] {
         let bytes = std::fs::read(path.join(name)).unwrap();
         std::fs::write(path.join(name), &bytes[..bytes.len() - 2]).unwrap();
-        let job = if name.starts_with("near") { Job::Bands(1) } else { Job::Neighbours(n_tiles - 1) };
-        let job = if name.starts_with("faces") { Job::Neighbours(1) } else { job };
+        let job = if name.starts_with("near") { Job::Bands(1) } else { Job::Neighbors(n_tiles - 1) };
+        let job = if name.starts_with("faces") { Job::Neighbors(1) } else { job };
         let done = run_job(&work, job, Progress::none());
         assert!(done.as_ref().is_err_and(|e| e.to_string().contains(name)), "{name}: {done:?}");
         std::fs::write(path.join(name), &bytes).unwrap();

@@ -25,7 +25,7 @@ pub struct Terrain {
 }
 
 impl Terrain {
-    /// A landscape of `n_points` points, about ten to a square metre.
+    /// A landscape of `n_points` points, about ten to a square meter.
     pub fn new(n_points: u64, seed: u64) -> Self {
         Self { scene: Scene::new(n_points, seed), n_points }
     }

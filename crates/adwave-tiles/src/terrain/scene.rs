@@ -7,13 +7,13 @@
 pub(super) const RECORD: usize = 30;
 /// The point data record format.
 pub(super) const FORMAT: u8 = 6;
-/// Metres of a step, and what step 0 stands for.
+/// Meters of a step, and what step 0 stands for.
 pub(super) const SCALE: [f64; 3] = [0.001; 3];
 pub(super) const OFFSET: [f64; 3] = [500_000.0, 4_500_000.0, 200.0];
 
-/// Points of a square metre, on average.
+/// Points of a square meter, on average.
 const DENSITY: f64 = 10.0;
-/// Metres between the middles of two strips, about, and the width of a strip in those distances.
+/// Meters between the middles of two strips, about, and the width of a strip in those distances.
 const SPACING: f64 = 80.0;
 const WIDTH: f64 = 1.5;
 /// Seconds between two points, and between two strips.
@@ -24,11 +24,11 @@ const GROUND: u8 = 2;
 const TREE: u8 = 5;
 const BUILDING: u8 = 6;
 
-/// Metres between the places where a building or a tree can be.
+/// Meters between the places where a building or a tree can be.
 const BLOCK: f64 = 40.0;
 const STAND: f64 = 8.0;
 
-/// Mixes the bits of a number so that neighbours have nothing in common (the finaliser of SplitMix64).
+/// Mixes the bits of a number so that neighbors have nothing in common (the finalizer of SplitMix64).
 fn mix(mut x: u64) -> u64 {
     x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -76,7 +76,7 @@ fn wave(turns: f64) -> f64 {
 struct Strip {
     first: u64,
     n: u64,
-    /// Metres to the east.
+    /// Meters to the east.
     middle: f64,
     /// Points of a scan line.
     per_line: u64,
@@ -146,7 +146,7 @@ struct Around {
 /// A square of land that strips are flown over, `n` points in all.
 pub(super) struct Scene {
     seed: u64,
-    /// Metres of a side, and of the width of a strip.
+    /// Meters of a side, and of the width of a strip.
     extent: f64,
     width: f64,
     strips: Vec<Strip>,
@@ -201,7 +201,7 @@ impl Scene {
         let echo = self.echo(x, y, around, &mut dice);
         let found = [x + 0.015 * dice.noise(), y + 0.015 * dice.noise(), echo.z + 0.03 * dice.noise() + 50.0];
         for axis in 0..3 {
-            // Metres to millimetres; the offset is where the land begins.
+            // Meters to millimeters; the offset is where the land begins.
             let steps = below(found[axis] / SCALE[axis] + 0.5) as i32;
             record[4 * axis..4 * axis + 4].copy_from_slice(&steps.to_le_bytes());
         }

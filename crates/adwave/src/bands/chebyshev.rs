@@ -344,7 +344,7 @@ mod tests {
 
     #[test]
     fn tiles_in_place_and_apart_give_the_bits_of_the_recurrence_one_step_at_a_time() {
-        // Rings of 2 neighbours have small halos, those of 140 larger ones than two vectors.
+        // Rings of 2 neighbors have small halos, those of 140 larger ones than two vectors.
         for (n, width, d) in [(20_000, 1, 3), (9000, 3, 5), (1500, 140, 2), (700, 2, 1)] {
             let diffusion = ring(n, width);
             let signal: Vec<f64> = (0..n as usize * d).map(|i| ((i * 31 + i / 7) % 101) as f64).collect();

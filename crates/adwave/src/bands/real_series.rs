@@ -275,7 +275,7 @@ mod tests {
             let guard = rung.guard();
             for (a, b) in BANDS {
                 let series = band(a, b, *rung, ACCURACY, Growth::Bounded);
-                // Denser towards 0, where most is missing.
+                // Denser toward 0, where most is missing.
                 for lambda in (0..=200).map(|i| f64::from(i) / 200.0).map(|x| x * x * x) {
                     let error = (value(&series.coefficients, lambda) - exact(a, b, lambda)).abs();
                     let measured = value(&guard, lambda).abs() + ROUNDING * series.rest.guarded.min(1.0);

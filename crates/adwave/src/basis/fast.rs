@@ -1,4 +1,4 @@
-//! All levels of the basis in one sweep over blocks of neighbouring vertices.
+//! All levels of the basis in one sweep over blocks of neighboring vertices.
 
 use super::forecast::forecast;
 use super::local_columns::{LANES, LocalColumns};

@@ -1,6 +1,6 @@
 //! Rows of Φ₁ⁿ for a block of vertices at once, as dense columns over the vertices that the walks have reached.
 //!
-//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`, so `v ← Φ₁ᵀv` from `v = e_x`. The walks of neighbouring vertices reach nearly the same
+//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`, so `v ← Φ₁ᵀv` from `v = e_x`. The walks of neighboring vertices reach nearly the same
 //! vertices: they share one list of active vertices and one small local matrix, and each product treats them as the
 //! lanes of a vector. Once in a few products the list is built anew: vertices where every lane is small are dropped,
 //! and those within a few steps of the rest are taken in.

@@ -4,7 +4,7 @@
 //! Φ_j is the scaling function φ_{j,x}, row x of Ψ_j the wavelet ψ_{j,x}. Entries below a tolerance are dropped and the
 //! rest of each row of Φ_j divided by its sum, so that rows of Φ_j still sum to 1 (eq. 7) and rows of Ψ_j to 0 (eq. 9).
 //!
-//! * [`basis`]: all levels at once, in single precision, by walking from 32 neighbouring vertices together
+//! * [`basis`]: all levels at once, in single precision, by walking from 32 neighboring vertices together
 //!   (`local_columns.rs`: the powers, `pack.rs`: dropping and packing, `sweep.rs`: how the active set grows).
 //! * [`basis_by_squaring`]: the paper's Algorithm 1 to the letter, in double precision; the reference.
 //! * [`one_vertex`]: φ and ψ of one vertex at any level, without a matrix.

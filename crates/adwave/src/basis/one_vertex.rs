@@ -250,7 +250,7 @@ fn by_chebyshev(
             let product = diagonal[k] * now[k] + ((partial[0] + partial[1]) + (partial[2] + partial[3]));
             before[k] = of_now * product - of_before * before[k];
         }
-        // Vertices of the last ring have neighbours beyond it: their rows are left to the one step that reaches them.
+        // Vertices of the last ring have neighbors beyond it: their rows are left to the one step that reaches them.
         for k in reach..outer {
             let y = rings.vertices[k] as usize;
             let mut product = 0.0;

@@ -20,7 +20,7 @@ impl Transpose {
     pub(super) fn new(diffusion: &Diffusion) -> Self {
         let n = diffusion.n_vertices();
         let mut filled = vec![1_usize; n]; // the diagonal
-        for &y in diffusion.neighbours().columns() {
+        for &y in diffusion.neighbors().columns() {
             filled[y as usize] += 1;
         }
         let mut starts = vec![0_usize; n + 1];

@@ -9,11 +9,11 @@ use crate::{Cancelled, Progress};
 
 impl Decomposer {
     /// The welded vertices on the border of a mesh (ends of edges of one triangle) or of a cloud (a gap between its
-    /// neighbours), and those next to masked vertices; by rising index.
+    /// neighbors), and those next to masked vertices; by rising index.
     pub(crate) fn border(&self, progress: Progress<'_>) -> Result<Vec<usize>, Cancelled> {
         let geometry = self.geometry();
         if self.is_cloud() {
-            return Ok(cloud_border(geometry.points(), self.neighbours()));
+            return Ok(cloud_border(geometry.points(), self.neighbors()));
         }
         let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * geometry.triangles().len());
         for t in geometry.triangles().iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {

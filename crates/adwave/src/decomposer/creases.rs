@@ -2,17 +2,17 @@
 
 use crate::operator::Diffusion;
 use crate::shape::{
-    PreparedGeometry, Shape, squared_distance, triangles_at_vertices, try_nearest_neighbours,
+    PreparedGeometry, Shape, squared_distance, triangles_at_vertices, try_nearest_neighbors,
     try_vertex_normals,
 };
-use crate::signal::{FIT_NEIGHBOURS, OutwardError, outward_normals, try_cloud_normals};
+use crate::signal::{FIT_NEIGHBORS, OutwardError, outward_normals, try_cloud_normals};
 use crate::sparse::try_apply;
 use crate::{Cancelled, Progress};
 
 /// Steps that smooth the normals before they are compared, so that noise is not taken for creases.
 const NORMAL_STEPS: usize = 2;
 
-/// How unlike normals may be, in roots of the median of the squared difference over neighbours.
+/// How unlike normals may be, in roots of the median of the squared difference over neighbors.
 const REACH: f64 = 2.5;
 
 /// The same diffusion with the steps weighed down across which the normals of a mesh or cloud turn (see
@@ -37,9 +37,9 @@ fn normals(geometry: &PreparedGeometry, progress: Progress<'_>) -> Result<Option
     let (points, _) = geometry.unit_points(progress)?;
     match geometry.shape() {
         Shape::Graph(_) => Ok(None),
-        // Which side is outside does not matter, only that neighbours agree.
+        // Which side is outside does not matter, only that neighbors agree.
         Shape::Cloud(_) => {
-            let near = try_nearest_neighbours(&points, FIT_NEIGHBOURS, progress)?;
+            let near = try_nearest_neighbors(&points, FIT_NEIGHBORS, progress)?;
             try_cloud_normals(&points, &near, progress).map(Some)
         }
         Shape::Mesh(_) => {

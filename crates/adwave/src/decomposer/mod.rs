@@ -193,7 +193,7 @@ impl Decomposer {
             return Ok(Cow::Borrowed(self.mesh_ring(progress)?));
         }
         if self.params.rings == 1 || self.geometry.triangles().is_empty() {
-            return Ok(Cow::Borrowed(self.neighbours()));
+            return Ok(Cow::Borrowed(self.neighbors()));
         }
         Ok(Cow::Owned(self.new_ring(progress)?))
     }
@@ -255,11 +255,11 @@ impl Decomposer {
 
     /// The vertices that one step of the diffusion takes in, in the numbering of [`geometry`](Self::geometry); of heat on a mesh
     /// those at its edges, while heat flows along those of another triangulation.
-    pub fn neighbours(&self) -> &Adjacency {
+    pub fn neighbors(&self) -> &Adjacency {
         if self.has_own_ring() {
             return unstopped(self.mesh_ring(Progress::none())).as_ref();
         }
-        self.diffusion().neighbours()
+        self.diffusion().neighbors()
     }
 
     /// Distances along the shape, for regions.
@@ -284,7 +284,7 @@ impl Decomposer {
         self.diagonal
     }
 
-    /// `E`, the mean length of edges or the mean distance to the nearest neighbours, in model units.
+    /// `E`, the mean length of edges or the mean distance to the nearest neighbors, in model units.
     pub fn mean_length(&self) -> f64 {
         self.mean_length
     }
@@ -301,7 +301,7 @@ impl Decomposer {
 
     /// Counts of what the shape consists of.
     pub fn health(&self) -> Health {
-        unstopped(health(&self.geometry, self.neighbours(), Progress::none()))
+        unstopped(health(&self.geometry, self.neighbors(), Progress::none()))
     }
 
     /// The number of dyadic levels to take where none is asked for, and why (see

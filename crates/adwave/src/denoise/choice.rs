@@ -1,7 +1,7 @@
 //! What is decided by looking at all of a surface, or a sample of it, so that parts of it can be denoised alone.
 
 use super::smoothed_normals::{GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, LEVELS, Scales, Walks, fixed};
-use super::surface::{NEIGHBOURS, Surface};
+use super::surface::{NEIGHBORS, Surface};
 use super::{
     Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, best_mixture, is_anything_to_do, noise_of,
     surface_of, used,
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// medians that the walks go by.
 ///
 /// By it parts of a surface too large for memory are denoised one after the other, with the bits of the whole: a point of the result
-/// depends on those within [`reach`](Self::reach) rings of neighbours, where these are in the same order.
+/// depends on those within [`reach`](Self::reach) rings of neighbors, where these are in the same order.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseChoice, DenoiseParams, denoise};
@@ -44,8 +44,8 @@ pub struct DenoiseChoice {
 }
 
 impl DenoiseChoice {
-    /// Nearest neighbours that a point of a cloud has.
-    pub const NEIGHBOURS: usize = NEIGHBOURS;
+    /// Nearest neighbors that a point of a cloud has.
+    pub const NEIGHBORS: usize = NEIGHBORS;
 
     /// From a surface, or a sample of one that is made of connected pieces, all of which is looked at: [`denoise`](super::denoise) estimates
     /// the risk of more than 48 000 triangles or points on a sample of its own. O(n log n).
@@ -74,8 +74,8 @@ impl DenoiseChoice {
         Ok(Self { info, creases: params.creases, scales })
     }
 
-    /// How many rings of neighbours around a point decide its result, whatever is chosen: on a mesh by edges, on a cloud by
-    /// [`NEIGHBOURS`](Self::NEIGHBOURS) nearest and those that name it.
+    /// How many rings of neighbors around a point decide its result, whatever is chosen: on a mesh by edges, on a cloud by
+    /// [`NEIGHBORS`](Self::NEIGHBORS) nearest and those that name it.
     ///
     /// # Errors
     /// Never; the levels and the accuracy are fixed.
@@ -85,7 +85,7 @@ impl DenoiseChoice {
             Ok::<_, DenoiseError>(bands.iter().map(FixedSeries::reach).max().unwrap_or(0))
         };
         // From the end: moves, the walk by its rows, whose entries ask for normals one ring on, of points that have moved by normals which
-        // the first walk smoothed, and that for normals of points that have been smoothed; what is one ring for neighbours is
+        // the first walk smoothed, and that for normals of points that have been smoothed; what is one ring for neighbors is
         // another for the planes or triangles that normals are of.
         Ok(MOVES + rings(LEVELS)? + 2 + GUIDE_MOVES + 1 + rings(GUIDE_LEVELS)? + 2 + GUIDE_STEPS + 2)
     }
@@ -114,20 +114,20 @@ impl DenoiseChoice {
     /// When cancelled.
     ///
     /// # Panics
-    /// Unless there are as many rows of neighbours and normals as points.
+    /// Unless there are as many rows of neighbors and normals as points.
     pub fn denoise_cloud(
         &self,
         points: &[[f64; 3]],
-        neighbours: Adjacency,
+        neighbors: Adjacency,
         normals: Vec<[f64; 3]>,
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-        assert_eq!(neighbours.n_rows(), points.len(), "a row of neighbours for each point");
+        assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
         assert_eq!(normals.len(), points.len(), "a normal for each point");
         if self.info.kept >= 1.0 {
             return Ok(points.to_vec());
         }
-        self.denoise(&Surface::cloud_of_neighbours(neighbours, normals), points, progress)
+        self.denoise(&Surface::cloud_of_neighbors(neighbors, normals), points, progress)
     }
 
     fn denoise(

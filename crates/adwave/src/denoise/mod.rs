@@ -1,7 +1,7 @@
 //! Noise taken off: of the positions of a mesh or cloud, and of any signal.
 //!
 //! Positions are not smoothed themselves. The unit normals of the triangles (of a cloud's points) are, by walks that keep to
-//! neighbours that point alike, so that creases stay; then the points move to where the surface has those normals. How much is
+//! neighbors that point alike, so that creases stay; then the points move to where the surface has those normals. How much is
 //! smoothed, and how far creases are respected, is decided by an estimate of the risk from the noisy shape alone.
 //!
 //! Sources: bilateral weights on normals `zheng2011`, points from normals `sun2007`, Stein's estimate of the risk with
@@ -63,10 +63,10 @@ const STAGES: u64 = 5;
 /// With `n₀` the unit normals of the triangles, the result has the normals `Σ_k w_k·F_k(n₀)`, the `F_k` being no smoothing and
 /// 1, 2, 4, … 32 steps of two walks: one that hardly crosses creases, one that hardly sees them. The weights, ≥ 0 and of sum 1,
 /// have the least mean square error by Stein's estimate, for Gaussian noise, independent from point to point, of the standard
-/// deviation that is estimated from the shape (or given). Points then take 20 steps towards these normals, along them:
+/// deviation that is estimated from the shape (or given). Points then take 20 steps toward these normals, along them:
 /// open borders do not draw in, and no vertex or face is lost. The same shape gives the same bits.
 ///
-/// Noise that neighbouring points share is not told from detail; noise beyond half the mean edge leaves little to tell creases by.
+/// Noise that neighboring points share is not told from detail; noise beyond half the mean edge leaves little to tell creases by.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseParams, denoise};
@@ -242,7 +242,7 @@ fn shaken(points: &[[f64; 3]], deviation: f64, seed: u64) -> Vec<[f64; 3]> {
     points.iter().map(|p| p.map(&mut shaken)).collect()
 }
 
-/// The mean distance of neighbours; 0 without any.
+/// The mean distance of neighbors; 0 without any.
 fn mean_distance(surface: &Surface, points: &[[f64; 3]], progress: Progress<'_>) -> Result<f64, Cancelled> {
     let total = parallel::try_sum(points.len(), progress, |x| {
         surface.ring.of(x).iter().map(|&y| norm(&subtract(&points[x], &points[y as usize]))).sum()

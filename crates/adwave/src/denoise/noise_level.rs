@@ -12,15 +12,15 @@ use rand_pcg::rand_core::SeedableRng;
 /// Lazy steps by which a surface is smoothed for the normals along which noise is measured.
 const STEPS_BEFORE: usize = 4;
 
-/// Differences with the mean of the neighbours that are taken, one after the other.
+/// Differences with the mean of the neighbors that are taken, one after the other.
 const ORDERS: usize = 3;
 
 /// The standard deviation of noise along the normals, independent from point to point, in the units of `points`. O(points).
 ///
-/// From the median absolute deviation of `n·(p − mean of its neighbours)`, of the difference of that with the mean of its neighbours,
+/// From the median absolute deviation of `n·(p − mean of its neighbors)`, of the difference of that with the mean of its neighbors,
 /// and of the difference of this, each over what it is for noise of variance 1; the least of the three, since curvature adds to them,
-/// to the later less. Detail that the points hardly resolve counts as noise, and noise that neighbours share does not.
-/// 0 without points that have neighbours.
+/// to the later less. Detail that the points hardly resolve counts as noise, and noise that neighbors share does not.
+/// 0 without points that have neighbors.
 pub(super) fn noise_level(
     surface: &Surface,
     points: &[[f64; 3]],
@@ -33,7 +33,7 @@ pub(super) fn noise_level(
     let mut random = Pcg64Mcg::seed_from_u64(SEED);
     let white: Vec<f64> = points.iter().map(|_| StandardNormal.sample(&mut random)).collect();
     let mut white = surface.difference(&white, progress)?;
-    let has_neighbours = |x: usize| !surface.ring.of(x).is_empty();
+    let has_neighbors = |x: usize| !surface.ring.of(x).is_empty();
     let mut least = f64::INFINITY;
     for order in 0..ORDERS {
         if order > 0 {
@@ -42,10 +42,10 @@ pub(super) fn noise_level(
         }
         let deviation = |values: &[f64]| {
             let mut known: Vec<f64> =
-                (0..values.len()).filter(|&x| has_neighbours(x)).map(|x| values[x]).collect();
-            let centre = median(&mut known);
+                (0..values.len()).filter(|&x| has_neighbors(x)).map(|x| values[x]).collect();
+            let center = median(&mut known);
             for v in &mut known {
-                *v = (*v - centre).abs();
+                *v = (*v - center).abs();
             }
             median(&mut known)
         };
@@ -58,7 +58,7 @@ pub(super) fn noise_level(
 }
 
 impl Surface {
-    /// Values less the mean of their neighbours'.
+    /// Values less the mean of their neighbors'.
     fn difference(&self, values: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
         parallel::try_collect(values.len(), progress, |x| {
             let near = self.ring.of(x);

@@ -76,7 +76,7 @@ impl DenoiseParams {
 pub struct DenoiseInfo {
     /// Standard deviation of the noise along the normals, in model units: as estimated or given.
     pub noise: f64,
-    /// The same in mean edges of a mesh, or mean distances to the neighbours of a cloud.
+    /// The same in mean edges of a mesh, or mean distances to the neighbors of a cloud.
     pub noise_in_edges: f64,
     /// How much of the result comes from the normals as they are, by what is assumed of the noise: 1 where nothing is to be done.
     pub kept: f64,

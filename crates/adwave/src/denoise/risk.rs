@@ -14,7 +14,7 @@ const MAX_STEPS: usize = 20_000;
 #[derive(Clone, Debug)]
 pub(super) struct Risk {
     gram: Vec<Vec<f64>>,
-    towards: Vec<f64>,
+    toward: Vec<f64>,
 }
 
 impl Risk {
@@ -42,34 +42,34 @@ impl Risk {
         };
         let amplification = (strength / step).powi(2) / shaken.len() as f64;
         let mut gram = vec![vec![0.0; estimates.len()]; estimates.len()];
-        let mut towards = Vec::with_capacity(estimates.len());
+        let mut toward = Vec::with_capacity(estimates.len());
         for (k, f) in estimates.iter().enumerate() {
             let covariance = |x: usize| {
                 let of = |g: &Vec<Vec<f64>>, c: usize| (g[k][c] - f[c]) * (g[0][c] - data[c]);
                 let once = |g| (x * d..(x + 1) * d).map(|c| of(g, c)).sum::<f64>();
                 amplification * shaken.iter().map(once).sum::<f64>()
             };
-            towards.push(mean(&|x| dot(f, data, x) - covariance(x))?);
+            toward.push(mean(&|x| dot(f, data, x) - covariance(x))?);
             for l in 0..=k {
                 gram[k][l] = mean(&|x| dot(f, &estimates[l], x))?;
                 gram[l][k] = gram[k][l];
             }
         }
-        Ok(Self { gram, towards })
+        Ok(Self { gram, toward })
     }
 
     /// The weights of the mixture of least risk: ≥ 0, of sum 1. By steps between the two estimates that promise most, exact along
     /// each; at most [`MAX_STEPS`].
     pub(super) fn best_weights(&self) -> Vec<f64> {
-        self.best_among(self.towards.len())
+        self.best_among(self.toward.len())
     }
 
     /// The same among the first n estimates; the others have no weight.
     pub(super) fn best_among(&self, n: usize) -> Vec<f64> {
-        let mut weights = vec![0.0; self.towards.len()];
+        let mut weights = vec![0.0; self.toward.len()];
         weights[0] = 1.0;
         let least_gain = 1e-12 * self.gram[0][0];
-        let mut slopes: Vec<f64> = (0..n).map(|k| self.gram[k][0] - self.towards[k]).collect();
+        let mut slopes: Vec<f64> = (0..n).map(|k| self.gram[k][0] - self.toward[k]).collect();
         for _ in 0..MAX_STEPS {
             let steepest = |a: &usize, b: &usize| slopes[*a].total_cmp(&slopes[*b]);
             let Some(to) = (0..n).min_by(steepest) else { break };
@@ -108,14 +108,14 @@ impl Risk {
 
     /// `w·Gw − 2b·w`: the risk of a mixture but for `‖m‖²`.
     fn without_truth(&self, weights: &[f64]) -> f64 {
-        let towards: f64 = weights.iter().zip(&self.towards).map(|(w, b)| w * b).sum();
-        self.inner(weights, weights) - 2.0 * towards
+        let toward: f64 = weights.iter().zip(&self.toward).map(|(w, b)| w * b).sum();
+        self.inner(weights, weights) - 2.0 * toward
     }
 
     /// The estimated mean square of the error of the data, and of a mixture.
     pub(super) fn before_and_after(&self, weights: &[f64]) -> [f64; 2] {
         // What is left of the data's own square when the noise is taken off: ‖m‖².
-        let truth = self.towards[0];
+        let truth = self.toward[0];
         let after = self.without_truth(weights);
         [(self.gram[0][0] - truth).max(0.0), (truth + after).max(0.0)]
     }

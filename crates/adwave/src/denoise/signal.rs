@@ -79,9 +79,9 @@ pub struct DenoisedSignal {
 /// O(entries × channels).
 ///
 /// The result is a mixture of the signal, of its scaling functions after 1, 2, 3, 4, 6, 8, 11, 16, … 512 steps of the shape's own walk, and of those after
-/// 1, 2, 4, … 128 steps of walks that keep to neighbours of like values, so that steps stay. The weights, ≥ 0 and of sum 1, have the least mean square
+/// 1, 2, 4, … 128 steps of walks that keep to neighbors of like values, so that steps stay. The weights, ≥ 0 and of sum 1, have the least mean square
 /// error (without the led walks, unless these promise more than two standard errors) by Stein's estimate for Gaussian noise, independent from vertex to vertex, whose standard deviation is estimated from the signal
-/// (or given, in its unit). Three channels, and the first three of four, are taken together (a colour, with what lies over it);
+/// (or given, in its unit). Three channels, and the first three of four, are taken together (a color, with what lies over it);
 /// otherwise each is by itself.
 ///
 /// ```
@@ -232,12 +232,12 @@ impl Group<'_> {
     }
 
     /// The standard deviation of noise, from the median absolute deviation of the difference between a value and the mean of its
-    /// neighbours', which noise of variance σ² gives the variance `σ²·(1 + 1/k)` at a vertex of k neighbours.
+    /// neighbors', which noise of variance σ² gives the variance `σ²·(1 + 1/k)` at a vertex of k neighbors.
     fn noise_level(&self, data: &[f64], progress: Progress<'_>) -> Result<f64, DenoiseError> {
-        let (neighbours, d) = (self.decomposer.neighbours(), self.d);
+        let (neighbors, d) = (self.decomposer.neighbors(), self.d);
         let mut deviations = parallel::try_collect(data.len(), progress, |i| {
             let (x, c) = (i / d, i % d);
-            let near = neighbours.of(x);
+            let near = neighbors.of(x);
             if near.is_empty() || !(self.is_known)(x) {
                 return f64::NAN;
             }

@@ -18,7 +18,7 @@ pub(super) const GUIDE_LEVELS: usize = 5;
 /// Lazy steps by which a surface is smoothed for its first guide.
 pub(super) const GUIDE_STEPS: usize = 2;
 
-/// Steps towards the smoothed normals of the surface whose normals are the second guide.
+/// Steps toward the smoothed normals of the surface whose normals are the second guide.
 pub(super) const GUIDE_MOVES: usize = 10;
 
 /// How far normals may turn from one site to the next for the walk that respects creases, in root medians of their squared differences.
@@ -30,7 +30,7 @@ const SMOOTH_REACH: f64 = 6.0;
 /// Largest relative error of a band of normals: far below what is left of the noise.
 const ACCURACY: f64 = 1e-4;
 
-/// What the walks go by that all of a surface decides: medians over neighbouring sites.
+/// What the walks go by that all of a surface decides: medians over neighboring sites.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Scales {
     /// Of the squared distances, in squared units of the points.
@@ -126,7 +126,7 @@ impl Walks {
             let walk = guided(&guide, CREASE_REACH, first)?;
             add_levels(&walk, cut, &normals, &weights, &mut smoothed, progress)?;
             drop(walk);
-            normalise(&mut smoothed);
+            normalize(&mut smoothed);
             let mut moved = points.to_vec();
             surface.move_to(&mut moved, &smoothed, GUIDE_MOVES, progress)?;
             let guide = surface.normals(&moved, progress)?;
@@ -159,7 +159,7 @@ impl Walks {
         for (walk, weights) in self.creases.iter().chain(&self.smooth).zip(weights[1..].chunks(LEVELS)) {
             add_levels(walk, self.cut, &self.normals, weights, &mut out, progress)?;
         }
-        normalise(&mut out);
+        normalize(&mut out);
         Ok(out)
     }
 }
@@ -174,7 +174,7 @@ pub(super) fn fixed(n_levels: usize) -> Result<Vec<FixedSeries>, BandsError> {
     FixedSeries::bands(&dyadic(n_levels), ACCURACY)
 }
 
-fn normalise(vectors: &mut [[f64; 3]]) {
+fn normalize(vectors: &mut [[f64; 3]]) {
     for v in vectors {
         *v = unit(v).unwrap_or_default();
     }

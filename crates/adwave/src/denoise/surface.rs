@@ -2,17 +2,17 @@
 
 use crate::operator::Sites;
 use crate::parallel;
-use crate::shape::{Adjacency, triangles_at_vertices, try_nearest_neighbours, try_one_ring};
+use crate::shape::{Adjacency, triangles_at_vertices, try_nearest_neighbors, try_one_ring};
 use crate::signal::{aligned_normals, try_cloud_normals};
 use crate::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use crate::{Cancelled, Progress, rows::Pattern};
 
-/// Triangles at a vertex beyond which they do not count as neighbours of each other by it: their number of pairs would grow as
+/// Triangles at a vertex beyond which they do not count as neighbors of each other by it: their number of pairs would grow as
 /// the square. Those that share an edge meet at its other end as well.
 const MAX_VALENCE: usize = 64;
 
-/// Nearest neighbours that a point of a cloud has.
-pub(super) const NEIGHBOURS: usize = 12;
+/// Nearest neighbors that a point of a cloud has.
+pub(super) const NEIGHBORS: usize = 12;
 
 /// Rows that a thread treats at a time.
 const ROWS_AT_A_TIME: usize = 1 << 12;
@@ -38,7 +38,7 @@ pub(super) enum Kind {
 }
 
 impl Surface {
-    /// A mesh; `triangles` are put in the order of their first corners, so that neighbours are near in memory.
+    /// A mesh; `triangles` are put in the order of their first corners, so that neighbors are near in memory.
     pub(super) fn mesh(
         n_points: usize,
         mut triangles: Vec<[u32; 3]>,
@@ -48,7 +48,7 @@ impl Surface {
         parallel::sort_unstable_by(&mut triangles, progress, |a, b| key(a).cmp(&key(b)))?;
         let at_vertex = triangles_at_vertices(n_points, &triangles, progress)?;
         let ring = try_one_ring(&triangles, &at_vertex, progress)?;
-        let graph = Adjacency::from_neighbours(
+        let graph = Adjacency::from_neighbors(
             triangles.len(),
             progress,
             || (),
@@ -60,17 +60,17 @@ impl Surface {
         Ok(Self { kind: Kind::Mesh { triangles, at_vertex }, ring, of_triangles: Some(graph) })
     }
 
-    /// A cloud, and its nearest neighbours.
+    /// A cloud, and its nearest neighbors.
     pub(super) fn cloud(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Self, Cancelled> {
-        let near = try_nearest_neighbours(points, NEIGHBOURS, progress)?;
+        let near = try_nearest_neighbors(points, NEIGHBORS, progress)?;
         let normals = try_cloud_normals(points, &near, progress)?;
         let ring = near.adjacency.union_with_transpose(progress)?;
-        Ok(Self::cloud_of_neighbours(ring, normals))
+        Ok(Self::cloud_of_neighbors(ring, normals))
     }
 
-    /// A cloud whose neighbours are known, and its normals but for their lengths.
-    pub(super) fn cloud_of_neighbours(neighbours: Adjacency, normals: Vec<[f64; 3]>) -> Self {
-        Self { kind: Kind::Cloud { normals }, ring: neighbours, of_triangles: None }
+    /// A cloud whose neighbors are known, and its normals but for their lengths.
+    pub(super) fn cloud_of_neighbors(neighbors: Adjacency, normals: Vec<[f64; 3]>) -> Self {
+        Self { kind: Kind::Cloud { normals }, ring: neighbors, of_triangles: None }
     }
 
     /// Sites next to each site.
@@ -121,7 +121,7 @@ impl Surface {
         }
     }
 
-    /// The points after `n` lazy steps of the walk to each neighbour alike.
+    /// The points after `n` lazy steps of the walk to each neighbor alike.
     pub(super) fn smoothed(
         &self,
         points: &[[f64; 3]],
@@ -137,7 +137,7 @@ impl Surface {
         Ok(now)
     }
 
-    /// The mean of the neighbours of a point less the point: 0 without neighbours.
+    /// The mean of the neighbors of a point less the point: 0 without neighbors.
     pub(super) fn umbrella(&self, points: &[[f64; 3]], x: usize) -> [f64; 3] {
         let near = self.ring.of(x);
         let share = 1.0 / near.len().max(1) as f64;
@@ -147,7 +147,7 @@ impl Surface {
 
     /// Moves points so that the surface gets the normals of its sites: `times` steps of
     /// `v ← v + mean over its triangles of n·(n·(c − v))` with c the centroid (`sun2007`), and for clouds of
-    /// `p ← p + n·mean over its neighbours of ½(n + n′)·(p′ − p)`, which a sphere with its own normals stands still under.
+    /// `p ← p + n·mean over its neighbors of ½(n + n′)·(p′ − p)`, which a sphere with its own normals stands still under.
     pub(super) fn move_to(
         &self,
         points: &mut Vec<[f64; 3]>,
@@ -184,7 +184,7 @@ impl Surface {
 
     /// The sites as a walk sees them.
     pub(super) fn sites<'a>(&'a self, positions: &'a [[f64; 3]], areas: &'a [f64]) -> Sites<'a> {
-        Sites { neighbours: self.graph(), positions, areas }
+        Sites { neighbors: self.graph(), positions, areas }
     }
 }
 

@@ -24,7 +24,7 @@ const PER_LEVEL: usize = 2 * RINGS + 1;
 pub const DESCRIPTOR_LENGTH: usize = LEVELS * PER_LEVEL;
 
 /// Numbers of Euclidean norm 1 (or all 0): for each of the levels j − 2 … j + 2 the root mean square of the positive and of
-/// the negative part of the normalised response in three rings, each one σ wide, then the response at the vertex itself. A
+/// the negative part of the normalized response in three rings, each one σ wide, then the response at the vertex itself. A
 /// level that there is not gives zeros.
 pub type Descriptor = [f64; DESCRIPTOR_LENGTH];
 
@@ -38,7 +38,7 @@ pub type Descriptor = [f64; DESCRIPTOR_LENGTH];
 /// When the features or the bands are not those of the shape.
 pub fn describe(decomposer: &Decomposer, wavelets: &Wavelets, features: &[Feature]) -> Vec<Descriptor> {
     let layers =
-        unstopped(layers(&Population::new(decomposer), wavelets, Response::Normalised, Progress::none()));
+        unstopped(layers(&Population::new(decomposer), wavelets, Response::Normalized, Progress::none()));
     let levels = &layers[0].levels;
     let areas = decomposer.welded_areas();
     parallel::map_items(decomposer.n_vertices(), features.len(), |k| {
@@ -83,14 +83,14 @@ fn descriptor(decomposer: &Decomposer, levels: &[Level<'_>], areas: &[f64], feat
 /// The vertices that are connected with `x` within the outermost ring, and their rings.
 fn within(decomposer: &Decomposer, x: usize, sigma: f64) -> Vec<(usize, usize)> {
     let points = decomposer.geometry().points();
-    let neighbours = decomposer.neighbours();
+    let neighbors = decomposer.neighbors();
     let mut seen = HashSet::from([x]);
     let mut found = vec![(x, 0)];
     let mut at = 0;
     while at < found.len() {
         let (y, ring) = found[at];
         at += 1;
-        for &z in neighbours.of(y) {
+        for &z in neighbors.of(y) {
             let z = z as usize;
             // On a graph σ counts the root of hops squared: rings of breadth-first hops stand for distances.
             let ring = if points.is_empty() {

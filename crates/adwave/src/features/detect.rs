@@ -17,13 +17,13 @@ const TIE: f64 = 1e-9;
 const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 /// Finds the features of a signal's bands on the shape that they were computed on, from fine to coarse, on each level the
-/// strongest first. O(n × levels × channels), and a neighbourhood for each candidate.
+/// strongest first. O(n × levels × channels), and a neighborhood for each candidate.
 ///
-/// Where neighbours tie, to 1e-9 of the response, the finer level wins, then the vertex that comes first along the space-filling curve that the
+/// Where neighbors tie, to 1e-9 of the response, the finer level wins, then the vertex that comes first along the space-filling curve that the
 /// analysis is numbered by: the same features for any order of the file's vertices and any number of threads.
 ///
 /// Source: Algorithm 2. Printed, the mean in its threshold lost the bars of |R|; see [`Response`](super::Response) for what
-/// R is. On a mesh neighbours are two rings, however many one step of the diffusion takes in.
+/// R is. On a mesh neighbors are two rings, however many one step of the diffusion takes in.
 ///
 /// # Errors
 /// [`FeatureError`] with fewer than 3 levels, a θ that is not above 0, an option without meaning, or another shape's bands.
@@ -63,7 +63,7 @@ pub fn features(
     }
     let population = Population::new(decomposer);
     let ring = decomposer.ring(progress)?;
-    let neighbourhood = Neighbourhood { ring: &ring, rings: if decomposer.is_cloud() { 1 } else { 2 } };
+    let neighborhood = Neighborhood { ring: &ring, rings: if decomposer.is_cloud() { 1 } else { 2 } };
     let means = Means::new(&ring, params.scope, progress)?;
     let mut found: Vec<(usize, Feature)> = Vec::new();
     for layer in layers(&population, wavelets, params.response, progress)? {
@@ -71,10 +71,10 @@ pub fn features(
             progress.step(j as u64 - 2, n_levels as u64 - 2)?;
             let level = &layer.levels[j - 1];
             let mean = means.of(&population, level);
-            let search = Search { layer: &layer, neighbourhood: &neighbourhood, j };
+            let search = Search { layer: &layer, neighborhood: &neighborhood, j };
             let floor = |x: usize| params.theta * mean[means.group(x)];
             for x in search.run(&floor, progress)? {
-                let local = Local::new(decomposer, &neighbourhood.of(x), x);
+                let local = Local::new(decomposer, &neighborhood.of(x), x);
                 if let Some(most) = params.max_edge_ratio
                     && edge_ratio(&local, level).is_none_or(|ratio| ratio > most)
                 {
@@ -126,13 +126,13 @@ fn first_members(decomposer: &Decomposer) -> Vec<u32> {
 }
 
 /// Who counts as next to whom.
-pub(super) struct Neighbourhood<'a> {
+pub(super) struct Neighborhood<'a> {
     ring: &'a Adjacency,
     rings: usize,
 }
 
-impl Neighbourhood<'_> {
-    /// The neighbours of `x`, nearest ring first, without `x`.
+impl Neighborhood<'_> {
+    /// The neighbors of `x`, nearest ring first, without `x`.
     pub(super) fn of(&self, x: usize) -> Vec<u32> {
         let mut found = self.ring.of(x).to_vec();
         if self.rings > 1 {
@@ -155,7 +155,7 @@ impl Neighbourhood<'_> {
 /// The search of one level.
 struct Search<'a> {
     layer: &'a Layer<'a>,
-    neighbourhood: &'a Neighbourhood<'a>,
+    neighborhood: &'a Neighborhood<'a>,
     j: usize,
 }
 
@@ -180,11 +180,11 @@ impl Search<'_> {
         Ok(found.concat())
     }
 
-    /// Whether R(j,x) is the largest or the smallest of its neighbourhood in place and scale.
+    /// Whether R(j,x) is the largest or the smallest of its neighborhood in place and scale.
     fn is_extremum(&self, x: usize) -> bool {
         let levels = |y: usize| self.levels(y);
-        is_extremum(x, self.neighbourhood.ring.of(x), TIE, levels)
-            && (self.neighbourhood.rings == 1 || is_extremum(x, &self.neighbourhood.of(x), TIE, levels))
+        is_extremum(x, self.neighborhood.ring.of(x), TIE, levels)
+            && (self.neighborhood.rings == 1 || is_extremum(x, &self.neighborhood.of(x), TIE, levels))
     }
 
     fn levels(&self, x: usize) -> [f64; 3] {
@@ -192,8 +192,8 @@ impl Search<'_> {
     }
 }
 
-/// Whether R(j,x) is larger, or smaller, than R at the `neighbours` of `x` on level j, and at `x` and these on levels j − 1 and j + 1
-/// (Algorithm 2). `responses(y)` is R(j − 1, y), R(j, y) and R(j + 1, y). O(neighbours).
+/// Whether R(j,x) is larger, or smaller, than R at the `neighbors` of `x` on level j, and at `x` and these on levels j − 1 and j + 1
+/// (Algorithm 2). `responses(y)` is R(j − 1, y), R(j, y) and R(j + 1, y). O(neighbors).
 ///
 /// Where two differ by no more than `tie` of R(j,x), the finer level wins, then the lower number.
 ///
@@ -203,7 +203,7 @@ impl Search<'_> {
 /// assert!(is_extremum(1, &[0, 2], 1e-9, responses));
 /// assert!(!is_extremum(2, &[1], 1e-9, responses));
 /// ```
-pub fn is_extremum(x: usize, neighbours: &[u32], tie: f64, responses: impl Fn(usize) -> [f64; 3]) -> bool {
+pub fn is_extremum(x: usize, neighbors: &[u32], tie: f64, responses: impl Fn(usize) -> [f64; 3]) -> bool {
     let at_x = responses(x);
     [1.0, -1.0].into_iter().any(|sign| {
         let [finer, here, coarser] = at_x.map(|r| sign * r);
@@ -211,7 +211,7 @@ pub fn is_extremum(x: usize, neighbours: &[u32], tie: f64, responses: impl Fn(us
         // The finer and coarser value at x itself rule most candidates out.
         let over_scale = |finer: f64, coarser: f64| here > finer + tie && here >= coarser - tie;
         over_scale(finer, coarser)
-            && neighbours.iter().all(|&y| {
+            && neighbors.iter().all(|&y| {
                 let [finer, level, coarser] = responses(y as usize).map(|r| sign * r);
                 let first = here > level + tie || (here >= level - tie && x < y as usize);
                 first && over_scale(finer, coarser)

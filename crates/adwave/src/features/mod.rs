@@ -1,7 +1,7 @@
 //! Features: vertices where a band stands out in place and in scale (Algorithm 2), and what can be done with them.
 //!
-//! x is a feature of level j when `|R(j,x)| > θ·mean|R(j)|` and R(j,x) is greater (or smaller) than R at every neighbour of
-//! x on level j, and at x and its neighbours on levels j − 1 and j + 1. Neighbours are two rings on a mesh and a graph, and
+//! x is a feature of level j when `|R(j,x)| > θ·mean|R(j)|` and R(j,x) is greater (or smaller) than R at every neighbor of
+//! x on level j, and at x and its neighbors on levels j − 1 and j + 1. Neighbors are two rings on a mesh and a graph, and
 //! the points that one step of the diffusion takes in on a cloud (the 10 nearest, in both directions).
 
 mod best;

@@ -15,7 +15,7 @@ pub const FEATURE_EXTENT: f64 = 2.0 * crate::bands::DEFAULT_EXTENT;
 pub enum Response {
     /// `W_f(j,x) / mean_x‖W_f(j,x)‖`: each level by its own mean, so that levels compare.
     #[default]
-    Normalised,
+    Normalized,
     /// W_f itself, as Algorithm 2 is printed; the norm of several channels. That of coordinates grows with j almost
     /// everywhere, so hardly any is largest on a middle level.
     Literal,
@@ -41,7 +41,7 @@ pub enum Refinement {
     /// At the vertex, with σ_j.
     #[default]
     Off,
-    /// At the top of a quadric that is fitted to R over the neighbourhood, and of a parabola through R over log σ.
+    /// At the top of a quadric that is fitted to R over the neighborhood, and of a parabola through R over log σ.
     Quadratic,
 }
 
@@ -50,7 +50,7 @@ pub enum Refinement {
 /// ```
 /// use adwave::features::{FeatureParams, Response};
 /// let params = FeatureParams::default().with_theta(2.0).with_best(50);
-/// assert_eq!((params.response, params.best), (Response::Normalised, Some(50)));
+/// assert_eq!((params.response, params.best), (Response::Normalized, Some(50)));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeatureParams {

@@ -5,26 +5,26 @@ use crate::Decomposer;
 use crate::signal::{Frame, fit_quadric};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-/// A neighbourhood laid flat.
+/// A neighborhood laid flat.
 pub(super) struct Local {
     frame: Option<Frame>,
-    /// Vertices, the centre first, and their places in the frame in units of `size`.
+    /// Vertices, the center first, and their places in the frame in units of `size`.
     around: Vec<(usize, Vector3<f64>)>,
     size: f64,
 }
 
 impl Local {
-    /// The neighbours of `x` in the plane that fits them best; without a frame on a graph.
-    pub(super) fn new(decomposer: &Decomposer, neighbours: &[u32], x: usize) -> Self {
+    /// The neighbors of `x` in the plane that fits them best; without a frame on a graph.
+    pub(super) fn new(decomposer: &Decomposer, neighbors: &[u32], x: usize) -> Self {
         let points = decomposer.geometry().points();
         let flat = Self { frame: None, around: Vec::new(), size: 0.0 };
         let Some(origin) = points.get(x).map(|p| Vector3::from(*p)) else { return flat };
-        let offsets = neighbours.iter().map(|&y| Vector3::from(points[y as usize]) - origin);
+        let offsets = neighbors.iter().map(|&y| Vector3::from(points[y as usize]) - origin);
         let size = offsets.clone().map(|d| d.amax()).fold(0.0, f64::max);
         if size == 0.0 {
             return flat;
         }
-        let mean = offsets.clone().map(|d| d / size).sum::<Vector3<f64>>() / (neighbours.len() + 1) as f64;
+        let mean = offsets.clone().map(|d| d / size).sum::<Vector3<f64>>() / (neighbors.len() + 1) as f64;
         let covariance = offsets.fold(mean * mean.transpose(), |m: Matrix3<f64>, d| {
             let d = d / size - mean;
             m + d * d.transpose()
@@ -33,7 +33,7 @@ impl Local {
         let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).normalize();
         let frame = Frame::new(points[x], normal);
         let around = std::iter::once(x)
-            .chain(neighbours.iter().map(|&y| y as usize))
+            .chain(neighbors.iter().map(|&y| y as usize))
             .map(|y| (y, frame.local(&points[y]) / size))
             .collect();
         Self { frame: Some(frame), around, size }
@@ -44,8 +44,8 @@ impl Local {
     }
 }
 
-/// The ratio of the larger to the smaller principal curvature of R over the neighbourhood, ≥ 1; `None` where R is a saddle
-/// or flat in one direction, or the neighbourhood does not determine it.
+/// The ratio of the larger to the smaller principal curvature of R over the neighborhood, ≥ 1; `None` where R is a saddle
+/// or flat in one direction, or the neighborhood does not determine it.
 pub(super) fn edge_ratio(local: &Local, response: &Level<'_>) -> Option<f64> {
     let [_, _, _, d, e, f] = local.fit(|y, _| response.at(y))?;
     let (half_trace, det) = (0.5 * (d + f), d * f - e * e);
@@ -57,8 +57,8 @@ pub(super) fn edge_ratio(local: &Local, response: &Level<'_>) -> Option<f64> {
     (small > 0.0).then(|| large / small)
 }
 
-/// The place where the quadric through R is largest (or smallest), on the quadric through the neighbourhood's points;
-/// `None` where that is no top or further than the nearest neighbour: the vertex itself is the better answer then.
+/// The place where the quadric through R is largest (or smallest), on the quadric through the neighborhood's points;
+/// `None` where that is no top or further than the nearest neighbor: the vertex itself is the better answer then.
 pub(super) fn refined_position(local: &Local, response: &Level<'_>) -> Option<[f64; 3]> {
     let frame = local.frame.as_ref()?;
     let [_, b, c, d, e, f] = local.fit(|y, _| response.at(y))?;

@@ -56,7 +56,7 @@ pub(super) fn layers<'a>(
         return (0..wavelets.n_channels).map(layer).collect();
     }
     let scale = |j: usize, values: &[f64]| match response {
-        Response::Normalised => population.mean(values),
+        Response::Normalized => population.mean(values),
         Response::Sigma => wavelets.sigma[j],
         Response::Literal | Response::Channels => 1.0,
     };

@@ -33,9 +33,9 @@ pub fn spheres(features: &[Feature]) -> Spheres {
     let (unit, triangles) = unit_sphere();
     let mut spheres = Spheres { points: Vec::new(), faces: Polygons::new(), feature_of: Vec::new() };
     for (k, feature) in features.iter().enumerate() {
-        let Some(centre) = feature.position else { continue };
+        let Some(center) = feature.position else { continue };
         let first = spheres.points.len() as u32;
-        let place = |n: &Vector3<f64>| -> [f64; 3] { (Vector3::from(centre) + feature.sigma * n).into() };
+        let place = |n: &Vector3<f64>| -> [f64; 3] { (Vector3::from(center) + feature.sigma * n).into() };
         spheres.points.extend(unit.iter().map(place));
         spheres.feature_of.extend(std::iter::repeat_n(k as u32, unit.len()));
         for t in &triangles {

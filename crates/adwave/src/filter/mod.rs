@@ -74,7 +74,7 @@ impl Preset {
 
 /// Gain of the finest band under [`Preset::Enhance`].
 const ENHANCE_FINEST: f64 = 2.0;
-/// Gain that the bands of [`Preset::Enhance`] fall towards.
+/// Gain that the bands of [`Preset::Enhance`] fall toward.
 const ENHANCE_COARSEST: f64 = 1.2;
 /// Gain of the middle bands under [`Preset::Band2`].
 const BAND2_GAIN: f64 = 2.0;

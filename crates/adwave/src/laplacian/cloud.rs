@@ -1,43 +1,43 @@
 //! The Laplacian of a point cloud, from each point's Voronoi cell in its tangent plane.
 //!
 //! In a plane the cotangent weight of a Delaunay edge is the length of its dual Voronoi edge over its own, and that edge is
-//! known from the neighbours of one end alone. Each point so has weights of its own, and the two of a pair are averaged.
+//! known from the neighbors of one end alone. Each point so has weights of its own, and the two of a pair are averaged.
 //! Four points on a circle, as on every grid, have a Voronoi edge of length 0 between opposite ones, however the tie is
-//! broken: triangulations of the neighbourhoods (`sharp2020`) have the same weights and would have to agree on the ties.
+//! broken: triangulations of the neighborhoods (`sharp2020`) have the same weights and would have to agree on the ties.
 
 use super::{Laplacian, LaplacianInfo};
 use crate::parallel;
 use crate::rows::{CompressedRows, rows_at_a_time};
-use crate::shape::{Neighbourhoods, tangent_plane};
+use crate::shape::{Neighborhoods, tangent_plane};
 use crate::vector::{dot, norm, subtract};
 use crate::{Cancelled, Progress};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Cells reach no further than this part of the distance to the last neighbour: what is emptier is a hole or lies beyond the
+/// Cells reach no further than this part of the distance to the last neighbor: what is emptier is a hole or lies beyond the
 /// border.
 const FILLED: f64 = 0.75;
 
 /// Corners of the polygon that stands for the disc around a point before bisectors cut it.
 const DISC_CORNERS: usize = 24;
 
-/// What a side of a cell lies on where it is not the bisector with a neighbour.
+/// What a side of a cell lies on where it is not the bisector with a neighbor.
 const DISC: u32 = u32::MAX;
 
-/// Neighbours that stick out of the tangent plane by more than this part of their distance are on another sheet.
+/// Neighbors that stick out of the tangent plane by more than this part of their distance are on another sheet.
 const STEEP: f64 = 0.8;
 
-/// A corner of a cell, and the neighbour whose bisector the side from here to the next corner lies on.
+/// A corner of a cell, and the neighbor whose bisector the side from here to the next corner lies on.
 #[derive(Clone, Copy, Debug)]
 struct Corner {
     at: [f64; 2],
     side: u32,
 }
 
-/// Weights and masses of a cloud, in units of `points`; `near` names enough neighbours to close a cell.
+/// Weights and masses of a cloud, in units of `points`; `near` names enough neighbors to close a cell.
 pub(super) fn laplacian(
     points: &[[f64; 3]],
-    near: &Neighbourhoods,
+    near: &Neighborhoods,
     progress: Progress<'_>,
 ) -> Result<Laplacian, Cancelled> {
     let n = points.len();
@@ -78,7 +78,7 @@ struct Scratch {
 }
 
 impl Scratch {
-    /// The weights of `x` among its neighbours, `ℓ/d` for a side of length ℓ on the bisector with a neighbour at distance d, and
+    /// The weights of `x` among its neighbors, `ℓ/d` for a side of length ℓ on the bisector with a neighbor at distance d, and
     /// the area of its cell within `radius`.
     fn cell(&mut self, points: &[[f64; 3]], near: &[u32], x: usize, radius: f64) -> f64 {
         self.weights.clear();

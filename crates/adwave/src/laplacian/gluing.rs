@@ -170,7 +170,7 @@ fn copies(surface: &Triangulation, a: usize, h: usize, n: usize) -> (u32, u32) {
     if surface.corner[h] as usize == a { (front, back) } else { (back, front) }
 }
 
-/// Sorts the sides of one edge by the direction in which their triangles lie around it, so that neighbouring sheets are glued.
+/// Sorts the sides of one edge by the direction in which their triangles lie around it, so that neighboring sheets are glued.
 fn around(surface: &Triangulation, points: &[[f64; 3]], a: usize, edge: &mut [SideAt]) {
     let axis = subtract(&points[edge[0].0 as usize], &points[a]);
     let apex = |h: u32| -> Vector {

@@ -11,7 +11,7 @@ mod triangulation;
 
 use crate::parallel;
 use crate::rows::{CompressedRows, Pattern, rows_at_a_time};
-use crate::shape::{Graph, PreparedGeometry, Shape, VertexMap, try_nearest_neighbours};
+use crate::shape::{Graph, PreparedGeometry, Shape, VertexMap, try_nearest_neighbors};
 use crate::{Cancelled, Progress};
 use gluing::{cover, glue_sheet};
 use triangulation::{Triangulation, next};
@@ -19,8 +19,8 @@ use triangulation::{Triangulation, next};
 /// Weights at most this large, beside cotangents of about 1, are rounding: the diagonal of a rectangle has weight 0.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// A cell of a cloud is closed by about so many times as many neighbours as it has: those of the diffusion, twice over.
-const NEIGHBOURS_FOR_A_CELL: usize = 2;
+/// A cell of a cloud is closed by about so many times as many neighbors as it has: those of the diffusion, twice over.
+const NEIGHBORS_FOR_A_CELL: usize = 2;
 
 /// Weights and masses of the welded vertices of a shape, in the analysis order.
 ///
@@ -58,7 +58,7 @@ pub struct LaplacianInfo {
 }
 
 impl Laplacian {
-    /// The Laplacian of a prepared shape; of a graph `D − W` with masses of 1. `neighbours` is the number of nearest points
+    /// The Laplacian of a prepared shape; of a graph `D − W` with masses of 1. `neighbors` is the number of nearest points
     /// that a point of a cloud has. O(n log n).
     ///
     /// Everything is finite, whatever the shape: vertices of no triangle have no weight and no mass.
@@ -67,7 +67,7 @@ impl Laplacian {
     /// [`Cancelled`].
     pub fn new(
         geometry: &PreparedGeometry,
-        neighbours: usize,
+        neighbors: usize,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         if let Shape::Graph(graph) = geometry.shape() {
@@ -76,7 +76,7 @@ impl Laplacian {
         let (points, unit) = geometry.unit_points(progress)?;
         let mut laplacian = match geometry.shape() {
             Shape::Cloud(_) => {
-                let near = try_nearest_neighbours(&points, NEIGHBOURS_FOR_A_CELL * neighbours, progress)?;
+                let near = try_nearest_neighbors(&points, NEIGHBORS_FOR_A_CELL * neighbors, progress)?;
                 cloud::laplacian(&points, &near, progress)?
             }
             _ => of_mesh(&points, geometry.triangles(), progress)?,
@@ -117,7 +117,7 @@ fn of_graph(graph: &Graph, vertex_map: &VertexMap, progress: Progress<'_>) -> Re
     let (node_at, place) = (vertex_map.last_members(), vertex_map.as_slice());
     let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
         row.clear();
-        row.extend(graph.neighbours(node_at[x] as usize).map(|(y, w)| (place[y as usize], w)));
+        row.extend(graph.neighbors(node_at[x] as usize).map(|(y, w)| (place[y as usize], w)));
         row.sort_unstable_by_key(|entry| entry.0);
         columns.extend(row.iter().map(|entry| entry.0));
         weights.extend(row.iter().map(|entry| entry.1));

@@ -14,7 +14,7 @@ pub struct Agreement {
     /// Area under the ROC curve: the chance that a vertex that was looked at has a larger value than one that was not, ties
     /// counting half. ½ is chance; NaN where all or none were looked at.
     pub auc: f64,
-    /// Normalised scanpath saliency: the mean of `(map − mean)/deviation` where people looked. 0 is chance; NaN for a
+    /// Normalized scanpath saliency: the mean of `(map − mean)/deviation` where people looked. 0 is chance; NaN for a
     /// constant map.
     pub nss: f64,
     /// Pearson's correlation of the map and the fixations, in [−1, 1]; NaN where one is constant.
@@ -47,7 +47,7 @@ impl ClassifiedError for AgreementError {
 
 /// Compares a map with fixations (in seconds, say): a vertex was looked at when its fixation time is above `threshold`. Vertices
 /// where either is not finite are skipped. `control` is another map whose share is taken out of
-/// [`partial_correlation`](Agreement::partial_correlation), such as [`centre_distance`]. O(n log n).
+/// [`partial_correlation`](Agreement::partial_correlation), such as [`center_distance`]. O(n log n).
 ///
 /// # Errors
 /// [`AgreementError`] when lengths differ or no vertex is left.
@@ -99,10 +99,10 @@ pub fn agreement(
 
 /// Distance of every point from the mean of all, in model units: people look at what sticks out, and a map that only knows
 /// this is the control that others have to beat. O(n).
-pub fn centre_distance(points: &[[f64; 3]]) -> Vec<f64> {
+pub fn center_distance(points: &[[f64; 3]]) -> Vec<f64> {
     let n = points.len() as f64;
-    let centre: [f64; 3] = std::array::from_fn(|c| points.iter().map(|p| p[c] / n).sum());
-    points.iter().map(|p| distance(p, &centre)).collect()
+    let center: [f64; 3] = std::array::from_fn(|c| points.iter().map(|p| p[c] / n).sum());
+    points.iter().map(|p| distance(p, &center)).collect()
 }
 
 /// Mann and Whitney's statistic (`mann1947`) by ranks, equal values sharing theirs.

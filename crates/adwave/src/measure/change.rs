@@ -1,8 +1,8 @@
 //! Changes of a shape that features should survive.
 
 use crate::sample::add_noise;
-use crate::shape::{Mesh, PointCloud, Polygons, PreparedGeometry, Shape, nearest_neighbours, vertex_normals};
-use crate::signal::{FIT_NEIGHBOURS, cloud_normals};
+use crate::shape::{Mesh, PointCloud, Polygons, PreparedGeometry, Shape, nearest_neighbors, vertex_normals};
+use crate::signal::{FIT_NEIGHBORS, cloud_normals};
 use crate::{ClassifiedError, Decomposer, ErrorKind};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rand_distr::{Distribution, StandardNormal};
@@ -17,7 +17,7 @@ pub enum Change {
     /// Every vertex moves along its normal by a normal deviate of that standard deviation, in mean edge lengths (fig. 10 of
     /// the paper: 0.1 … 0.5).
     Noise {
-        /// Standard deviation in mean edge lengths (mean neighbour distances on a cloud), ≥ 0.
+        /// Standard deviation in mean edge lengths (mean neighbor distances on a cloud), ≥ 0.
         edges: f64,
         /// Seed.
         seed: u64,
@@ -140,7 +140,7 @@ fn noisy(shape: &Shape, geometry: &PreparedGeometry, sigma: f64, seed: u64) -> O
     // On the welded vertices: what is one place must stay one.
     let normals = match shape {
         Shape::Mesh(_) => vertex_normals(geometry.points(), geometry.triangles()),
-        _ => cloud_normals(geometry.points(), &nearest_neighbours(geometry.points(), FIT_NEIGHBOURS)),
+        _ => cloud_normals(geometry.points(), &nearest_neighbors(geometry.points(), FIT_NEIGHBORS)),
     };
     let mut points = geometry.points().to_vec();
     add_noise(&mut points, &normals, sigma, seed).ok()?;

@@ -6,7 +6,7 @@ mod change;
 mod repeatability;
 mod statistics;
 
-pub use agreement::{Agreement, AgreementError, agreement, centre_distance};
+pub use agreement::{Agreement, AgreementError, agreement, center_distance};
 pub use change::{Change, ChangeError, Changed, change};
 pub use repeatability::{LevelRepeatability, RepeatabilityParams, n_right, repeatability, share_by_chance};
 pub use statistics::{correlation, rank_correlation, rms, shared_top};

@@ -1,20 +1,20 @@
-//! A walk that does not see how densely a shape was sampled: neighbourhoods by length, and the kernel divided by the density
+//! A walk that does not see how densely a shape was sampled: neighborhoods by length, and the kernel divided by the density
 //! that it finds (α = 1 of `coifmanlafon2006`).
 
 use super::guided::sharpness;
 use crate::shape::{Adjacency, squared_distance};
 use crate::{Cancelled, Progress, parallel};
 
-/// The share of vertices that have all their neighbours within reach.
+/// The share of vertices that have all their neighbors within reach.
 const REACHING: f64 = 0.95;
 
 /// The reach in standard deviations of the kernel.
 const REACH: f64 = 2.0;
 
-/// As many neighbours at most has a vertex on average.
-const MEAN_NEIGHBOURS: usize = 128;
+/// As many neighbors at most has a vertex on average.
+const MEAN_NEIGHBORS: usize = 128;
 
-/// As many vertices are looked at to know how many neighbours there will be.
+/// As many vertices are looked at to know how many neighbors there will be.
 const SAMPLED_VERTICES: usize = 1 << 10;
 
 /// What the reach is multiplied by until there are few enough.
@@ -26,10 +26,10 @@ const ROUNDS: usize = 4;
 /// Distances that differ by less than this part are equal: on a grid many vertices lie at the very reach.
 const TIE: f64 = 1e-9;
 
-/// Neighbourhoods by length.
+/// Neighborhoods by length.
 pub(super) struct ByLength {
     /// Symmetric.
-    pub(super) neighbours: Adjacency,
+    pub(super) neighbors: Adjacency,
     /// The standard deviation of the kernel, in units of the points.
     pub(super) width: f64,
 }
@@ -48,14 +48,14 @@ pub(super) fn by_length(
     let n = points.len();
     let mut far: Vec<f64> = farthest.to_vec();
     if far.is_empty() {
-        return Ok(ByLength { neighbours: next.clone(), width: 0.0 });
+        return Ok(ByLength { neighbors: next.clone(), width: 0.0 });
     }
     let at = ((REACHING * n as f64) as usize).min(n - 1);
     let mut reach = *far.select_nth_unstable_by(at, f64::total_cmp).1;
-    while reach > 0.0 && count(points, next, reach, progress)? > MEAN_NEIGHBOURS {
+    while reach > 0.0 && count(points, next, reach, progress)? > MEAN_NEIGHBORS {
         reach *= SHORTER;
     }
-    let inside = Adjacency::from_neighbours(
+    let inside = Adjacency::from_neighbors(
         n,
         progress,
         || Search::new(n),
@@ -68,10 +68,10 @@ pub(super) fn by_length(
         },
     )?;
     // A way may lie within reach of one of its ends alone.
-    Ok(ByLength { neighbours: inside.union_with_transpose(progress)?, width: reach / REACH })
+    Ok(ByLength { neighbors: inside.union_with_transpose(progress)?, width: reach / REACH })
 }
 
-/// How many neighbours a vertex has within `reach`, on average; more than [`MEAN_NEIGHBOURS`] is not told apart.
+/// How many neighbors a vertex has within `reach`, on average; more than [`MEAN_NEIGHBORS`] is not told apart.
 fn count(
     points: &[[f64; 3]],
     next: &Adjacency,
@@ -81,7 +81,7 @@ fn count(
     let mut search = Search::new(points.len());
     let apart = points.len().div_ceil(SAMPLED_VERTICES);
     let n_looked_at = points.len().div_ceil(apart);
-    let enough = (MEAN_NEIGHBOURS + 1) * n_looked_at;
+    let enough = (MEAN_NEIGHBORS + 1) * n_looked_at;
     let mut found = 0;
     for x in (0..points.len()).step_by(apart) {
         progress.check()?;
@@ -143,7 +143,7 @@ pub(super) fn measure(
     let mut measure = areas.to_vec();
     for _ in 0..ROUNDS {
         let q = parallel::try_collect(n, progress, |x| {
-            let near = within.neighbours.of(x).iter().map(|&y| y as usize);
+            let near = within.neighbors.of(x).iter().map(|&y| y as usize);
             let kernel =
                 |y: usize| measure[y] * (-squared_distance(&points[x], &points[y]) * sharpness).exp();
             measure[x] + near.map(kernel).sum::<f64>()

@@ -132,7 +132,7 @@ impl Diffusion {
         let top = parallel::max(n, f64::NEG_INFINITY, |x| log_pi[x]);
         let weight = |x: usize| (log_pi[x] - top).exp();
         let stationary = if top.is_finite() {
-            normalised(parallel::try_collect(n, progress, weight)?, progress)?
+            normalized(parallel::try_collect(n, progress, weight)?, progress)?
         } else {
             vec![1.0 / n.max(1) as f64; n] // nothing moves: every distribution is stationary
         };
@@ -279,7 +279,7 @@ impl Diffusion {
             let (all, kept) = sums(x);
             if all > 0.0 { self.stationary[x] * (kept / all) } else { 0.0 }
         })?;
-        let stationary = normalised(stationary, progress)?;
+        let stationary = normalized(stationary, progress)?;
         let step_square = parallel::try_sum(n, progress, |x| {
             let (columns, values) = rows.row(x);
             let square: f64 =
@@ -322,7 +322,7 @@ impl Diffusion {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let rows = CompressedRows::trusted(pattern, weights);
-        let stationary = normalised(mass, progress)?;
+        let stationary = normalized(mass, progress)?;
         Ok(Self { rows, stationary, step_length, is_reversible: true, semigroup })
     }
 
@@ -365,11 +365,11 @@ impl Diffusion {
     }
 
     /// Which off-diagonal entries there are.
-    pub fn neighbours(&self) -> &Adjacency {
+    pub fn neighbors(&self) -> &Adjacency {
         self.rows.pattern()
     }
 
-    /// The off-diagonal entries, in the order of [`neighbours`](Self::neighbours).
+    /// The off-diagonal entries, in the order of [`neighbors`](Self::neighbors).
     pub fn weights(&self) -> &[f64] {
         self.rows.values()
     }
@@ -424,7 +424,7 @@ fn wrong_row(row: usize, columns: &[u32], values: &[f64]) -> Option<DiffusionErr
 }
 
 /// A distribution that is proportional to `weights`, which are ≥ 0: uniform where all of them are 0.
-fn normalised(mut weights: Vec<f64>, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
+fn normalized(mut weights: Vec<f64>, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
     let n = weights.len();
     let total = parallel::try_sum(n, progress, |x| weights[x])?;
     parallel::try_for_rows(&mut weights, 1, VERTICES_AT_A_TIME, progress, |_, rows| {

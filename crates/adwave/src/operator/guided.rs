@@ -1,4 +1,4 @@
-//! Walks that are led by what their sites carry: they keep to neighbours that are alike, and so respect creases and steps.
+//! Walks that are led by what their sites carry: they keep to neighbors that are alike, and so respect creases and steps.
 
 use super::{Diffusion, LocalOperator, Semigroup};
 use crate::rows::{CompressedRows, try_for_entries};
@@ -13,7 +13,7 @@ const LEAST_DIFFERENCE: f64 = 1e-10;
 
 /// Where the sites of a walk are, how much each counts, and which are next to which.
 pub(crate) struct Sites<'a> {
-    pub(crate) neighbours: &'a Adjacency,
+    pub(crate) neighbors: &'a Adjacency,
     /// In any unit of length, squares of which neither overflow nor vanish.
     pub(crate) positions: &'a [[f64; 3]],
     /// ≥ 0.
@@ -21,9 +21,9 @@ pub(crate) struct Sites<'a> {
 }
 
 /// One step of the lazy walk `Φ₁ = ½I + ½[w]_r` with `w(x,y) = A(y)·exp(−d²/2d̄²)`, d the distance of the sites and d̄ its median over
-/// neighbours. The step length is in units of the positions. O(entries).
+/// neighbors. The step length is in units of the positions. O(entries).
 ///
-/// Sites none of whose neighbours has an area stay where they are. `typical` is d̄² (see [`typical_square`]).
+/// Sites none of whose neighbors has an area stay where they are. `typical` is d̄² (see [`typical_square`]).
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -32,24 +32,24 @@ pub(crate) fn site_diffusion(
     typical: f64,
     progress: Progress<'_>,
 ) -> Result<Diffusion, Cancelled> {
-    let &Sites { neighbours, positions, areas } = sites;
+    let &Sites { neighbors, positions, areas } = sites;
     let squared = |x: usize, y: usize| squared_distance(&positions[x], &positions[y]);
     let sharpness = sharpness(typical);
-    let at = |x: usize, k: usize| neighbours.of(x)[k] as usize;
+    let at = |x: usize, k: usize| neighbors.of(x)[k] as usize;
     let (rows, per_row) =
-        weighted_rows(neighbours, |x, k| areas[at(x, k)], |x, k| sharpness * squared(x, at(x, k)), progress)?;
+        weighted_rows(neighbors, |x, k| areas[at(x, k)], |x, k| sharpness * squared(x, at(x, k)), progress)?;
     diffusion(rows, &per_row, areas, squared, progress)
 }
 
-/// The median of `‖v_x − v_y‖²` over neighbours.
-pub(crate) fn typical_square(neighbours: &Adjacency, vectors: &[[f64; 3]]) -> f64 {
-    median(neighbours, |x, y| squared_distance(&vectors[x], &vectors[y]))
+/// The median of `‖v_x − v_y‖²` over neighbors.
+pub(crate) fn typical_square(neighbors: &Adjacency, vectors: &[[f64; 3]]) -> f64 {
+    median(neighbors, |x, y| squared_distance(&vectors[x], &vectors[y]))
 }
 
 impl Diffusion {
-    /// The walk that keeps to neighbours with like values of a guide, one vector for each vertex:
+    /// The walk that keeps to neighbors with like values of a guide, one vector for each vertex:
     /// `Φ₁ = ½I + ½[w]_r` with `w(x,y) = Φ(x,y)·exp(−‖g_x − g_y‖²/2s²)`, Φ the steps of this operator and s `reach` times the root of the
-    /// median of `‖g_x − g_y‖²` over neighbours. An infinite `reach` leaves the guide out. `squared_length(x, y)` is the squared
+    /// median of `‖g_x − g_y‖²` over neighbors. An infinite `reach` leaves the guide out. `squared_length(x, y)` is the squared
     /// length of a step in model units. O(entries).
     ///
     /// Weights are ≥ 0 and rows sum to 1; of a reversible operator the result is reversible, with `π′(x) ∝ π(x)·Σ_y w(x,y)`.
@@ -86,7 +86,7 @@ impl Diffusion {
         self.guided_within(guide, reach * reach * typical, squared_length, progress)
     }
 
-    /// The median of `‖g_x − g_y‖²` over neighbours.
+    /// The median of `‖g_x − g_y‖²` over neighbors.
     pub(crate) fn typical_difference(
         &self,
         guide: &[[f64; 3]],
@@ -95,9 +95,9 @@ impl Diffusion {
         let n = self.n_vertices();
         assert_eq!(guide.len(), n, "a vector for each vertex");
         let square: f64 = parallel::try_sum(n, progress, |x| squared_distance(&guide[x], &[0.0; 3]))?;
-        // Where most neighbours are alike any difference is a step, however little rounding has made of it.
+        // Where most neighbors are alike any difference is a step, however little rounding has made of it.
         let least = LEAST_DIFFERENCE * square / n.max(1) as f64;
-        Ok(typical_square(self.neighbours(), guide).max(least))
+        Ok(typical_square(self.neighbors(), guide).max(least))
     }
 
     /// [`guided`](Self::guided) by `scale`, the s² of its formula.
@@ -109,7 +109,7 @@ impl Diffusion {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         assert_eq!(guide.len(), self.n_vertices(), "a vector for each vertex");
-        let neighbours = self.neighbours();
+        let neighbors = self.neighbors();
         let squared = |x: usize, y: usize| squared_distance(&guide[x], &guide[y]);
         let sharpness = if scale.is_finite() { sharpness(scale) } else { 0.0 };
         let values = self.weights();
@@ -118,9 +118,9 @@ impl Diffusion {
             return self.damped(factor, squared_length, progress);
         }
         let (rows, per_row) = weighted_rows(
-            neighbours,
-            |x, k| values[neighbours.range(x).start + k],
-            |x, k| sharpness * squared(x, neighbours.of(x)[k] as usize),
+            neighbors,
+            |x, k| values[neighbors.range(x).start + k],
+            |x, k| sharpness * squared(x, neighbors.of(x)[k] as usize),
             progress,
         )?;
         diffusion(rows, &per_row, self.stationary(), squared_length, progress)
@@ -133,15 +133,15 @@ impl Diffusion {
         squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let (neighbours, pi) = (self.neighbours(), self.stationary());
+        let (neighbors, pi) = (self.neighbors(), self.stationary());
         let mut values = self.weights().to_vec();
         // The mean square length of a step, before and after.
         let mut per_row = vec![[0.0; 2]; self.n_vertices()];
-        try_for_entries(neighbours, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+        try_for_entries(neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
             for (x, squares) in range.zip(per_row) {
-                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbours.of(x).len());
+                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.of(x).len());
                 values = after;
-                for (w, &y) in row.iter_mut().zip(neighbours.of(x)) {
+                for (w, &y) in row.iter_mut().zip(neighbors.of(x)) {
                     let square = pi[x] * squared_length(x, y as usize);
                     squares[0] += *w * square;
                     *w *= factor(x, y as usize);
@@ -152,31 +152,31 @@ impl Diffusion {
         let [before, after] = [0, 1].map(|k| parallel::try_sum(per_row.len(), progress, |x| per_row[x][k]));
         let (before, after) = (before?, after?);
         let step_length = if before > 0.0 { self.step_length() * (after / before).sqrt() } else { 0.0 };
-        Self::of_heat(neighbours.clone(), values, pi.to_vec(), step_length, self.semigroup(), progress)
+        Self::of_heat(neighbors.clone(), values, pi.to_vec(), step_length, self.semigroup(), progress)
     }
 }
 
 /// Rows, and of each the logarithm of the factor that it is divided by and its sum.
 type WeightedRows = (CompressedRows<f64>, Vec<(f64, f64)>);
 
-/// Rows of `base(x, k)·exp(−exponent(x, k))` for the k-th neighbour of x, and of each row the logarithm of the factor that it is
+/// Rows of `base(x, k)·exp(−exponent(x, k))` for the k-th neighbor of x, and of each row the logarithm of the factor that it is
 /// divided by and its sum.
 fn weighted_rows(
-    neighbours: &Adjacency,
+    neighbors: &Adjacency,
     base: impl Fn(usize, usize) -> f64 + Sync + Send,
     exponent: impl Fn(usize, usize) -> f64 + Sync + Send,
     progress: Progress<'_>,
 ) -> Result<WeightedRows, Cancelled> {
-    let mut values = crate::pages::zeros(neighbours.nnz());
-    let mut per_row = vec![(0.0, 0.0); neighbours.n_rows()];
-    try_for_entries(neighbours, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+    let mut values = crate::pages::zeros(neighbors.nnz());
+    let mut per_row = vec![(0.0, 0.0); neighbors.n_rows()];
+    try_for_entries(neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
         for (x, kept) in range.zip(per_row) {
-            let (row, after) = std::mem::take(&mut values).split_at_mut(neighbours.of(x).len());
+            let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.of(x).len());
             values = after;
             *kept = fill_row(row, |k| base(x, k), |k| exponent(x, k));
         }
     })?;
-    Ok((CompressedRows::trusted(neighbours.clone(), values), per_row))
+    Ok((CompressedRows::trusted(neighbors.clone(), values), per_row))
 }
 
 /// The lazy walk of rows whose weights times `measure` are symmetric.
@@ -234,11 +234,11 @@ fn fill_row(row: &mut [f64], base: impl Fn(usize) -> f64, exponent: impl Fn(usiz
 }
 
 /// The median of a number for each entry, from about [`SAMPLED_ENTRIES`] of them where there are more; 0 without entries.
-fn median(neighbours: &Adjacency, number: impl Fn(usize, usize) -> f64) -> f64 {
-    let rows_apart = (neighbours.nnz() / SAMPLED_ENTRIES).max(1);
-    let mut numbers: Vec<f64> = (0..neighbours.n_rows())
+fn median(neighbors: &Adjacency, number: impl Fn(usize, usize) -> f64) -> f64 {
+    let rows_apart = (neighbors.nnz() / SAMPLED_ENTRIES).max(1);
+    let mut numbers: Vec<f64> = (0..neighbors.n_rows())
         .step_by(rows_apart)
-        .flat_map(|x| neighbours.of(x).iter().map(move |&y| (x, y as usize)))
+        .flat_map(|x| neighbors.of(x).iter().map(move |&y| (x, y as usize)))
         .map(|(x, y)| number(x, y))
         .collect();
     if numbers.is_empty() {

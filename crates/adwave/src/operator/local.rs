@@ -6,8 +6,7 @@ use super::{CloudGraph, OperatorParams};
 use crate::rows::{CompressedRows, rows_at_a_time, try_for_entries};
 use crate::shape::{
     Adjacency, CloudArea, Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length, squared_distance,
-    triangles_at_vertices, try_cloud_areas, try_k_rings, try_mesh_areas, try_nearest_neighbours,
-    try_one_ring,
+    triangles_at_vertices, try_cloud_areas, try_k_rings, try_mesh_areas, try_nearest_neighbors, try_one_ring,
 };
 use crate::{Cancelled, Progress, parallel};
 
@@ -15,7 +14,7 @@ use crate::{Cancelled, Progress, parallel};
 /// underflow.
 ///
 /// `T(x,y) = A(y)·exp(−‖x−y‖²/4t)` for `y` in `N(x)`, `T(x,x) = Σ_{y≠x} T(x,y)` (eq. 1). All entries are ≥ 0. T is not
-/// symmetric, but `A(x)·T(x,y)` is whenever neighbourhood is.
+/// symmetric, but `A(x)·T(x,y)` is whenever neighborhood is.
 ///
 /// It is the Laplacian L of `belkin2008` with the sign of its diagonal D_L turned: `T = 4πt²·(L − 2D_L)` (eq. 2).
 #[derive(Clone, Debug)]
@@ -38,8 +37,8 @@ impl LocalOperator {
         &self.rows
     }
 
-    /// Which entries there are: the neighbourhoods N(x).
-    pub fn neighbours(&self) -> &Adjacency {
+    /// Which entries there are: the neighborhoods N(x).
+    pub fn neighbors(&self) -> &Adjacency {
         self.rows.pattern()
     }
 
@@ -53,44 +52,44 @@ impl LocalOperator {
         &self.areas
     }
 
-    /// Mean square distance of the neighbours, `Σ_y T(x,y)·‖x−y‖² / Σ_y T(x,y)` over `y ≠ x`, in squared model units (1
+    /// Mean square distance of the neighbors, `Σ_y T(x,y)·‖x−y‖² / Σ_y T(x,y)` over `y ≠ x`, in squared model units (1
     /// for a graph, 0 at a vertex that no step leaves).
     pub fn mean_square(&self) -> &[f64] {
         &self.mean_square
     }
 
-    /// `E`, the mean length of edges or the mean distance to the nearest neighbours, in model units (1 for a graph).
+    /// `E`, the mean length of edges or the mean distance to the nearest neighbors, in model units (1 for a graph).
     pub fn mean_length(&self) -> f64 {
         self.mean_length
     }
 
-    /// Whether diffusion is reversible: neighbourhood is symmetric.
+    /// Whether diffusion is reversible: neighborhood is symmetric.
     pub fn is_reversible(&self) -> bool {
         self.is_reversible
     }
 
-    /// `t` of the kernel `exp(−d²/4t)` (eq. 1), in squared model units: E²/2, or as long as neighbourhoods by length are wide
+    /// `t` of the kernel `exp(−d²/4t)` (eq. 1), in squared model units: E²/2, or as long as neighborhoods by length are wide
     /// ([`density_invariant`](OperatorParams::density_invariant)).
     pub fn time(&self) -> f64 {
         self.width * self.width / 2.0
     }
 }
 
-/// How far neighbours by length go on a mesh, in lengths of the longest edge of a vertex: about as many as a cloud's.
+/// How far neighbors by length go on a mesh, in lengths of the longest edge of a vertex: about as many as a cloud's.
 const MESH_REACH: f64 = 1.5;
 
-/// Stages that are reported: neighbours, areas, values.
+/// Stages that are reported: neighbors, areas, values.
 const STAGES: u64 = 3;
 
 /// Builds T (eq. 1) for a prepared shape. O(entries), for clouds O(n log n).
 ///
-/// Vertices without a neighbour that has an area get an empty row: what starts there stays there. Where the paper is
-/// silent: neighbourhood on a mesh is the one-ring, on a cloud the union of both directions, and each row is shifted by its
-/// smallest d² before `exp`, which leaves the normalised row the same.
+/// Vertices without a neighbor that has an area get an empty row: what starts there stays there. Where the paper is
+/// silent: neighborhood on a mesh is the one-ring, on a cloud the union of both directions, and each row is shifted by its
+/// smallest d² before `exp`, which leaves the normalized row the same.
 ///
-/// With [`density_invariant`](OperatorParams::density_invariant) neighbours are those within one length that is the same everywhere, t goes
+/// With [`density_invariant`](OperatorParams::density_invariant) neighbors are those within one length that is the same everywhere, t goes
 /// with it, and `T(x,y) = m(y)·exp(−‖x−y‖²/4t)` with m = A divided by the density `q(x) = A(x) + Σ_{y≠x} A(y)·exp(−‖x−y‖²/4t)` that the kernel
-/// finds (`coifmanlafon2006`, α = 1), and three times more by what is left of that; on a graph neighbours stay and
+/// finds (`coifmanlafon2006`, α = 1), and three times more by what is left of that; on a graph neighbors stay and
 /// `T(x,y) = w(x,y)/(q(x)·q(y))`, `q(x) = Σ_y w(x,y)`.
 ///
 /// # Errors
@@ -110,27 +109,27 @@ pub fn local_operator(
     Ok(operator)
 }
 
-/// T (eq. 1) of a cloud, or of a part of one, whose neighbourhoods, areas and E are known: `T(x,y) = A(y)·exp(−‖x−y‖²/2E²)` for y in
-/// `neighbours` of x. `points` and `mean_length` (E) are in model units, `areas` in squared ones. O(entries).
+/// T (eq. 1) of a cloud, or of a part of one, whose neighborhoods, areas and E are known: `T(x,y) = A(y)·exp(−‖x−y‖²/2E²)` for y in
+/// `neighbors` of x. `points` and `mean_length` (E) are in model units, `areas` in squared ones. O(entries).
 ///
-/// A row depends on its own entries alone: those of a part of a cloud have the bits of the whole where all their neighbours are there.
-/// `neighbours` count as symmetric.
+/// A row depends on its own entries alone: those of a part of a cloud have the bits of the whole where all their neighbors are there.
+/// `neighbors` count as symmetric.
 ///
 /// # Errors
 /// [`Cancelled`].
 ///
 /// # Panics
-/// Unless `neighbours` has a row and a column, and `areas` a value, for each point.
-pub fn local_operator_of_neighbours(
+/// Unless `neighbors` has a row and a column, and `areas` a value, for each point.
+pub fn local_operator_of_neighbors(
     points: &[[f64; 3]],
-    neighbours: Adjacency,
+    neighbors: Adjacency,
     areas: Vec<f64>,
     mean_length: f64,
     progress: Progress<'_>,
 ) -> Result<LocalOperator, Cancelled> {
-    assert_eq!(neighbours.n_rows(), points.len(), "a row of neighbours for each point");
+    assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
     assert_eq!(areas.len(), points.len(), "an area for each point");
-    Kernel { points, unit: 1.0, area_unit: 1.0, areas, mean_length }.operator(neighbours, true, progress)
+    Kernel { points, unit: 1.0, area_unit: 1.0, areas, mean_length }.operator(neighbors, true, progress)
 }
 
 fn of_mesh(
@@ -147,16 +146,16 @@ fn of_mesh(
     let areas = try_mesh_areas(&points, triangles, &at_vertex, params.mesh_area, progress)?;
     drop(at_vertex);
     progress.step(2, STAGES)?;
-    let neighbours = if params.rings > 1 { try_k_rings(&ring, params.rings, progress)? } else { ring };
+    let neighbors = if params.rings > 1 { try_k_rings(&ring, params.rings, progress)? } else { ring };
     let kernel = Kernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
     if !params.density_invariant {
-        return kernel.operator(neighbours, true, progress);
+        return kernel.operator(neighbors, true, progress);
     }
     let farthest = parallel::try_collect(points.len(), progress, |x| {
-        let squares = neighbours.of(x).iter().map(|&y| squared_distance(&points[x], &points[y as usize]));
+        let squares = neighbors.of(x).iter().map(|&y| squared_distance(&points[x], &points[y as usize]));
         MESH_REACH * squares.fold(0.0, f64::max).sqrt()
     })?;
-    kernel.density_invariant(by_length(&points, &neighbours, &farthest, progress)?, progress)
+    kernel.density_invariant(by_length(&points, &neighbors, &farthest, progress)?, progress)
 }
 
 fn of_cloud(
@@ -165,7 +164,7 @@ fn of_cloud(
     progress: Progress<'_>,
 ) -> Result<LocalOperator, Cancelled> {
     let (points, unit) = geometry.unit_points(progress)?;
-    let near = try_nearest_neighbours(&points, params.neighbours, progress)?;
+    let near = try_nearest_neighbors(&points, params.neighbors, progress)?;
     progress.step(1, STAGES)?;
     let total = parallel::try_sum(points.len(), progress, |x| {
         let lengths =
@@ -209,15 +208,15 @@ struct Kernel<'a> {
 impl Kernel<'_> {
     fn operator(
         self,
-        neighbours: Adjacency,
+        neighbors: Adjacency,
         is_reversible: bool,
         progress: Progress<'_>,
     ) -> Result<LocalOperator, Cancelled> {
         let width = self.mean_length; // t = E²/2 (eq. 1)
-        self.with_width(neighbours, width, is_reversible, progress)
+        self.with_width(neighbors, width, is_reversible, progress)
     }
 
-    /// The kernel over neighbourhoods by length, divided by the density that it finds.
+    /// The kernel over neighborhoods by length, divided by the density that it finds.
     fn density_invariant(
         mut self,
         within: ByLength,
@@ -225,13 +224,13 @@ impl Kernel<'_> {
     ) -> Result<LocalOperator, Cancelled> {
         let measure = measure(self.points, &self.areas, &within, progress)?;
         let areas = std::mem::replace(&mut self.areas, measure);
-        let operator = self.with_width(within.neighbours, within.width, true, progress)?;
+        let operator = self.with_width(within.neighbors, within.width, true, progress)?;
         Ok(LocalOperator { measure: Some(operator.areas), areas, ..operator })
     }
 
     fn with_width(
         mut self,
-        neighbours: Adjacency,
+        neighbors: Adjacency,
         width: f64,
         is_reversible: bool,
         progress: Progress<'_>,
@@ -246,18 +245,18 @@ impl Kernel<'_> {
             })
         };
         scaled(&mut self.areas, unit / area_unit)?;
-        let mut values = crate::pages::zeros(neighbours.nnz());
+        let mut values = crate::pages::zeros(neighbors.nnz());
         let mut per_row = vec![(0.0, 0.0); n];
-        try_for_entries(&neighbours, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+        try_for_entries(&neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
             for (x, kept) in range.zip(per_row) {
-                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbours.of(x).len());
+                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.of(x).len());
                 values = after;
-                *kept = self.fill_row(x, neighbours.of(x), width, row);
+                *kept = self.fill_row(x, neighbors.of(x), width, row);
             }
         })?;
         scaled(&mut self.areas, area_unit)?;
         Ok(LocalOperator {
-            rows: CompressedRows::trusted(neighbours, values),
+            rows: CompressedRows::trusted(neighbors, values),
             log_factor: parallel::try_collect(n, progress, |x| per_row[x].0)?,
             areas: self.areas,
             measure: None,
@@ -268,13 +267,13 @@ impl Kernel<'_> {
         })
     }
 
-    /// Fills the row of `x`, whose neighbours are `near`: the logarithm of the row's factor, and the mean square of its
+    /// Fills the row of `x`, whose neighbors are `near`: the logarithm of the row's factor, and the mean square of its
     /// distances in squared model units.
     fn fill_row(&self, x: usize, near: &[u32], width: f64, row: &mut [f64]) -> (f64, f64) {
         let Self { points, unit, areas, .. } = self;
-        // 1/4t = 1/2w² (eq. 1). All neighbours coincide where w is 0; the kernel is 1 then.
+        // 1/4t = 1/2w² (eq. 1). All neighbors coincide where w is 0; the kernel is 1 then.
         let sharpness = sharpness(width * width);
-        // Neighbours without area do not count for the shift: they do not keep the row from underflowing.
+        // Neighbors without area do not count for the shift: they do not keep the row from underflowing.
         let mut nearest = f64::INFINITY;
         for (value, &y) in row.iter_mut().zip(near) {
             *value = squared_distance(&points[x], &points[y as usize]);
@@ -321,7 +320,7 @@ fn of_graph(
         parallel::try_collect(if params.density_invariant { n } else { 0 }, progress, log_degree)?;
     let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, values: &mut Vec<f64>| {
         row.clear();
-        row.extend(graph.neighbours(node_at[x] as usize).map(|(y, w)| (place[y as usize], w)));
+        row.extend(graph.neighbors(node_at[x] as usize).map(|(y, w)| (place[y as usize], w)));
         row.sort_unstable_by_key(|entry| entry.0);
         columns.extend(row.iter().map(|entry| entry.0));
         if params.density_invariant {
@@ -345,7 +344,7 @@ fn of_graph(
             return largest_weight(x).ln();
         }
         let log = |(y, w): (u32, f64)| w.ln() - log_degree[place[y as usize] as usize];
-        graph.neighbours(node_at[x] as usize).map(log).fold(f64::NEG_INFINITY, f64::max) - log_degree[x]
+        graph.neighbors(node_at[x] as usize).map(log).fold(f64::NEG_INFINITY, f64::max) - log_degree[x]
     })?;
     Ok(LocalOperator {
         rows,

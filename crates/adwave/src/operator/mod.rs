@@ -10,16 +10,16 @@ mod surface;
 
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
 pub(crate) use guided::{Sites, site_diffusion, typical_square};
-pub use local::{LocalOperator, local_operator, local_operator_of_neighbours};
+pub use local::{LocalOperator, local_operator, local_operator_of_neighbors};
 pub use surface::{SurfaceDiffusion, SurfaceInfo, surface_diffusion};
 
 use crate::shape::{CloudArea, MeshArea, WeldMode};
 use serde::{Deserialize, Serialize};
 
-/// Whether the neighbour graph of a cloud is made symmetric.
+/// Whether the neighbor graph of a cloud is made symmetric.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CloudGraph {
-    /// `y` is a neighbour of `x` when either is among the nearest of the other. Φ₁ is then reversible and its
+    /// `y` is a neighbor of `x` when either is among the nearest of the other. Φ₁ is then reversible and its
     /// spectrum real.
     #[default]
     Union,
@@ -31,7 +31,7 @@ pub enum CloudGraph {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OperatorKind {
-    /// The paper's lazy random walk over the mesh (eq. 4): a step goes to neighbours, however far they are.
+    /// The paper's lazy random walk over the mesh (eq. 4): a step goes to neighbors, however far they are.
     #[default]
     Walk,
     /// Heat on the surface, by its Laplace–Beltrami operator: bands that depend on the surface and hardly on its mesh.
@@ -52,8 +52,8 @@ impl OperatorKind {
 ///
 /// ```
 /// use adwave::operator::OperatorParams;
-/// let params = OperatorParams::default().with_neighbours(16);
-/// assert_eq!((params.neighbours, params.rings), (16, 1));
+/// let params = OperatorParams::default().with_neighbors(16);
+/// assert_eq!((params.neighbors, params.rings), (16, 1));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OperatorParams {
@@ -61,20 +61,20 @@ pub struct OperatorParams {
     pub kind: OperatorKind,
     /// Whether vertices at equal positions are one welded vertex.
     pub weld: WeldMode,
-    /// Mesh: how many rings of neighbours a step may take in; at least 1.
+    /// Mesh: how many rings of neighbors a step may take in; at least 1.
     pub rings: usize,
     /// Mesh: the area of a vertex.
     pub mesh_area: MeshArea,
-    /// Cloud: how many nearest neighbours a step may take in; at least 1.
-    pub neighbours: usize,
-    /// Cloud: whether neighbourhood is made symmetric.
+    /// Cloud: how many nearest neighbors a step may take in; at least 1.
+    pub neighbors: usize,
+    /// Cloud: whether neighborhood is made symmetric.
     pub cloud_graph: CloudGraph,
     /// Cloud: the area of a point.
     pub cloud_area: CloudArea,
     /// Walk: whether the density of the samples is taken out of it (see [`local_operator`]); a cloud's graph is symmetric then.
     pub density_invariant: bool,
     /// Whether steps keep to vertices whose normals are alike: each weight is multiplied by `exp(−‖n_x − n_y‖²/2s²)`, n being the
-    /// normals of the vertices of a mesh or cloud after two steps and s 2.5 times the root of the median of `‖n_x − n_y‖²` over neighbours
+    /// normals of the vertices of a mesh or cloud after two steps and s 2.5 times the root of the median of `‖n_x − n_y‖²` over neighbors
     /// (see [`Diffusion::guided`]). A graph has no normals and is left as it is.
     pub keep_creases: bool,
 }
@@ -86,7 +86,7 @@ impl Default for OperatorParams {
             weld: WeldMode::default(),
             rings: 1,
             mesh_area: MeshArea::default(),
-            neighbours: 10,
+            neighbors: 10,
             cloud_graph: CloudGraph::default(),
             cloud_area: CloudArea::default(),
             density_invariant: false,
@@ -122,11 +122,11 @@ impl OperatorParams {
 
     /// Sets how many nearest points of a cloud a step may take in; 0 is taken as 1.
     #[must_use]
-    pub fn with_neighbours(self, neighbours: usize) -> Self {
-        Self { neighbours: neighbours.max(1), ..self }
+    pub fn with_neighbors(self, neighbors: usize) -> Self {
+        Self { neighbors: neighbors.max(1), ..self }
     }
 
-    /// Sets whether neighbourhood in a cloud is made symmetric.
+    /// Sets whether neighborhood in a cloud is made symmetric.
     #[must_use]
     pub fn with_cloud_graph(self, cloud_graph: CloudGraph) -> Self {
         Self { cloud_graph, ..self }

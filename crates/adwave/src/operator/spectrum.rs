@@ -41,7 +41,7 @@ pub(super) fn largest_eigenvalue(
         if least == 0.0 {
             break;
         }
-        // Vertices without neighbours stay at 1; the others neither overflow nor vanish.
+        // Vertices without neighbors stay at 1; the others neither overflow nor vanish.
         v = parallel::try_collect(n, progress, |x| {
             if stiffness[x] > 0.0 { (product[x] / least).max(f64::MIN_POSITIVE) } else { 1.0 }
         })?;

@@ -42,7 +42,7 @@ pub struct SurfaceInfo {
 
 /// Heat on the surface: `S_n = exp(−n·τ·M⁻¹L)`, M and L of [`Laplacian`].
 ///
-/// One step is the time `τ = A/(4√3·N)`, A the area and N the number of vertices that have neighbours: as much as a step of
+/// One step is the time `τ = A/(4√3·N)`, A the area and N the number of vertices that have neighbors: as much as a step of
 /// the walk (eq. 4) on equilateral triangles of that size, `σ² = 4τ = E²/2`. On a graph `σ² = ½`, as the walk has it.
 ///
 /// `Φ₁ = I − M⁻¹L/λ` has entries ≥ 0, rows that sum to 1 and, λ being at least the largest eigenvalue of M⁻¹L, its own
@@ -58,7 +58,7 @@ pub fn surface_diffusion(
     progress: Progress<'_>,
 ) -> Result<SurfaceDiffusion, Cancelled> {
     progress.step(0, STAGES)?;
-    let laplacian = Laplacian::new(geometry, params.neighbours, progress)?;
+    let laplacian = Laplacian::new(geometry, params.neighbors, progress)?;
     progress.step(1, STAGES)?;
     let (mean_length, info) = (laplacian.mean_length(), *laplacian.info());
     let is_graph = geometry.points().is_empty();
@@ -67,7 +67,7 @@ pub fn surface_diffusion(
     let areas = parallel::try_collect(n, progress, |x| mass[x] * unit * unit)?;
     let stiffness = parallel::try_collect(n, progress, |x| weights.row(x).1.iter().sum::<f64>())?;
     let total = parallel::try_sum(n, progress, |x| mass[x])?;
-    // What a step is: see above. A vertex without neighbours takes none, and changes nothing for the others.
+    // What a step is: see above. A vertex without neighbors takes none, and changes nothing for the others.
     let n_moving = parallel::try_sum(n, progress, |x| if stiffness[x] > 0.0 { 1.0 } else { 0.0 })?;
     let tau = if is_graph {
         let mean_degree = parallel::try_sum(n, progress, |x| stiffness[x])? / n_moving.max(1.0);

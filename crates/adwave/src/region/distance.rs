@@ -1,4 +1,4 @@
-//! Distance along a surface, over the edges of the mesh or the neighbour graph.
+//! Distance along a surface, over the edges of the mesh or the neighbor graph.
 
 use crate::parallel::unstopped;
 use crate::shape::{Adjacency, distance};
@@ -53,7 +53,7 @@ impl SurfaceSearch {
     /// [`Cancelled`]; then nothing is known of any vertex until the next search.
     pub fn run(
         &mut self,
-        neighbours: &Adjacency,
+        neighbors: &Adjacency,
         points: &[[f64; 3]],
         sources: &[(usize, f64)],
         radius: f64,
@@ -64,7 +64,7 @@ impl SurfaceSearch {
         }
         self.reached.clear();
         self.queue.clear();
-        self.labels.resize(neighbours.n_rows(), UNREACHED);
+        self.labels.resize(neighbors.n_rows(), UNREACHED);
         let length =
             |x: usize, y: usize| if points.is_empty() { 1.0 } else { distance(&points[x], &points[y]) };
         for &(source, start) in sources {
@@ -84,7 +84,7 @@ impl SurfaceSearch {
             }
             let straight = (before != NONE && !points.is_empty())
                 .then(|| (before as usize, self.labels[before as usize].distance));
-            for &y in neighbours.of(x as usize) {
+            for &y in neighbors.of(x as usize) {
                 let known = self.labels[y as usize].distance;
                 let mut there = here + length(x as usize, y as usize);
                 if let Some((before, start)) = straight {
@@ -130,12 +130,12 @@ impl SurfaceSearch {
 /// assert_eq!(d, [1.5, 0.5, 1.5, f64::INFINITY]);
 /// ```
 pub fn surface_distance(
-    neighbours: &Adjacency,
+    neighbors: &Adjacency,
     points: &[[f64; 3]],
     sources: &[(usize, f64)],
     radius: f64,
 ) -> Vec<f64> {
     let mut search = SurfaceSearch::default();
-    unstopped(search.run(neighbours, points, sources, radius, Progress::none()));
+    unstopped(search.run(neighbors, points, sources, radius, Progress::none()));
     search.into_distances()
 }

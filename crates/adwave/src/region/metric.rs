@@ -1,4 +1,4 @@
-//! What regions are measured by: positions, neighbours and distances along a shape.
+//! What regions are measured by: positions, neighbors and distances along a shape.
 
 use super::{SurfaceSearch, stroke};
 use crate::operator::Diffusion;
@@ -12,16 +12,16 @@ use std::sync::{Arc, Mutex, OnceLock};
 /// Along which edges distance is measured.
 #[derive(Clone, Debug)]
 pub enum Edges {
-    /// Those between the neighbours of a diffusion operator.
+    /// Those between the neighbors of a diffusion operator.
     Diffusion(Arc<Diffusion>),
     /// Those of a mesh.
     Mesh(Arc<Adjacency>),
 }
 
 impl Edges {
-    fn neighbours(&self) -> &Adjacency {
+    fn neighbors(&self) -> &Adjacency {
         match self {
-            Self::Diffusion(diffusion) => diffusion.neighbours(),
+            Self::Diffusion(diffusion) => diffusion.neighbors(),
             Self::Mesh(ring) => ring,
         }
     }
@@ -60,7 +60,7 @@ pub(super) struct Within {
 
 impl SurfaceMetric {
     /// The metric of a prepared shape over `edges`, in its analysis order. `diagonal` is that of the bounding box,
-    /// `spacing` the mean distance of neighbours, both in model units (0 and 1 for a graph). O(1).
+    /// `spacing` the mean distance of neighbors, both in model units (0 and 1 for a graph). O(1).
     pub fn new(geometry: Arc<PreparedGeometry>, edges: Edges, diagonal: f64, spacing: f64) -> Self {
         Self {
             geometry,
@@ -104,22 +104,22 @@ impl SurfaceMetric {
     }
 
     /// The vertices next to each welded vertex.
-    pub(super) fn neighbours(&self) -> &Adjacency {
-        self.edges.neighbours()
+    pub(super) fn neighbors(&self) -> &Adjacency {
+        self.edges.neighbors()
     }
 
-    /// The root mean square distance of neighbours, every vertex weighing the same, in model units; 1 for a graph.
+    /// The root mean square distance of neighbors, every vertex weighing the same, in model units; 1 for a graph.
     pub(super) fn rms_length(&self, progress: Progress<'_>) -> Result<f64, Cancelled> {
         if let Some(length) = self.rms_length.get() {
             return Ok(*length);
         }
-        let (points, neighbours) = (self.geometry.points(), self.neighbours());
+        let (points, neighbors) = (self.geometry.points(), self.neighbors());
         if points.is_empty() {
             return Ok(1.0);
         }
-        let joined = (0..points.len()).filter(|&x| !neighbours.of(x).is_empty()).count().max(1);
+        let joined = (0..points.len()).filter(|&x| !neighbors.of(x).is_empty()).count().max(1);
         let squares = parallel::try_sum(points.len(), progress, |x| {
-            let around = neighbours.of(x);
+            let around = neighbors.of(x);
             let sum: f64 = around.iter().map(|&y| squared_distance(&points[x], &points[y as usize])).sum();
             sum / around.len().max(1) as f64
         })?;
@@ -145,7 +145,7 @@ impl SurfaceMetric {
         radius: f64,
         progress: Progress<'_>,
     ) -> Result<Within, Cancelled> {
-        let sources = stroke::sources(self, self.edges.neighbours(), self.spacing, path, progress)?;
+        let sources = stroke::sources(self, self.edges.neighbors(), self.spacing, path, progress)?;
         self.within(&sources, radius, progress)
     }
 
@@ -158,8 +158,8 @@ impl SurfaceMetric {
     ) -> Result<Within, Cancelled> {
         let mut search =
             self.searches.lock().map_or_else(|_| None, |mut kept| kept.pop()).unwrap_or_default();
-        let (neighbours, points) = (self.edges.neighbours(), self.geometry.points());
-        let reached = search.run(neighbours, points, sources, radius, progress).map(<[u32]>::to_vec);
+        let (neighbors, points) = (self.edges.neighbors(), self.geometry.points());
+        let reached = search.run(neighbors, points, sources, radius, progress).map(<[u32]>::to_vec);
         let within = reached.map(|mut vertices| {
             vertices.sort_unstable();
             let distances = vertices.iter().map(|&x| search.distance(x as usize)).collect();

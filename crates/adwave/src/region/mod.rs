@@ -103,8 +103,8 @@ pub enum Region {
     Everywhere {},
     /// All within `radius` of a place, measured along the surface.
     Ball {
-        /// The centre.
-        centre: Place,
+        /// The center.
+        center: Place,
         /// Where the weight has fallen to 0.
         radius: Length,
         /// Width of the fall inside the radius; half the radius by default.

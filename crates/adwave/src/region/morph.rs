@@ -20,7 +20,7 @@ pub(super) fn facing(
     falloff: f64,
     progress: Progress<'_>,
 ) -> Result<RegionWeights, RegionError> {
-    let Some(towards) =
+    let Some(toward) =
         Vector3::from(*direction).try_normalize(0.0).filter(|d| d.iter().all(|c| c.is_finite()))
     else {
         let value = direction.iter().copied().find(|c| !c.is_finite()).unwrap_or(0.0);
@@ -38,7 +38,7 @@ pub(super) fn facing(
     }
     let normals = metric.normals(progress)?;
     Ok(RegionWeights::Welded(parallel::try_collect(normals.len(), progress, |x| {
-        let cosine = towards.dot(&Vector3::from(normals[x]));
+        let cosine = toward.dot(&Vector3::from(normals[x]));
         if falloff > 0.0 { smooth_rise(cosine / falloff) } else { f64::from(cosine > 0.0) }
     })?))
 }
@@ -49,8 +49,8 @@ pub(super) fn component(
     vertex: u32,
     progress: Progress<'_>,
 ) -> Result<RegionWeights, RegionError> {
-    let neighbours = metric.neighbours();
-    let mut seen = vec![false; neighbours.n_rows()];
+    let neighbors = metric.neighbors();
+    let mut seen = vec![false; neighbors.n_rows()];
     let mut found = vec![welded(metric, vertex)? as u32];
     seen[found[0] as usize] = true;
     let mut next = 0;
@@ -58,7 +58,7 @@ pub(super) fn component(
         if next.is_multiple_of(1 << 14) {
             progress.check()?;
         }
-        for &y in neighbours.of(found[next] as usize) {
+        for &y in neighbors.of(found[next] as usize) {
             if !std::mem::replace(&mut seen[y as usize], true) {
                 found.push(y);
             }
@@ -124,7 +124,7 @@ pub(super) fn blurred(
     Ok(RegionWeights::Welded(blur(metric, &r, by.in_units(metric.diagonal()), progress)?))
 }
 
-/// The mean of `r` where a lazy random walk over the edges ends: `L^k r` with `L = (1 + P)/2`, P the mean over the neighbours and
+/// The mean of `r` where a lazy random walk over the edges ends: `L^k r` with `L = (1 + P)/2`, P the mean over the neighbors and
 /// `k = 4 (by/h)²` rounded up, h the root mean square length of an edge.
 ///
 /// With Chebyshev's polynomials `L^k = Σ_d C(2k, k + d) 2^−2k T_|d|(P)`, d from −k to k: the coefficients are those of a fair
@@ -142,15 +142,15 @@ pub(super) fn blur(
     }
     let n_steps = (STEPS * edges * edges).ceil();
     let coefficients = walk_coefficients(n_steps);
-    let neighbours = metric.neighbours();
+    let neighbors = metric.neighbors();
     let mut sum: Vec<f64> = r.iter().map(|r| coefficients[0] * r).collect();
     let mut before = r.to_vec();
-    let mut here = mean_of_neighbours(neighbours, r, progress, |_, mean| mean)?;
+    let mut here = mean_of_neighbors(neighbors, r, progress, |_, mean| mean)?;
     for &c in &coefficients[1..] {
         for (sum, t) in sum.iter_mut().zip(&here) {
             *sum += c * t;
         }
-        let next = mean_of_neighbours(neighbours, &here, progress, |x, mean| 2.0 * mean - before[x])?;
+        let next = mean_of_neighbors(neighbors, &here, progress, |x, mean| 2.0 * mean - before[x])?;
         (before, here) = (here, next);
     }
     for value in &mut sum {
@@ -159,15 +159,15 @@ pub(super) fn blur(
     Ok(sum)
 }
 
-/// `then(x, mean over the neighbours of x)`; of a vertex without neighbours its own value.
-fn mean_of_neighbours(
-    neighbours: &Adjacency,
+/// `then(x, mean over the neighbors of x)`; of a vertex without neighbors its own value.
+fn mean_of_neighbors(
+    neighbors: &Adjacency,
     r: &[f64],
     progress: Progress<'_>,
     then: impl Fn(usize, f64) -> f64 + Sync + Send,
 ) -> Result<Vec<f64>, Cancelled> {
     parallel::try_collect(r.len(), progress, |x| {
-        let around = neighbours.of(x);
+        let around = neighbors.of(x);
         let mean = if around.is_empty() {
             r[x]
         } else {

@@ -85,7 +85,7 @@ const MAX_NESTED: usize = 64;
 /// use adwave::region::{parse_region, Length, Place, Region};
 /// let ball = parse_region("ball:vertex=12,radius=5%")?;
 /// assert_eq!(ball, Region::Ball {
-///     centre: Place::Vertex(12), radius: Length::PercentOfDiagonal(5.0), falloff: None,
+///     center: Place::Vertex(12), radius: Length::PercentOfDiagonal(5.0), falloff: None,
 /// });
 /// let upper = parse_region("half-space:point=0 0 0,normal=0 1 0 & !ball:point=0 1 0,radius=0.2")?;
 /// assert!(matches!(upper, Region::All(parts) if parts.len() == 2));
@@ -236,7 +236,7 @@ fn primitive(name: &str, text: &str) -> Parsed {
         "all" | "everywhere" => Keys::new("all", "no keys", text)?.end(Region::Everywhere {}),
         "ball" => {
             let mut keys = Keys::new("ball", "vertex or point, radius, falloff", text)?;
-            let centre = match (keys.take("vertex"), keys.take("point")) {
+            let center = match (keys.take("vertex"), keys.take("point")) {
                 (Some(v), None) => Place::Vertex(vertex(v)?),
                 (None, Some(p)) => Place::Point(point(p)?),
                 _ => {
@@ -244,7 +244,7 @@ fn primitive(name: &str, text: &str) -> Parsed {
                 }
             };
             let (radius, falloff) = (keys.need("radius")?.parse()?, keys.length("falloff")?);
-            keys.end(Region::Ball { centre, radius, falloff })
+            keys.end(Region::Ball { center, radius, falloff })
         }
         "stroke" => {
             let mut keys = Keys::new("stroke", "path (points) or vertices, radius, falloff", text)?;

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 /// the nearest vertex onto the surface, segment by segment, so that the sagitta does not count as distance.
 pub(super) fn sources(
     metric: &SurfaceMetric,
-    neighbours: &Adjacency,
+    neighbors: &Adjacency,
     spacing: f64,
     path: &[[f64; 3]],
     progress: Progress<'_>,
@@ -38,12 +38,12 @@ pub(super) fn sources(
     });
     let line = line.into_iter().collect::<Result<Vec<_>, _>>()?;
     if let [(vertex, place)] = line[..] {
-        return Ok(ball(points, neighbours, vertex, &place));
+        return Ok(ball(points, neighbors, vertex, &place));
     }
     let mut sources = Vec::new();
     for (k, &(vertex, _)) in line.iter().enumerate() {
         let around = &line[k.saturating_sub(1)..(k + 2).min(line.len())];
-        for y in std::iter::once(vertex).chain(neighbours.of(vertex).iter().map(|&y| y as usize)) {
+        for y in std::iter::once(vertex).chain(neighbors.of(vertex).iter().map(|&y| y as usize)) {
             let away = match around {
                 [(_, only)] => squared_distance(&points[y], only),
                 _ => around
@@ -59,13 +59,13 @@ pub(super) fn sources(
 
 /// The vertices around one place, as far as straight lines over two edges reach: those within one edge of the vertex nearest to
 /// it, and where the place is that vertex those within two, as a search from the vertex would have them.
-fn ball(points: &[[f64; 3]], neighbours: &Adjacency, vertex: usize, place: &[f64; 3]) -> Vec<(usize, f64)> {
+fn ball(points: &[[f64; 3]], neighbors: &Adjacency, vertex: usize, place: &[f64; 3]) -> Vec<(usize, f64)> {
     if points[vertex] == *place {
         return vec![(vertex, 0.0)];
     }
-    let around = std::iter::once(vertex).chain(neighbours.of(vertex).iter().map(|&y| y as usize));
+    let around = std::iter::once(vertex).chain(neighbors.of(vertex).iter().map(|&y| y as usize));
     let mut near: Vec<usize> =
-        around.clone().chain(around.flat_map(|y| neighbours.of(y).iter().map(|&z| z as usize))).collect();
+        around.clone().chain(around.flat_map(|y| neighbors.of(y).iter().map(|&z| z as usize))).collect();
     near.sort_unstable();
     near.dedup();
     near.into_iter().map(|y| (y, distance(&points[y], place))).collect()

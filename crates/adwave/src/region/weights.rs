@@ -111,8 +111,8 @@ impl Region {
         progress.check()?;
         Ok(match self {
             Self::Everywhere {} => RegionWeights::Everywhere,
-            Self::Ball { centre, radius, falloff } => {
-                line_weights(metric, std::slice::from_ref(centre), *radius, *falloff, progress)?
+            Self::Ball { center, radius, falloff } => {
+                line_weights(metric, std::slice::from_ref(center), *radius, *falloff, progress)?
             }
             Self::Stroke { path, radius, falloff } => {
                 line_weights(metric, path, *radius, *falloff, progress)?

@@ -1,4 +1,4 @@
-//! Compressed sparse rows (CSR): the one form in which sparse matrices and lists of neighbours are stored.
+//! Compressed sparse rows (CSR): the one form in which sparse matrices and lists of neighbors are stored.
 //!
 //! [`Pattern`] says which entries there are, [`CompressedRows`] has a value for each. Both check their arrays when they are
 //! built and keep them private, so that a product may index by them without looking again.

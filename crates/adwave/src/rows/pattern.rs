@@ -84,9 +84,9 @@ impl Pattern {
             .map(|rows| rows.into_parts().0)
     }
 
-    /// Builds lists of neighbours: `row(scratch, x, out)` appends those of `x` in any order and with repeats; they are
+    /// Builds lists of neighbors: `row(scratch, x, out)` appends those of `x` in any order and with repeats; they are
     /// sorted, and `x` itself is not among them.
-    pub(crate) fn from_neighbours<S>(
+    pub(crate) fn from_neighbors<S>(
         n_vertices: usize,
         progress: Progress<'_>,
         scratch: impl Fn() -> S + Sync + Send,
@@ -117,7 +117,7 @@ impl Pattern {
         (size_of_val(self.offsets.as_slice()) + size_of_val(self.columns.as_slice())) as u64
     }
 
-    /// The columns of row `x`: of a graph, the neighbours of `x`.
+    /// The columns of row `x`: of a graph, the neighbors of `x`.
     #[inline]
     pub fn of(&self, x: usize) -> &[u32] {
         &self.columns[self.range(x)]
@@ -159,11 +159,11 @@ impl Pattern {
         )
     }
 
-    /// The symmetric closure of lists of neighbours: `y` is a neighbour of `x` when either named the other.
+    /// The symmetric closure of lists of neighbors: `y` is a neighbor of `x` when either named the other.
     pub(crate) fn union_with_transpose(&self, progress: Progress<'_>) -> Result<Self, Cancelled> {
         let n = self.n_rows();
         let transpose = incidence(n, n, progress, |x| self.of(x))?;
-        Self::from_neighbours(
+        Self::from_neighbors(
             n,
             progress,
             || (),

@@ -201,8 +201,8 @@ fn parts<'a>(
             Weighting::PerLevel => (max - mean).powi(2),
             Weighting::AsPrinted => f64::NAN,
             // A level without any response adds nothing.
-            Weighting::Normalised | Weighting::Entropy if mean == 0.0 => 0.0,
-            Weighting::Normalised => 1.0 / mean,
+            Weighting::Normalized | Weighting::Entropy if mean == 0.0 => 0.0,
+            Weighting::Normalized => 1.0 / mean,
             Weighting::Entropy => unevenness(&population, &norms, left.as_deref(), mean) / mean,
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };

@@ -19,7 +19,7 @@ pub enum Weighting {
     #[default]
     Entropy,
     /// `α_j = 1/mean_x|W_f(j,x)|`: every level counts alike, as for features.
-    Normalised,
+    Normalized,
     /// Every level by its ranks in place of its values: the share of vertices with a smaller |W_f(j)|, equal ones counting
     /// half, so that no level and no outlier outweighs the rest.
     Ranks,

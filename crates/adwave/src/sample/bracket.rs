@@ -42,11 +42,11 @@ pub(super) fn volume() -> f64 {
     DEPTH * (block + corner * FILLET * FILLET + (LENGTH - 1.0) * FLANGE)
 }
 
-/// A piece of the outline: from one point of the plane to another, straight or round a centre.
+/// A piece of the outline: from one point of the plane to another, straight or round a center.
 #[derive(Clone, Copy, Debug)]
 enum Piece {
     Line([f64; 2], [f64; 2]),
-    /// Centre, radius, angles at both ends.
+    /// Center, radius, angles at both ends.
     Arc([f64; 2], f64, [f64; 2]),
 }
 
@@ -63,9 +63,9 @@ impl Piece {
     fn at(&self, t: f64) -> [f64; 2] {
         match *self {
             Self::Line(a, b) => between(a, b, t),
-            Self::Arc(centre, radius, [from, to]) => {
+            Self::Arc(center, radius, [from, to]) => {
                 let (sin, cos) = (from * (1.0 - t) + to * t).sin_cos();
-                [centre[0] + radius * cos, centre[1] + radius * sin]
+                [center[0] + radius * cos, center[1] + radius * sin]
             }
         }
     }
@@ -188,7 +188,7 @@ pub(super) fn bracket(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     let mut per_squared_edge = FIRST_GUESS;
     let mut best = Weave::default();
     for k in 0..MAX_TRIES {
-        // The count jumps where a row comes or goes: first towards it by half the way, then round it by small steps.
+        // The count jumps where a row comes or goes: first toward it by half the way, then round it by small steps.
         let aside = if k < STEERED { 0 } else { k as i64 - (MAX_TRIES + STEERED) as i64 / 2 };
         let edge = (per_squared_edge / target).sqrt() * (1.0 + STEP * aside as f64);
         let found = with_edge(edge);

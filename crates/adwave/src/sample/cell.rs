@@ -1,4 +1,4 @@
-//! One grid cell of the polygoniser: which of its crossed edges belong to one sheet of the surface.
+//! One grid cell of the polygonizer: which of its crossed edges belong to one sheet of the surface.
 //!
 //! Corner c of a cell has the bits x, y, z (1, 2, 4). Edge 4·axis + u + 2v runs along `axis`, at offset u along the
 //! next axis and v along the one after. Face 2·axis + side.

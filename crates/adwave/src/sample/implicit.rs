@@ -1,7 +1,7 @@
 //! Implicit surfaces f(p) = 0, f < 0 inside: round cones, flattening, smooth union and smooth carving.
 //!
 //! Everything here is 1-Lipschitz, |f(p) − f(q)| ≤ ‖p − q‖, so that |f(p)| bounds the distance to the surface from
-//! below; the polygoniser skips empty space by it.
+//! below; the polygonizer skips empty space by it.
 
 /// A point or direction in model units.
 pub(super) type V3 = nalgebra::Vector3<f64>;
@@ -21,13 +21,13 @@ pub(super) trait Implicit: Sync {
     fn value(&self, p: V3) -> f64;
 
     /// On which side a whole ball lies, if a bound shows that the surface does not cross it. Model units.
-    fn side_of_ball(&self, centre: V3, radius: f64) -> Option<Side>;
+    fn side_of_ball(&self, center: V3, radius: f64) -> Option<Side>;
 
     /// Two opposite corners of a box that holds the solid.
     fn bounds(&self) -> (V3, V3);
 }
 
-/// The solid that a ball sweeps while it moves straight from one centre to another and its radius changes linearly.
+/// The solid that a ball sweeps while it moves straight from one center to another and its radius changes linearly.
 #[derive(Clone, Debug)]
 pub(super) struct RoundCone {
     start: V3,
@@ -85,7 +85,7 @@ impl RoundCone {
         ((p - self.start).dot(&self.axis) * self.inverse_length2).clamp(0.0, 1.0)
     }
 
-    /// The two end balls as (centre, radius).
+    /// The two end balls as (center, radius).
     pub(super) fn balls(&self) -> [(V3, f64); 2] {
         [(self.start, self.start_radius), (self.start + self.axis, self.end_radius)]
     }
@@ -96,11 +96,11 @@ impl RoundCone {
     }
 }
 
-/// Squeezes space towards a plane, so that a solid becomes `factor` times as thin across it.
+/// Squeezes space toward a plane, so that a solid becomes `factor` times as thin across it.
 #[derive(Clone, Debug)]
 pub(super) struct Flatten {
     /// A point of the plane.
-    pub(super) centre: V3,
+    pub(super) center: V3,
     /// Unit normal of the plane.
     pub(super) normal: V3,
     /// At least 1.
@@ -110,7 +110,7 @@ pub(super) struct Flatten {
 impl Flatten {
     /// Where `p` comes from: distances across the plane grow by `factor`.
     pub(super) fn unsqueeze(&self, p: V3) -> V3 {
-        p + self.normal * ((self.factor - 1.0) * (p - self.centre).dot(&self.normal))
+        p + self.normal * ((self.factor - 1.0) * (p - self.center).dot(&self.normal))
     }
 }
 

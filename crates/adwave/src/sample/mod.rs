@@ -12,7 +12,7 @@ mod implicit;
 mod knot;
 mod noise;
 mod plane;
-mod polygonise;
+mod polygonize;
 mod relax;
 mod ring;
 mod sphere;

@@ -1,7 +1,7 @@
 //! Better triangles for a closed surface: edge flips, tangential smoothing and projection back to f = 0, in turn.
 
 use super::implicit::{Implicit, V3};
-use super::polygonise::Surface;
+use super::polygonize::Surface;
 use rayon::prelude::*;
 
 /// Part of the way to the mean of its surroundings that a vertex goes in one round.
@@ -29,7 +29,7 @@ pub(super) fn relax<F: Implicit>(field: &F, surface: &mut Surface) {
             .map(|v| {
                 let star = stars.measure(surface, v);
                 let p = surface.points[v];
-                let pull = (star.centre - p) * SMOOTHING;
+                let pull = (star.center - p) * SMOOTHING;
                 let p = p + pull - star.normal * pull.dot(&star.normal);
                 let reach = STEP_LIMIT * star.mean_edge;
                 p - star.normal * field.value(p).clamp(-reach, reach)
@@ -74,7 +74,7 @@ struct Stars {
 /// What the faces round one vertex say.
 struct Star {
     /// Mean of the faces' centroids, each weighted by its area.
-    centre: V3,
+    center: V3,
     /// Unit normal, faces weighted by area.
     normal: V3,
     mean_edge: f64,
@@ -115,9 +115,9 @@ impl Stars {
             let next = surface.triangles[corner as usize / 3][(corner as usize + 1) % 3];
             total_edge += (surface.points[next as usize] - surface.points[v]).norm();
         }
-        let centre = if total_area > 0.0 { weighted / total_area } else { surface.points[v] };
+        let center = if total_area > 0.0 { weighted / total_area } else { surface.points[v] };
         let normal = normal.try_normalize(0.0).unwrap_or_else(V3::zeros);
-        Star { centre, normal, mean_edge: total_edge / corners.len().max(1) as f64 }
+        Star { center, normal, mean_edge: total_edge / corners.len().max(1) as f64 }
     }
 }
 

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 const ROW_HEIGHT: f64 = 0.866;
 
 /// Rings of latitude between two poles, exactly `n_vertices` ≥ 4 vertices, each ring as many as its length asks for,
-/// neighbouring rings joined by the Delaunay-like greedy strip. Unlike a subdivided icosahedron, which has
+/// neighboring rings joined by the Delaunay-like greedy strip. Unlike a subdivided icosahedron, which has
 /// 10·f² + 2 vertices, any count can be had.
 pub(super) fn sphere(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     if n_vertices == 4 {

@@ -16,7 +16,7 @@ fn volume(sample: &Sample) -> f64 {
     sample.faces.iter().map(|f| sample.corner(f[0]).dot(&sample.area_normal(f)) / 6.0).sum()
 }
 
-/// Directed edge → corner across it; panics where a directed edge occurs twice (neighbours wound differently, or
+/// Directed edge → corner across it; panics where a directed edge occurs twice (neighbors wound differently, or
 /// more than two faces at an edge).
 fn directed_edges(sample: &Sample) -> BTreeMap<(u32, u32), u32> {
     let mut edges = BTreeMap::new();
@@ -55,14 +55,14 @@ fn euler_of_closed_manifold(sample: &Sample) -> i64 {
         assert_eq!(steps, degree[a as usize], "vertex {a} has more than one fan");
     }
     let mut seen = vec![false; n];
-    let mut neighbours = vec![Vec::new(); n];
+    let mut neighbors = vec![Vec::new(); n];
     for &(a, b) in edges.keys() {
-        neighbours[a as usize].push(b);
+        neighbors[a as usize].push(b);
     }
     let mut open = vec![0_u32];
     while let Some(v) = open.pop() {
         if !std::mem::replace(&mut seen[v as usize], true) {
-            open.extend(&neighbours[v as usize]);
+            open.extend(&neighbors[v as usize]);
         }
     }
     assert!(seen.iter().all(|&s| s), "several components");

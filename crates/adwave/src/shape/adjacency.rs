@@ -4,7 +4,7 @@ use crate::parallel::unstopped;
 use crate::rows::{Pattern, incidence};
 use crate::{Cancelled, Progress};
 
-/// Lists of neighbours: those of `x` by rising index, without `x` itself and without repeats.
+/// Lists of neighbors: those of `x` by rising index, without `x` itself and without repeats.
 pub type Adjacency = Pattern;
 
 /// Vertices between two looks at whether to go on.
@@ -44,12 +44,12 @@ pub(crate) fn try_one_ring(
     at_vertex: &Pattern,
     progress: Progress<'_>,
 ) -> Result<Adjacency, Cancelled> {
-    Adjacency::from_neighbours(
+    Adjacency::from_neighbors(
         at_vertex.n_rows(),
         progress,
         || (),
         |(), x, out| {
-            // The corner at `x` itself is no neighbour: a third less to sort.
+            // The corner at `x` itself is no neighbor: a third less to sort.
             let others = |&f: &u32| match triangles[f as usize] {
                 [a, b, c] if a as usize == x => [b, c],
                 [a, b, c] if b as usize == x => [c, a],
@@ -60,7 +60,7 @@ pub(crate) fn try_one_ring(
     )
 }
 
-/// The first `k` rings: every vertex that at most `k` edges lead to. O(neighbours found); `k = 1` copies `one_ring`.
+/// The first `k` rings: every vertex that at most `k` edges lead to. O(neighbors found); `k = 1` copies `one_ring`.
 pub fn k_rings(one_ring: &Adjacency, k: usize) -> Adjacency {
     unstopped(try_k_rings(one_ring, k, Progress::none()))
 }
@@ -72,7 +72,7 @@ pub(crate) fn try_k_rings(
     progress: Progress<'_>,
 ) -> Result<Adjacency, Cancelled> {
     let n = one_ring.n_rows();
-    Adjacency::from_neighbours(
+    Adjacency::from_neighbors(
         n,
         progress,
         || (vec![u32::MAX; n], Vec::new(), Vec::new()),
@@ -99,13 +99,13 @@ pub(crate) fn try_k_rings(
 }
 
 /// Number of connected components, whichever way edges point, a vertex without edges being one by itself.
-/// O(neighbours log n).
+/// O(neighbors log n).
 ///
 /// ```
 /// use adwave::shape::{Adjacency, n_components};
 /// // 1 → 0 and 2 → 0; 3 has no edges.
-/// let towards_0 = Adjacency::new(vec![0, 0, 1, 2, 2], vec![0, 0], 4)?;
-/// assert_eq!(n_components(&towards_0), 2);
+/// let toward_0 = Adjacency::new(vec![0, 0, 1, 2, 2], vec![0, 0], 4)?;
+/// assert_eq!(n_components(&toward_0), 2);
 /// # Ok::<(), adwave::rows::RowsError>(())
 /// ```
 pub fn n_components(adjacency: &Adjacency) -> usize {
@@ -115,7 +115,7 @@ pub fn n_components(adjacency: &Adjacency) -> usize {
 /// [`n_components`], stopped when the call is.
 pub(crate) fn try_n_components(adjacency: &Adjacency, progress: Progress<'_>) -> Result<usize, Cancelled> {
     let n = adjacency.n_rows();
-    // Towards the smallest vertex of the component so far.
+    // Toward the smallest vertex of the component so far.
     let mut parent: Vec<u32> = (0..n as u32).collect();
     let mut count = n;
     for x in 0..n {

@@ -1,7 +1,7 @@
 //! How much of the surface a vertex stands for.
 
 use super::adjacency::triangles_at_vertices;
-use super::{Adjacency, Neighbourhoods, distance, squared_distance};
+use super::{Adjacency, Neighborhoods, distance, squared_distance};
 use crate::parallel::{self, unstopped};
 use crate::rows::Pattern;
 use crate::{Cancelled, Progress};
@@ -21,12 +21,12 @@ pub enum MeshArea {
 /// The area of a point of a cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CloudArea {
-    /// `π·r_k²/k`, `r_k` the distance to the k-th nearest neighbour.
+    /// `π·r_k²/k`, `r_k` the distance to the k-th nearest neighbor.
     #[default]
-    KthNeighbour,
+    KthNeighbor,
     /// 1 for every point.
     Unit,
-    /// The Voronoi cell in the plane that fits the neighbourhood best, within the disc of radius `r_k`.
+    /// The Voronoi cell in the plane that fits the neighborhood best, within the disc of radius `r_k`.
     TangentVoronoi,
 }
 
@@ -98,26 +98,26 @@ fn mixed_voronoi(points: &[[f64; 3]], corners: [u32; 3], x: u32) -> f64 {
     }
 }
 
-/// The area of every point of a cloud, in squared units of `points`; > 0 unless all neighbours coincide with the point.
+/// The area of every point of a cloud, in squared units of `points`; > 0 unless all neighbors coincide with the point.
 /// O(n k), for `TangentVoronoi` O(n k²).
 ///
 /// # Panics
-/// Unless `near` has as many neighbourhoods as there are points.
-pub fn cloud_areas(points: &[[f64; 3]], near: &Neighbourhoods, kind: CloudArea) -> Vec<f64> {
+/// Unless `near` has as many neighborhoods as there are points.
+pub fn cloud_areas(points: &[[f64; 3]], near: &Neighborhoods, kind: CloudArea) -> Vec<f64> {
     unstopped(try_cloud_areas(points, near, kind, Progress::none()))
 }
 
 /// [`cloud_areas`], stopped when the call is.
 pub(crate) fn try_cloud_areas(
     points: &[[f64; 3]],
-    near: &Neighbourhoods,
+    near: &Neighborhoods,
     kind: CloudArea,
     progress: Progress<'_>,
 ) -> Result<Vec<f64>, Cancelled> {
     let disc = |x: usize| PI * near.radius[x] * near.radius[x] / near.k.max(1) as f64;
     parallel::try_collect(points.len(), progress, |x| match kind {
         CloudArea::Unit => 1.0,
-        CloudArea::KthNeighbour => disc(x),
+        CloudArea::KthNeighbor => disc(x),
         CloudArea::TangentVoronoi => tangent_voronoi(points, &near.adjacency, x, near.radius[x]),
     })
 }
@@ -125,7 +125,7 @@ pub(crate) fn try_cloud_areas(
 /// Corners of the polygon that stands for the disc before bisectors cut it.
 const DISC_CORNERS: usize = 24;
 
-/// Area of the Voronoi cell of `x` among its neighbours, in their best-fitting plane through `x`, within radius `r`.
+/// Area of the Voronoi cell of `x` among its neighbors, in their best-fitting plane through `x`, within radius `r`.
 fn tangent_voronoi(points: &[[f64; 3]], near: &Adjacency, x: usize, r: f64) -> f64 {
     if r == 0.0 {
         return 0.0;
@@ -193,7 +193,7 @@ fn clip(polygon: &[[f64; 2]], q: [f64; 2], half: f64) -> Vec<[f64; 2]> {
     kept
 }
 
-/// Mean length of the distinct undirected edges of a symmetric neighbourhood; 0 without edges.
+/// Mean length of the distinct undirected edges of a symmetric neighborhood; 0 without edges.
 pub(crate) fn mean_edge_length(
     points: &[[f64; 3]],
     edges: &Adjacency,
@@ -210,7 +210,7 @@ pub(crate) fn mean_edge_length(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::nearest_neighbours;
+    use crate::shape::nearest_neighbors;
 
     /// Sums of a few areas in double precision.
     const ROUNDING: f64 = 1e-14;
@@ -236,10 +236,10 @@ mod tests {
                 points.push([f64::from(i), 0.3, f64::from(j)]);
             }
         }
-        let near = nearest_neighbours(&points, 10);
+        let near = nearest_neighbors(&points, 10);
         let areas = cloud_areas(&points, &near, CloudArea::TangentVoronoi);
         assert!((areas[24] - 1.0).abs() < ROUNDING, "{}", areas[24]);
-        let disc = cloud_areas(&points, &near, CloudArea::KthNeighbour)[24];
+        let disc = cloud_areas(&points, &near, CloudArea::KthNeighbor)[24];
         assert!((disc - PI * 4.0 / 10.0).abs() < ROUNDING);
     }
 }

@@ -72,7 +72,7 @@ impl Graph {
     /// ```
     /// use adwave::shape::Graph;
     /// let path = Graph::new(3, &[(0, 1, 1.0), (1, 2, 2.0), (2, 1, 0.5)])?;
-    /// assert_eq!(path.neighbours(1).collect::<Vec<_>>(), [(0, 1.0), (2, 2.5)]);
+    /// assert_eq!(path.neighbors(1).collect::<Vec<_>>(), [(0, 1.0), (2, 2.5)]);
     /// # Ok::<(), adwave::shape::GraphError>(())
     /// ```
     pub fn new(n_nodes: usize, edges: &[(u32, u32, f64)]) -> Result<Self, GraphError> {
@@ -87,7 +87,7 @@ impl Graph {
     /// ```
     /// use adwave::shape::Graph;
     /// let path = Graph::from_columns(3, &[0, 1], &[1, 2], &[1.0, 2.5])?;
-    /// assert_eq!(path.neighbours(2).collect::<Vec<_>>(), [(1, 2.5)]);
+    /// assert_eq!(path.neighbors(2).collect::<Vec<_>>(), [(1, 2.5)]);
     /// # Ok::<(), adwave::shape::GraphError>(())
     /// ```
     pub fn from_columns(
@@ -157,8 +157,8 @@ impl Graph {
         &self.rows
     }
 
-    /// The neighbours of node `u` with the weights of the edges to them, by rising index.
-    pub fn neighbours(&self, u: usize) -> impl ExactSizeIterator<Item = (u32, f64)> + '_ {
+    /// The neighbors of node `u` with the weights of the edges to them, by rising index.
+    pub fn neighbors(&self, u: usize) -> impl ExactSizeIterator<Item = (u32, f64)> + '_ {
         let (columns, weights) = self.rows.row(u);
         columns.iter().copied().zip(weights.iter().copied())
     }

@@ -16,7 +16,7 @@ pub struct Health {
     pub n_faces: usize,
     /// Faces of more than three corners.
     pub n_polygons: usize,
-    /// Distinct undirected edges of faces, of the neighbour graph, or of the graph.
+    /// Distinct undirected edges of faces, of the neighbor graph, or of the graph.
     pub n_edges: usize,
     /// Connected components of these edges, whichever way they point, a vertex without edges being one by itself.
     pub n_components: usize,
@@ -32,7 +32,7 @@ pub struct Health {
     pub n_repeated_faces: usize,
     /// Vertices at the position of an earlier vertex.
     pub n_welded: usize,
-    /// Welded vertices without neighbours: they keep their value in every band.
+    /// Welded vertices without neighbors: they keep their value in every band.
     pub n_isolated: usize,
     /// Vertices of no face.
     pub n_unreferenced: usize,
@@ -47,14 +47,14 @@ pub struct Health {
 /// Faces or half-edges that a thread treats at a time.
 const AT_A_TIME: usize = 1 << 13;
 
-/// Counts what the shape of a [`PreparedGeometry`] consists of, given the neighbours that diffusion steps to.
+/// Counts what the shape of a [`PreparedGeometry`] consists of, given the neighbors that diffusion steps to.
 /// O(n log n).
 ///
 /// # Errors
 /// [`Cancelled`].
 pub fn health(
     geometry: &PreparedGeometry,
-    neighbours: &Adjacency,
+    neighbors: &Adjacency,
     progress: Progress<'_>,
 ) -> Result<Health, Cancelled> {
     let shape = geometry.shape();
@@ -63,14 +63,14 @@ pub fn health(
         n_faces: 0,
         n_polygons: 0,
         n_edges: 0,
-        n_components: try_n_components(neighbours, progress)?,
+        n_components: try_n_components(neighbors, progress)?,
         n_boundary_edges: 0,
         n_non_manifold_edges: 0,
         n_misoriented_edges: 0,
         n_zero_area_faces: 0,
         n_repeated_faces: 0,
         n_welded: shape.n_vertices() - geometry.n_vertices(),
-        n_isolated: (0..neighbours.n_rows()).filter(|&x| neighbours.of(x).is_empty()).count(),
+        n_isolated: (0..neighbors.n_rows()).filter(|&x| neighbors.of(x).is_empty()).count(),
         n_unreferenced: 0,
         area: 0.0,
         volume: None,
@@ -79,22 +79,22 @@ pub fn health(
     progress.check()?;
     match shape {
         Shape::Mesh(mesh) => count_faces(mesh, geometry, &mut health, progress)?,
-        _ => health.n_edges = n_pairs(neighbours, progress)?,
+        _ => health.n_edges = n_pairs(neighbors, progress)?,
     }
     Ok(health)
 }
 
 /// Pairs of vertices that are joined in one direction or in both.
-fn n_pairs(neighbours: &Adjacency, progress: Progress<'_>) -> Result<usize, Cancelled> {
+fn n_pairs(neighbors: &Adjacency, progress: Progress<'_>) -> Result<usize, Cancelled> {
     let counts_here =
-        |x: usize, y: usize| x < y || (x > y && neighbours.of(y).binary_search(&(x as u32)).is_err());
+        |x: usize, y: usize| x < y || (x > y && neighbors.of(y).binary_search(&(x as u32)).is_err());
     let counts = parallel::try_map_chunks(
-        neighbours.n_rows(),
+        neighbors.n_rows(),
         AT_A_TIME,
         progress,
         || (),
         |(), range| {
-            let of = |x: usize| neighbours.of(x).iter().filter(|&&y| counts_here(x, y as usize)).count();
+            let of = |x: usize| neighbors.of(x).iter().filter(|&&y| counts_here(x, y as usize)).count();
             range.map(of).sum::<usize>()
         },
     )?;

@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn hilbert_neighbours_in_order_are_neighbours_in_space() {
+    fn hilbert_neighbors_in_order_are_neighbors_in_space() {
         // On the coarsest 8³ cells the curve visits every cell once and moves by one cell at a time.
         let shift = HILBERT_BITS - 3;
         let mut cells: Vec<(u64, [u32; 3])> = Vec::new();

@@ -2,7 +2,7 @@
 //!
 //! A [`Shape`] holds what the file held, in the file's order. Everything that is computed works on a [`PreparedGeometry`]: the
 //! same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered so that
-//! neighbours on the shape are neighbours in memory: along a space-filling curve, or for graphs by breadth-first search.
+//! neighbors on the shape are neighbors in memory: along a space-filling curve, or for graphs by breadth-first search.
 
 mod adjacency;
 mod area;
@@ -28,8 +28,8 @@ pub use graph::{Graph, GraphError};
 pub use health::{Health, health};
 pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
-pub(crate) use nearest::try_nearest_neighbours;
-pub use nearest::{Neighbourhoods, nearest_neighbours, nearest_of_one};
+pub(crate) use nearest::try_nearest_neighbors;
+pub use nearest::{Neighborhoods, nearest_neighbors, nearest_of_one};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;
@@ -83,7 +83,7 @@ impl Shape {
 /// Why a list of points and faces is not a shape.
 #[derive(Debug, Error, PartialEq)]
 pub enum ShapeError {
-    /// There is nothing to analyse.
+    /// There is nothing to analyze.
     #[error("the shape has no vertices")]
     NoVertices,
     /// More vertices than a 32-bit index can name.

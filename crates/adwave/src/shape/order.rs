@@ -1,10 +1,10 @@
-//! An order of a graph's nodes in which neighbours are near each other.
+//! An order of a graph's nodes in which neighbors are near each other.
 
 use super::Adjacency;
 use crate::{Cancelled, Progress, parallel};
 
-/// The place of every node in the reverse Cuthill–McKee order: breadth-first from a node of few neighbours, those with few
-/// neighbours first, turned round; component after component. O(edges log degree).
+/// The place of every node in the reverse Cuthill–McKee order: breadth-first from a node of few neighbors, those with few
+/// neighbors first, turned round; component after component. O(edges log degree).
 ///
 /// Source: `cuthill1969`, with the order turned round.
 ///
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn a_shuffled_grid_gets_a_narrow_band_again() {
         let side = 40_u32;
-        // 7 shares no factor with 1600: a shuffle that tears neighbours apart.
+        // 7 shares no factor with 1600: a shuffle that tears neighbors apart.
         let name = |i: u32, j: u32| (i * side + j) * 7 % (side * side);
         let mut edges = Vec::new();
         for i in 0..side {

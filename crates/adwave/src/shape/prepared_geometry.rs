@@ -1,4 +1,4 @@
-//! A shape made ready for the analysis: welded, triangulated, numbered so that neighbours are near in memory.
+//! A shape made ready for the analysis: welded, triangulated, numbered so that neighbors are near in memory.
 
 use super::order::reverse_cuthill_mckee;
 use super::triangulate::try_triangulate;

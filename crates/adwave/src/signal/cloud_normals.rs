@@ -2,20 +2,20 @@
 
 use super::orientation::orient;
 use crate::parallel::{self, unstopped};
-use crate::shape::{Adjacency, Neighbourhoods};
+use crate::shape::{Adjacency, Neighborhoods};
 use crate::signal::Frame;
 use crate::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// The angle between one neighbour and the next, seen from a point, at which it lies on the border: 180° on a straight one,
-/// 90° at a corner from inside, about 60° at most within an even cloud of ten neighbours.
+/// The angle between one neighbor and the next, seen from a point, at which it lies on the border: 180° on a straight one,
+/// 90° at a corner from inside, about 60° at most within an even cloud of ten neighbors.
 const BORDER_GAP: f64 = 0.75 * PI;
 
-/// Unit normals of a cloud: of the plane that fits each point's neighbourhood best; zero where all its neighbours coincide
+/// Unit normals of a cloud: of the plane that fits each point's neighborhood best; zero where all its neighbors coincide
 /// with it. O(n k log n).
 ///
-/// Their sign is spread from neighbour to neighbour along a minimum spanning tree, by reflecting the normal of one in the
+/// Their sign is spread from neighbor to neighbor along a minimum spanning tree, by reflecting the normal of one in the
 /// plane half-way to the other: on a circle through both that is the other's normal, whether they lie side by side or on
 /// opposite sides of something thin, where comparing directions alone would turn it inside out. Then each connected part is
 /// turned outwards by the volume that its discs enclose; a sheet that encloses none, such as a terrain, so that the mean of
@@ -24,15 +24,15 @@ const BORDER_GAP: f64 = 0.75 * PI;
 /// Source: `hoppe1992` for the tree, `xie2003` for the reflection.
 ///
 /// # Panics
-/// Unless `near` has as many neighbourhoods as there are points.
-pub fn cloud_normals(points: &[[f64; 3]], near: &Neighbourhoods) -> Vec<[f64; 3]> {
+/// Unless `near` has as many neighborhoods as there are points.
+pub fn cloud_normals(points: &[[f64; 3]], near: &Neighborhoods) -> Vec<[f64; 3]> {
     unstopped(try_cloud_normals(points, near, Progress::none()))
 }
 
 /// [`cloud_normals`], stopped when the call is.
 pub(crate) fn try_cloud_normals(
     points: &[[f64; 3]],
-    near: &Neighbourhoods,
+    near: &Neighborhoods,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     let mut normals: Vec<Vector3<f64>> = vec![Vector3::zeros(); points.len()];
@@ -46,13 +46,13 @@ pub(crate) fn try_cloud_normals(
     Ok(normals.into_iter().map(Into::into).collect())
 }
 
-/// Unit normals of the planes that fit each point and its `neighbours` best, each on any side; zero where these all coincide with it.
+/// Unit normals of the planes that fit each point and its `neighbors` best, each on any side; zero where these all coincide with it.
 /// O(n k).
 ///
 /// ```
 /// use adwave::{Progress, rows::Pattern, signal::plane_normals};
-/// let neighbours = Pattern::new(vec![0, 2, 2, 2], vec![1, 2], 3)?;
-/// let normals = plane_normals(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &neighbours, Progress::none())?;
+/// let neighbors = Pattern::new(vec![0, 2, 2, 2], vec![1, 2], 3)?;
+/// let normals = plane_normals(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &neighbors, Progress::none())?;
 /// assert!((normals[0][2].abs() - 1.0).abs() < 1e-12 && normals[1] == [0.0; 3]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -61,31 +61,31 @@ pub(crate) fn try_cloud_normals(
 /// [`Cancelled`].
 ///
 /// # Panics
-/// Unless there are as many rows of neighbours as points.
+/// Unless there are as many rows of neighbors as points.
 pub fn plane_normals(
     points: &[[f64; 3]],
-    neighbours: &Adjacency,
+    neighbors: &Adjacency,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
-    assert_eq!(neighbours.n_rows(), points.len(), "a row of neighbours for each point");
-    each_plane_normal(points, neighbours, |_, n| n, progress)
+    assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
+    each_plane_normal(points, neighbors, |_, n| n, progress)
 }
 
 /// Normals of points that moved a little, each to the side of its old one. O(n k).
 pub(crate) fn aligned_normals(
     points: &[[f64; 3]],
-    neighbours: &Adjacency,
+    neighbors: &Adjacency,
     old: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     let aligned = |x: usize, n: Vector3<f64>| if n.dot(&Vector3::from(old[x])) < 0.0 { -n } else { n };
-    each_plane_normal(points, neighbours, aligned, progress)
+    each_plane_normal(points, neighbors, aligned, progress)
 }
 
 /// What `made` makes of the normal of each point.
 fn each_plane_normal(
     points: &[[f64; 3]],
-    neighbours: &Adjacency,
+    neighbors: &Adjacency,
     made: impl Fn(usize, Vector3<f64>) -> Vector3<f64> + Sync + Send,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
@@ -97,7 +97,7 @@ fn each_plane_normal(
         progress,
         |first, normals: &mut [[f64; 3]]| {
             for (x, normal) in (first..).zip(normals) {
-                *normal = made(x, plane_normal(points, neighbours.of(x), x)).into();
+                *normal = made(x, plane_normal(points, neighbors.of(x), x)).into();
             }
         },
     )?;
@@ -107,7 +107,7 @@ fn each_plane_normal(
 /// Points that a thread treats, or that one walk over the cloud meets, between two looks at whether to go on.
 pub(super) const POINTS_AT_A_TIME: usize = 1 << 10;
 
-/// The direction in which a point and its neighbours spread least.
+/// The direction in which a point and its neighbors spread least.
 fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
     let origin = Vector3::from(points[x]);
     let offsets = near.iter().map(|&y| Vector3::from(points[y as usize]) - origin);
@@ -125,18 +125,18 @@ fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
     eigen.eigenvectors.column(eigen.eigenvalues.imin()).normalize()
 }
 
-/// The points on the border of a cloud: those whose neighbours leave a gap of 135° or more in the plane that fits them best,
+/// The points on the border of a cloud: those whose neighbors leave a gap of 135° or more in the plane that fits them best,
 /// or that have none; by rising index. O(n k).
 ///
 /// Source: the angle criterion of `bendels2006`.
-pub(crate) fn cloud_border(points: &[[f64; 3]], neighbours: &Adjacency) -> Vec<usize> {
+pub(crate) fn cloud_border(points: &[[f64; 3]], neighbors: &Adjacency) -> Vec<usize> {
     let is_border = |x: &usize| {
-        let normal = plane_normal(points, neighbours.of(*x), *x);
+        let normal = plane_normal(points, neighbors.of(*x), *x);
         if normal == Vector3::zeros() {
             return true;
         }
         let frame = Frame::new(points[*x], normal);
-        let local = neighbours.of(*x).iter().map(|&y| frame.local(&points[y as usize]));
+        let local = neighbors.of(*x).iter().map(|&y| frame.local(&points[y as usize]));
         let mut angles: Vec<f64> = local.map(|p| p.y.atan2(p.x)).collect();
         angles.sort_unstable_by(f64::total_cmp);
         let round = angles[0] + TAU - angles[angles.len() - 1];

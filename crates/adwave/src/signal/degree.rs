@@ -13,5 +13,5 @@ use crate::shape::Graph;
 /// # Ok::<(), adwave::shape::GraphError>(())
 /// ```
 pub fn degree(graph: &Graph) -> Vec<f64> {
-    crate::parallel::collect(graph.n_nodes(), |u| graph.neighbours(u).map(|(_, weight)| weight).sum())
+    crate::parallel::collect(graph.n_nodes(), |u| graph.neighbors(u).map(|(_, weight)| weight).sum())
 }

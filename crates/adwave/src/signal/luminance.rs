@@ -1,4 +1,4 @@
-//! How bright a colour is.
+//! How bright a color is.
 
 /// The linear light that a channel of sRGB stands for (IEC 61966-2-1), both in [0, 1].
 fn linear(channel: f64) -> f64 {
@@ -6,7 +6,7 @@ fn linear(channel: f64) -> f64 {
     if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Relative luminance Y = 0.2126 R + 0.7152 G + 0.0722 B of linear light, in [0, 1], of an sRGB colour with channels in
+/// Relative luminance Y = 0.2126 R + 0.7152 G + 0.0722 B of linear light, in [0, 1], of an sRGB color with channels in
 /// [0, 1]; NaN where a channel is.
 ///
 /// ```
@@ -20,7 +20,7 @@ pub fn luminance(rgb: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// CIE lightness L* in [0, 100] of an sRGB colour with channels in [0, 1]: equal steps look equally large, which those
+/// CIE lightness L* in [0, 100] of an sRGB color with channels in [0, 1]: equal steps look equally large, which those
 /// of [`luminance`] do not.
 ///
 /// ```

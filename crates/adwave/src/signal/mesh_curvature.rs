@@ -16,7 +16,7 @@ const THIN: f64 = 1e-12;
 /// `2H·n = 1/(2A) Σ_y (cot α + cot β)(x − y)` with the mixed area A; H has the sign that makes it positive where the surface
 /// bends away from its normal (a sphere with normals out). `K = (2π − Σ angles)/A`.
 ///
-/// On the border neither is defined: a border vertex takes the mean of its inner neighbours, 0 where it has none. A vertex
+/// On the border neither is defined: a border vertex takes the mean of its inner neighbors, 0 where it has none. A vertex
 /// of no triangle gets 0.
 ///
 /// Source: `meyer2003`.

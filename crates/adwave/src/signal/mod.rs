@@ -1,5 +1,5 @@
 //! Signals that come from the shape itself: normals, curvatures, shape index, density, the degree of a
-//! graph's nodes; and the luminance of colours.
+//! graph's nodes; and the luminance of colors.
 //!
 //! [`surface_signal`] computes one by its kind on meshes and clouds alike; the parts can be used by themselves on points
 //! and triangles.
@@ -28,7 +28,7 @@ use quadric::try_cloud_curvature;
 pub(crate) use quadric::{Frame, fit_quadric};
 
 use crate::shape::{
-    CloudArea, PreparedGeometry, Shape, triangles_at_vertices, try_cloud_areas, try_nearest_neighbours,
+    CloudArea, PreparedGeometry, Shape, triangles_at_vertices, try_cloud_areas, try_nearest_neighbors,
     try_vertex_normals,
 };
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
@@ -36,10 +36,10 @@ use thiserror::Error;
 
 /// How many nearest points a normal or a curvature of a cloud is fitted to, where nothing else is said: three times what
 /// a quadric's six coefficients need, so that noise is averaged.
-pub const FIT_NEIGHBOURS: usize = 20;
+pub const FIT_NEIGHBORS: usize = 20;
 
 /// How many nearest points the density of a cloud is measured with.
-const DENSITY_NEIGHBOURS: usize = 10;
+const DENSITY_NEIGHBORS: usize = 10;
 
 /// Curvedness, in 1/size of the shape, below which it is flat: rounding alone gives a fine mesh of a plane about 1e-9.
 const FLAT: f64 = 1e-6;
@@ -128,8 +128,8 @@ impl ClassifiedError for SignalError {
 /// The signal `kind` of a prepared shape, n_vertices × [`n_channels`](SurfaceSignal::n_channels), in the order of the shape;
 /// always finite. O(n) on a mesh, O(n log n) on a cloud.
 ///
-/// On a cloud normals and curvatures come from a quadric that is fitted to each point and its [`FIT_NEIGHBOURS`] nearest;
-/// their sign from orienting neighbouring normals alike (see [`cloud_normals`]).
+/// On a cloud normals and curvatures come from a quadric that is fitted to each point and its [`FIT_NEIGHBORS`] nearest;
+/// their sign from orienting neighboring normals alike (see [`cloud_normals`]).
 ///
 /// # Errors
 /// [`SignalError`] where the shape is a graph, or a density is asked for on a mesh; cancelled.
@@ -139,7 +139,7 @@ impl ClassifiedError for SignalError {
 /// use adwave::shape::{PreparedGeometry, PointCloud, Shape, WeldMode};
 /// use adwave::signal::{SurfaceSignal, surface_signal};
 /// // A square grid of step 0.5: 4 points a unit area. The 10th nearest point is two steps away, and π·1²·density = 10
-/// // neighbours give 3.2: the disc reaches half-way to the next points.
+/// // neighbors give 3.2: the disc reaches half-way to the next points.
 /// let grid = (0..400).map(|i| [0.5 * f64::from(i % 20), 0.5 * f64::from(i / 20), 0.0]).collect();
 /// let shape = Shape::Cloud(PointCloud::new(grid)?);
 /// let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none())?;
@@ -170,7 +170,7 @@ pub fn surface_signal(
             let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
             try_vertex_normals(&points, triangles, &at_vertex, progress)?
         } else {
-            let near = try_nearest_neighbours(&points, FIT_NEIGHBOURS, progress)?;
+            let near = try_nearest_neighbors(&points, FIT_NEIGHBORS, progress)?;
             progress.step(1, STAGES)?;
             try_cloud_normals(&points, &near, progress)?
         })
@@ -179,7 +179,7 @@ pub fn surface_signal(
         if is_mesh {
             return try_mesh_curvature(&points, triangles, progress);
         }
-        let near = try_nearest_neighbours(&points, FIT_NEIGHBOURS, progress)?;
+        let near = try_nearest_neighbors(&points, FIT_NEIGHBORS, progress)?;
         progress.step(1, STAGES)?;
         try_cloud_curvature(&points, &near, progress)
     };
@@ -197,9 +197,9 @@ pub fn surface_signal(
         SurfaceSignal::GaussianCurvature => in_model_units(curvature()?.gaussian, |k, unit| k / unit / unit)?,
         SurfaceSignal::ShapeIndex => curvature()?.shape_index(FLAT * (unit / geometry.size_unit())),
         SurfaceSignal::Density => {
-            let near = try_nearest_neighbours(&points, DENSITY_NEIGHBOURS, progress)?;
+            let near = try_nearest_neighbors(&points, DENSITY_NEIGHBORS, progress)?;
             progress.step(1, STAGES)?;
-            let areas = try_cloud_areas(&points, &near, CloudArea::KthNeighbour, progress)?;
+            let areas = try_cloud_areas(&points, &near, CloudArea::KthNeighbor, progress)?;
             in_model_units(areas, |a, unit| if a > 0.0 { 1.0 / (a * unit * unit) } else { 0.0 })?
         }
     };
@@ -209,7 +209,7 @@ pub fn surface_signal(
     Ok(signal)
 }
 
-/// Stages that are reported: neighbours, values, the order of the shape.
+/// Stages that are reported: neighbors, values, the order of the shape.
 const STAGES: u64 = 3;
 
 #[cfg(test)]

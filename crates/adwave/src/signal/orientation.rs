@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 /// A step to a point whose normal or the one before says nothing: after all others.
 const BLIND: f64 = 8.0;
 
-/// What a step to one of the further neighbours costs more: after all to nearer ones.
+/// What a step to one of the further neighbors costs more: after all to nearer ones.
 const FAR: f64 = 3.0;
 
 /// A part whose discs enclose less than this share of what they could, by how far it is from closed, has no outside: a
@@ -18,7 +18,7 @@ const FAR: f64 = 3.0;
 const ENCLOSED: f64 = 0.1;
 
 /// Turns the unit `normals` of `points` alike along a spanning tree of each connected part of `near`, and each part
-/// outwards. `radius` is the distance of each point's furthest neighbour, which says how large a disc it stands for.
+/// outwards. `radius` is the distance of each point's furthest neighbor, which says how large a disc it stands for.
 /// O(edges · log points).
 pub(super) fn orient(
     points: &[[f64; 3]],
@@ -38,7 +38,7 @@ pub(super) fn orient(
     Ok(())
 }
 
-/// Half of the neighbours of a point on a surface lie within this share of the distance of the furthest.
+/// Half of the neighbors of a point on a surface lie within this share of the distance of the furthest.
 const NEAR: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// The way from one point to another, as their normals see it.
@@ -64,7 +64,7 @@ impl Way {
     }
 
     /// What a step costs, ≥ 0: the less, the surer the side. `radius` is the larger of the two points' distances of their furthest
-    /// neighbours.
+    /// neighbors.
     fn cost(&self, [n, m]: [&Vector3<f64>; 2], radius: f64) -> f64 {
         let is_blind = *n == Vector3::zeros() || *m == Vector3::zeros();
         // Across a thin part the reflection is sure only when the normals are; along the surface it needs no luck.
@@ -74,7 +74,7 @@ impl Way {
     }
 }
 
-/// How the side of a surface is carried from one point of a cloud to a neighbour.
+/// How the side of a surface is carried from one point of a cloud to a neighbor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideStep {
     /// ≥ 0; the less, the surer: a spanning tree takes the least first. Whichever sides the two normals are on.
@@ -84,7 +84,7 @@ pub struct SideStep {
 }
 
 /// The step of the spanning tree of [`cloud_normals`](super::cloud_normals) between two points: of each its position, its unit normal (on
-/// any side; zero where there is none) and the distance of its furthest neighbour.
+/// any side; zero where there is none) and the distance of its furthest neighbor.
 ///
 /// ```
 /// use adwave::signal::side_step;
@@ -166,11 +166,11 @@ impl Tree<'_> {
 /// Turns a part whose normals are alike so that they point out of it.
 fn turn_outwards(points: &[[f64; 3]], radius: &[f64], part: &[u32], normals: &mut [Vector3<f64>]) {
     let position = |x: usize| Vector3::from(points[x]);
-    let centre = part.iter().map(|&x| position(x as usize) / part.len() as f64).sum::<Vector3<f64>>();
+    let center = part.iter().map(|&x| position(x as usize) / part.len() as f64).sum::<Vector3<f64>>();
     let (mut volume, mut moment, mut area) = (0.0, 0.0, 0.0);
     let mut sum = Vector3::zeros();
     for x in part.iter().map(|&x| x as usize).filter(|&x| normals[x] != Vector3::zeros()) {
-        let (disc, offset) = (radius[x] * radius[x], position(x) - centre);
+        let (disc, offset) = (radius[x] * radius[x], position(x) - center);
         volume += disc * normals[x].dot(&offset);
         moment += disc * offset.norm();
         area += disc;

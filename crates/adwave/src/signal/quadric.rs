@@ -2,7 +2,7 @@
 
 use super::{Curvature, try_cloud_normals};
 use crate::parallel::{self, unstopped};
-use crate::shape::Neighbourhoods;
+use crate::shape::Neighborhoods;
 use crate::{Cancelled, Progress};
 use nalgebra::{Matrix6, Vector3, Vector6};
 
@@ -56,20 +56,20 @@ pub(crate) fn fit_quadric(samples: impl Iterator<Item = [f64; 3]>) -> Option<[f6
 }
 
 /// Curvatures of a cloud, in 1/unit and 1/unit² of `points`: of the quadric over the tangent plane that fits a point and
-/// its neighbours best; 0 where fewer than 6 points or points on a conic leave it open. O(n k log n).
+/// its neighbors best; 0 where fewer than 6 points or points on a conic leave it open. O(n k log n).
 ///
 /// Signs as for [`mesh_curvature`](super::mesh_curvature), with the normals of [`cloud_normals`](super::cloud_normals).
 ///
 /// # Panics
-/// Unless `near` has as many neighbourhoods as there are points.
-pub fn cloud_curvature(points: &[[f64; 3]], near: &Neighbourhoods) -> Curvature {
+/// Unless `near` has as many neighborhoods as there are points.
+pub fn cloud_curvature(points: &[[f64; 3]], near: &Neighborhoods) -> Curvature {
     unstopped(try_cloud_curvature(points, near, Progress::none()))
 }
 
 /// [`cloud_curvature`], stopped when the call is.
 pub(crate) fn try_cloud_curvature(
     points: &[[f64; 3]],
-    near: &Neighbourhoods,
+    near: &Neighborhoods,
     progress: Progress<'_>,
 ) -> Result<Curvature, Cancelled> {
     let normals = try_cloud_normals(points, near, progress)?;

@@ -152,13 +152,13 @@ fn the_sharpest_caps_and_pits_are_no_saddles() {
 #[test]
 fn the_border_of_a_cloud_is_its_rim() {
     let grid: Vec<[f64; 3]> = (0..900).map(|i| [f64::from(i % 30), f64::from(i / 30), 0.0]).collect();
-    let near = crate::shape::nearest_neighbours(&grid, 10).adjacency;
+    let near = crate::shape::nearest_neighbors(&grid, 10).adjacency;
     let expected: Vec<usize> =
         (0..900).filter(|&i| [i % 30, i / 30].iter().any(|&k| k == 0 || k == 29)).collect();
     assert_eq!(cloud_border(&grid, &near), expected);
     let sphere = Sample::by_name("sphere", Some(2000)).unwrap().points;
     assert_eq!(
-        cloud_border(&sphere, &crate::shape::nearest_neighbours(&sphere, 10).adjacency),
+        cloud_border(&sphere, &crate::shape::nearest_neighbors(&sphere, 10).adjacency),
         Vec::<usize>::new()
     );
 }

@@ -11,7 +11,7 @@ const ROWS_AT_A_TIME: usize = 2048;
 
 /// `y = Φ₁ x` for `n_channels` channels at once; `x` and `y` are n_vertices × n_channels, row-major. O(entries × channels).
 ///
-/// Computed as `y = x + Σ w·(x_neighbour − x)`: where a signal is constant it stays so to the last bit.
+/// Computed as `y = x + Σ w·(x_neighbor − x)`: where a signal is constant it stays so to the last bit.
 ///
 /// # Panics
 /// When `x` and `y` are not both n_vertices × n_channels.
@@ -67,11 +67,11 @@ fn apply_fixed<const D: usize>(
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
     let target = Target::detect();
-    let neighbours = diffusion.neighbours();
+    let neighbors = diffusion.neighbors();
     try_for_rows(y, D, ROWS_AT_A_TIME, progress, |first, out| {
         let rows = Rows {
-            offsets: neighbours.offsets(),
-            columns: neighbours.columns(),
+            offsets: neighbors.offsets(),
+            columns: neighbors.columns(),
             weights: diffusion.weights(),
             first,
             x,

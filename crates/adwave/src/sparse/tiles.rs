@@ -1,4 +1,4 @@
-//! The diffusion operator cut into tiles: blocks of consecutive vertices with the rings of neighbours around them.
+//! The diffusion operator cut into tiles: blocks of consecutive vertices with the rings of neighbors around them.
 //!
 //! A tile carries several steps of a recurrence on its own: for `depth` steps of its own vertices it needs the values
 //! of `depth` rings around them, and step i recomputes what `depth − i` rings need. So the vectors between the steps
@@ -30,7 +30,7 @@ impl Index for u32 {
     }
 }
 
-/// Rows of a tile with the same number of neighbours.
+/// Rows of a tile with the same number of neighbors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     pub(super) degree: u32,
@@ -57,7 +57,7 @@ pub(super) struct Tile<I> {
     runs_within: Vec<usize>,
     /// The vertex of each own row, in the order of the runs. The rows of the rings are in the order of their vertices.
     rows: Vec<I>,
-    /// The neighbours of each row.
+    /// The neighbors of each row.
     columns: Vec<I>,
 }
 
@@ -191,7 +191,7 @@ impl<I: Index> TilesOf<I> {
 
     /// The tiles, each with the operator that it has been checked against.
     pub(super) fn iter(&self) -> impl Iterator<Item = View<'_, I>> {
-        let (offsets, weights) = (self.diffusion.neighbours().offsets(), self.diffusion.weights());
+        let (offsets, weights) = (self.diffusion.neighbors().offsets(), self.diffusion.weights());
         self.tiles.iter().map(move |tile| View { tile, offsets, weights })
     }
 

@@ -117,7 +117,7 @@ fn the_edges_of_a_cube_stay_sharp_unless_they_are_not_wanted() {
 }
 
 #[test]
-fn clouds_move_along_their_normals_towards_the_surface() {
+fn clouds_move_along_their_normals_toward_the_surface() {
     let (clean, noisy) = pair("sphere", 6000, 0.3);
     let cloud = Shape::Cloud(PointCloud::new(noisy.points().unwrap().to_vec()).unwrap());
     let result = denoised(&cloud, &defaults());

@@ -4,7 +4,7 @@ use crate::{mesh, rms};
 use adwave::Progress;
 use adwave::denoise::{Creases, DenoiseChoice, DenoiseError, DenoiseParams, denoise};
 use adwave::rows::Pattern;
-use adwave::shape::{Graph, PointCloud, Polygons, PreparedGeometry, Shape, WeldMode, nearest_neighbours};
+use adwave::shape::{Graph, PointCloud, Polygons, PreparedGeometry, Shape, WeldMode, nearest_neighbors};
 use adwave::signal::plane_normals;
 use std::ops::Range;
 
@@ -66,9 +66,9 @@ fn a_part_of_a_mesh_is_denoised_as_the_whole() {
     }
 }
 
-/// The union of the nearest neighbours both ways.
-fn neighbours(points: &[[f64; 3]]) -> Vec<Vec<u32>> {
-    let near = nearest_neighbours(points, DenoiseChoice::NEIGHBOURS).adjacency;
+/// The union of the nearest neighbors both ways.
+fn neighbors(points: &[[f64; 3]]) -> Vec<Vec<u32>> {
+    let near = nearest_neighbors(points, DenoiseChoice::NEIGHBORS).adjacency;
     let mut rows: Vec<Vec<u32>> = (0..points.len()).map(|x| near.of(x).to_vec()).collect();
     for x in 0..points.len() {
         near.of(x).iter().for_each(|&y| rows[y as usize].push(x as u32));
@@ -102,17 +102,17 @@ fn a_part_of_a_cloud_is_denoised_as_the_whole_whichever_side_its_normals_are_on(
         PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap()
     };
     let choice = DenoiseChoice::of(&geometry, &params(Creases::Auto), Progress::none()).unwrap();
-    let rows = neighbours(&points);
-    let upwards = |points: &[[f64; 3]], neighbours: &Pattern, up: f64| {
-        let mut normals = plane_normals(points, neighbours, Progress::none()).unwrap();
+    let rows = neighbors(&points);
+    let upwards = |points: &[[f64; 3]], neighbors: &Pattern, up: f64| {
+        let mut normals = plane_normals(points, neighbors, Progress::none()).unwrap();
         for n in normals.iter_mut().filter(|n| n[2] * up < 0.0) {
             *n = n.map(|c| -c);
         }
         normals
     };
-    let denoised = |points: &[[f64; 3]], neighbours: Pattern, up: f64| {
-        let normals = upwards(points, &neighbours, up);
-        choice.denoise_cloud(points, neighbours, normals, Progress::none()).unwrap()
+    let denoised = |points: &[[f64; 3]], neighbors: Pattern, up: f64| {
+        let normals = upwards(points, &neighbors, up);
+        choice.denoise_cloud(points, neighbors, normals, Progress::none()).unwrap()
     };
     let whole = denoised(&points, pattern(&rows, 0..points.len()), 1.0);
     let rings = REACH * DenoiseChoice::reach().unwrap();

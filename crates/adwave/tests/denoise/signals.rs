@@ -90,7 +90,7 @@ fn the_error_is_foretold() {
 }
 
 #[test]
-fn masked_vertices_constants_and_colours_with_an_alpha_stay_what_they_are() {
+fn masked_vertices_constants_and_colors_with_an_alpha_stay_what_they_are() {
     let (decomposer, points) = decomposer(3000);
     let constant = vec![7.5; points.len()];
     assert_eq!(denoised(&decomposer, &constant), constant);

@@ -2,7 +2,7 @@
 
 use crate::dense::{
     Bands, LocalOperator, Matrix, Mutant, algorithm_1, apply, bands, fill, identity, local_operator,
-    mean_of_welded, minus, normalised_rows, product, real_power, restricted, scaling_functions, stationary,
+    mean_of_welded, minus, normalized_rows, product, real_power, restricted, scaling_functions, stationary,
     step_length, weld, within,
 };
 use crate::fast::{Fast, Method, dyadic};
@@ -73,7 +73,7 @@ fn levels_of_any_whole_steps_are_powers_of_the_diffusion() {
     let steps = [1.0, 3.0, 4.0, 11.0, 30.0];
     for case in cases() {
         let fast = Fast::new(&case);
-        let one = normalised_rows(&operator(&case).t);
+        let one = normalized_rows(&operator(&case).t);
         let mut phi = vec![identity(one.len())];
         let (mut power, mut n) = (identity(one.len()), 0.0);
         for step in steps {
@@ -105,7 +105,7 @@ fn fractional_powers_are_those_of_the_eigenvalues() {
         if !fast.is_reversible() || !is_symmetric {
             continue;
         }
-        let one = normalised_rows(&operator.t);
+        let one = normalized_rows(&operator.t);
         let mut phi = vec![identity(one.len())];
         phi.extend(steps.iter().map(|&n| real_power(&one, &pi, n)));
         // Smooth enough to have little where the eigenvalues are near 0.
@@ -181,7 +181,7 @@ fn the_energy_of_a_band_is_its_weighted_mean_square() {
 fn sigma_is_the_step_length_times_the_root_of_the_steps() {
     for case in cases() {
         let operator = operator(&case);
-        let (phi, pi) = (normalised_rows(&operator.t), stationary(&operator));
+        let (phi, pi) = (normalized_rows(&operator.t), stationary(&operator));
         let step = step_length(&phi, &pi, &operator.length);
         let steps = [1.0, 3.0, 4.0, 11.0, 30.0];
         let f = signal(case.parts.n_vertices(), 1, 1);
@@ -192,7 +192,7 @@ fn sigma_is_the_step_length_times_the_root_of_the_steps() {
 }
 
 #[test]
-fn algorithm_1_squares_drops_and_normalises() {
+fn algorithm_1_squares_drops_and_normalizes() {
     for case in cases() {
         let (fast, operator) = (Fast::new(&case), operator(&case));
         for epsilon in [0.0, 1e-6, 1e-3, 2e-2] {
@@ -279,7 +279,7 @@ fn smoothing_converges_to_the_mean_by_the_stationary_distribution_of_the_compone
 }
 
 #[test]
-fn a_level_too_many_and_a_missing_normalisation_would_be_seen() {
+fn a_level_too_many_and_a_missing_normalization_would_be_seen() {
     for case in cases() {
         let (fast, welded) = (Fast::new(&case), weld(&case.parts));
         let f = signal(case.parts.n_vertices(), 1, 2);

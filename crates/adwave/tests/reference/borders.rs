@@ -72,8 +72,8 @@ fn level_map(w: &[f64], left: &[f64], weighting: Weighting) -> Vec<f64> {
     let weigh = |&v: &f64| match weighting {
         Weighting::PerLevel => (max - mean).powi(2) * v,
         Weighting::AsPrinted => (max - v).powi(2) * v,
-        Weighting::Normalised if mean == 0.0 => 0.0 * v,
-        Weighting::Normalised => v / mean,
+        Weighting::Normalized if mean == 0.0 => 0.0 * v,
+        Weighting::Normalized => v / mean,
         Weighting::Entropy => unreachable!("not among those of this test"),
         Weighting::Ranks if v.is_nan() => v,
         Weighting::Ranks => rank(v),
@@ -99,7 +99,7 @@ fn saliency_fades_from_one_to_two_times_the_width_of_each_level() {
             for weighting in [
                 Weighting::PerLevel,
                 Weighting::AsPrinted,
-                Weighting::Normalised,
+                Weighting::Normalized,
                 Weighting::Ranks,
                 Weighting::Uniform,
             ] {

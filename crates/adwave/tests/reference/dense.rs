@@ -65,7 +65,7 @@ pub(crate) struct LocalOperator {
     /// T(x,y), the diagonal included.
     pub(crate) t: Matrix,
     /// Whether y is in N(x).
-    pub(crate) is_neighbour: Vec<Vec<bool>>,
+    pub(crate) is_neighbor: Vec<Vec<bool>>,
     /// Whether y is in the one-ring of x on a mesh; N(x) for clouds and graphs.
     pub(crate) is_next: Vec<Vec<bool>>,
     /// A.
@@ -88,7 +88,7 @@ pub(crate) fn local_operator(case: &Case, mutant: Mutant) -> LocalOperator {
     let welded = weld(&case.parts);
     let n = welded.first.len();
     let mut t = vec![vec![0.0; n]; n];
-    let (is_neighbour, is_next, areas, mean_length, length);
+    let (is_neighbor, is_next, areas, mean_length, length);
     match &case.parts {
         Parts::Graph { edges, .. } => {
             let mut next = vec![vec![false; n]; n];
@@ -100,7 +100,7 @@ pub(crate) fn local_operator(case: &Case, mutant: Mutant) -> LocalOperator {
                 next[v][u] = true;
             }
             (areas, mean_length, length) = (vec![1.0; n], 1.0, vec![vec![1.0; n]; n]);
-            (is_neighbour, is_next) = (next.clone(), next);
+            (is_neighbor, is_next) = (next.clone(), next);
         }
         Parts::Mesh { points, triangles } => {
             let points: Vec<[f64; 3]> = welded.first.iter().map(|&x| points[x]).collect();
@@ -108,7 +108,7 @@ pub(crate) fn local_operator(case: &Case, mutant: Mutant) -> LocalOperator {
                 triangles.iter().map(|t| t.map(|v| welded.class[v as usize])).collect();
             length = distances(&points);
             is_next = edges_of(n, &triangles);
-            is_neighbour = within(&is_next, case.params.rings);
+            is_neighbor = within(&is_next, case.params.rings);
             let edges = (0..n).flat_map(|x| (0..x).map(move |y| (x, y))).filter(|&(x, y)| is_next[x][y]);
             mean_length = mean(edges.map(|(x, y)| length[x][y]));
             areas = mesh_areas(&points, &triangles, case.params.mesh_area);
@@ -116,8 +116,8 @@ pub(crate) fn local_operator(case: &Case, mutant: Mutant) -> LocalOperator {
         Parts::Cloud { points } => {
             let points: Vec<[f64; 3]> = welded.first.iter().map(|&x| points[x]).collect();
             length = distances(&points);
-            (is_neighbour, areas, mean_length) = cloud(&points, &length, &case.params);
-            is_next = is_neighbour.clone();
+            (is_neighbor, areas, mean_length) = cloud(&points, &length, &case.params);
+            is_next = is_neighbor.clone();
         }
     }
     if !matches!(case.parts, Parts::Graph { .. }) {
@@ -131,7 +131,7 @@ pub(crate) fn local_operator(case: &Case, mutant: Mutant) -> LocalOperator {
             _ => 4.0,
         };
         for x in 0..n {
-            for y in (0..n).filter(|&y| is_neighbour[x][y]) {
+            for y in (0..n).filter(|&y| is_neighbor[x][y]) {
                 let area = if mutant == Mutant::AreaOfTheRow { areas[x] } else { areas[y] };
                 t[x][y] = area * (-length[x][y].powi(2) / (four * time)).exp();
             }
@@ -145,7 +145,7 @@ pub(crate) fn local_operator(case: &Case, mutant: Mutant) -> LocalOperator {
             _ => sum,
         };
     }
-    LocalOperator { t, is_neighbour, is_next, areas, mean_length, length }
+    LocalOperator { t, is_neighbor, is_next, areas, mean_length, length }
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -229,10 +229,10 @@ fn mesh_areas(points: &[[f64; 3]], triangles: &[[usize; 3]], kind: MeshArea) -> 
     areas
 }
 
-/// Neighbours, areas and E of a cloud.
+/// Neighbors, areas and E of a cloud.
 fn cloud(points: &[[f64; 3]], length: &Matrix, params: &OperatorParams) -> (Vec<Vec<bool>>, Vec<f64>, f64) {
     let n = length.len();
-    let k = params.neighbours.min(n - 1);
+    let k = params.neighbors.min(n - 1);
     let radius: Vec<f64> = (0..n)
         .map(|x| {
             let mut others: Vec<f64> = (0..n).filter(|&y| y != x).map(|y| length[x][y]).collect();
@@ -246,7 +246,7 @@ fn cloud(points: &[[f64; 3]], length: &Matrix, params: &OperatorParams) -> (Vec<
     let mean_length = mean(pairs.map(|(x, y)| length[x][y]));
     let areas = match params.cloud_area {
         CloudArea::Unit => vec![1.0; n],
-        CloudArea::KthNeighbour => radius.iter().map(|r| PI * r * r / k as f64).collect(),
+        CloudArea::KthNeighbor => radius.iter().map(|r| PI * r * r / k as f64).collect(),
         CloudArea::TangentVoronoi => {
             let others = |x: usize| (0..n).filter(|&y| near[x][y]).map(|y| points[y]).collect::<Vec<_>>();
             (0..n).map(|x| voronoi_area(points[x], &others(x), radius[x])).collect()
@@ -310,7 +310,7 @@ fn voronoi_area(p: [f64; 3], others: &[[f64; 3]], radius: f64) -> f64 {
 }
 
 /// `[·]_r` (eq. 5): every row divided by its ‖·‖₁; a row of zeros becomes one of the identity.
-pub(crate) fn normalised_rows(matrix: &Matrix) -> Matrix {
+pub(crate) fn normalized_rows(matrix: &Matrix) -> Matrix {
     let mut rows = matrix.clone();
     for (x, row) in rows.iter_mut().enumerate() {
         let norm: f64 = row.iter().map(|v| v.abs()).sum();
@@ -340,9 +340,9 @@ pub(crate) fn minus(a: &Matrix, b: &Matrix) -> Matrix {
 
 /// Φ_0 … Φ_J (eq. 3, 4 and 6): Φ_0 = I, Φ₁ = [T]_r, Φ_j = [Φ_{j−1}Φ_{j−1}]_r.
 pub(crate) fn scaling_functions(t: &Matrix, n_levels: usize) -> Vec<Matrix> {
-    let mut phi = vec![identity(t.len()), normalised_rows(t)];
+    let mut phi = vec![identity(t.len()), normalized_rows(t)];
     for j in 2..=n_levels {
-        phi.push(normalised_rows(&product(&phi[j - 1], &phi[j - 1])));
+        phi.push(normalized_rows(&product(&phi[j - 1], &phi[j - 1])));
     }
     phi.truncate(n_levels + 1);
     phi
@@ -350,11 +350,11 @@ pub(crate) fn scaling_functions(t: &Matrix, n_levels: usize) -> Vec<Matrix> {
 
 /// Algorithm 1: entries below ε are dropped before rows are divided by their sums.
 pub(crate) fn algorithm_1(t: &Matrix, n_levels: usize, epsilon: f64) -> Vec<Matrix> {
-    let mut phi = vec![identity(t.len()), normalised_rows(t)];
+    let mut phi = vec![identity(t.len()), normalized_rows(t)];
     for j in 2..=n_levels {
         let mut squared = product(&phi[j - 1], &phi[j - 1]);
         squared.iter_mut().flatten().filter(|v| **v < epsilon).for_each(|v| *v = 0.0);
-        phi.push(normalised_rows(&squared));
+        phi.push(normalized_rows(&squared));
     }
     phi
 }
@@ -404,8 +404,8 @@ pub(crate) fn restricted(operator: &LocalOperator, is_masked: &[bool]) -> LocalO
         t[x][x] = t[x].iter().sum();
     }
     let (areas, length) = (operator.areas.clone(), operator.length.clone());
-    let is_neighbour = operator.is_neighbour.clone();
-    LocalOperator { t, is_neighbour, is_next, areas, mean_length: operator.mean_length, length }
+    let is_neighbor = operator.is_neighbor.clone();
+    LocalOperator { t, is_neighbor, is_next, areas, mean_length: operator.mean_length, length }
 }
 
 /// Rows of `matrix` times the channels of a signal, n × n_channels.

@@ -115,7 +115,7 @@ impl<'a> Fast<'a> {
     /// w and the areas of the Laplacian.
     pub(crate) fn laplacian(&self) -> (Matrix, Vec<f64>) {
         let geometry = self.decomposer.geometry();
-        let laplacian = Laplacian::new(geometry, self.case.params.neighbours, Progress::none()).unwrap();
+        let laplacian = Laplacian::new(geometry, self.case.params.neighbors, Progress::none()).unwrap();
         let row = |x: usize| {
             let mut row = vec![0.0; self.decomposer.geometry().n_vertices()];
             let (columns, values) = laplacian.weights().row(x);

@@ -1,4 +1,4 @@
-//! Algorithm 2 by brute force: every vertex against every neighbour on three levels.
+//! Algorithm 2 by brute force: every vertex against every neighbor on three levels.
 
 use crate::dense::{
     Matrix, Mutant, apply, local_operator, mean_of_welded, minus, norms, restricted, scaling_functions,
@@ -13,7 +13,7 @@ const LEVELS: usize = 6;
 const RESPONSE: f64 = 1e-10;
 
 const RESPONSES: [Response; 4] =
-    [Response::Normalised, Response::Literal, Response::Channels, Response::Sigma];
+    [Response::Normalized, Response::Literal, Response::Channels, Response::Sigma];
 
 /// What is changed in the search, to see that the tests would notice.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ fn layers(
     let of_each = norms(phi, f, n_channels);
     for (j, level) in levels.iter_mut().enumerate() {
         let scale = match response {
-            Response::Normalised => mean_of(&of_each[j], is_masked),
+            Response::Normalized => mean_of(&of_each[j], is_masked),
             Response::Sigma => sigma[j],
             _ => 1.0,
         };
@@ -125,7 +125,7 @@ fn algorithm_2(
 ) -> Vec<Found> {
     let Prepared { phi, sigma, component, first, is_masked, .. } = shape;
     let n = phi[0].len();
-    let neighbours = match search {
+    let neighbors = match search {
         Search::OneRing => &shape.rings[0],
         Search::ThreeRings => &shape.rings[2],
         _ => &shape.rings[usize::from(!shape.is_cloud)],
@@ -147,7 +147,7 @@ fn algorithm_2(
                 if r[j][x].abs() <= params.theta * mean {
                     continue;
                 }
-                let near: Vec<usize> = (0..n).filter(|&y| neighbours[x][y] && !is_masked[y]).collect();
+                let near: Vec<usize> = (0..n).filter(|&y| neighbors[x][y] && !is_masked[y]).collect();
                 let is_greater = |sign: f64| {
                     let here = sign * r[j][x];
                     let beats = |level: usize, y: usize| here > sign * r[level][y];
@@ -264,7 +264,7 @@ fn masked_vertices_are_nobody_to_compare_with() {
 }
 
 #[test]
-fn another_threshold_neighbourhood_or_range_of_levels_would_be_seen() {
+fn another_threshold_neighborhood_or_range_of_levels_would_be_seen() {
     let searches = [
         Search::MeanWithoutBars,
         Search::OneRing,

@@ -146,6 +146,6 @@ fn presets_treat_the_finest_third_rounded_up_as_fine() {
     assert_eq!(preset("band1", 4), [1.0, 1.0, 0.0, 0.0]);
     assert_eq!(preset("band2", 4), [0.0, 0.0, 2.0, 2.0]);
     assert_eq!(preset("band1", 6), [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
-    // From 2 towards 1.2, which the level after the last would have.
+    // From 2 toward 1.2, which the level after the last would have.
     assert_close(&preset("enhance", 4), &[2.0, 1.8, 1.6, 1.4], crate::ROUNDING, "enhance");
 }

@@ -12,9 +12,9 @@ const ON_A_CIRCLE: f64 = 1e-9;
 
 /// Corners of the polygon that stands for a disc.
 const DISC_CORNERS: usize = 24;
-/// How far a cell reaches, in units of the distance to the last of the neighbours looked at.
+/// How far a cell reaches, in units of the distance to the last of the neighbors looked at.
 const REACH: f64 = 0.75;
-/// How far out of the tangent plane a neighbour may be, in units of its distance.
+/// How far out of the tangent plane a neighbor may be, in units of its distance.
 const STEEP: f64 = 0.8;
 
 /// What may be wrong, to see that the tests would notice.
@@ -59,7 +59,7 @@ pub(crate) fn laplacian(case: &Case) -> Laplacian {
         }
         Parts::Cloud { points } => {
             let points: Vec<[f64; 3]> = welded.first.iter().map(|&x| points[x]).collect();
-            of_cloud(&points, 2 * case.params.neighbours)
+            of_cloud(&points, 2 * case.params.neighbors)
         }
     }
 }
@@ -150,7 +150,7 @@ fn of_mesh(points: &[[f64; 3]], mut triangles: Vec<[usize; 3]>) -> Laplacian {
     }
     let mut w = vec![vec![0.0; n]; n];
     for (&(a, b), cotangents) in &cotangents {
-        // Delaunay whatever two of the triangles at an edge are neighbours around it.
+        // Delaunay whatever two of the triangles at an edge are neighbors around it.
         let sum: f64 = cotangents.iter().sum();
         assert!(if cotangents.len() == 2 { sum > -1e-9 } else { cotangents.iter().all(|&c| c > 0.0) });
         w[a][b] = 0.5 * sum;
@@ -159,7 +159,7 @@ fn of_mesh(points: &[[f64; 3]], mut triangles: Vec<[usize; 3]>) -> Laplacian {
     Laplacian { w, mass }
 }
 
-/// `w(x,y) = ½(ℓ_x/d + ℓ_y/d)`: ℓ_x the side towards y of what is nearer to x than to any other point, in the tangent plane of
+/// `w(x,y) = ½(ℓ_x/d + ℓ_y/d)`: ℓ_x the side toward y of what is nearer to x than to any other point, in the tangent plane of
 /// the `k` nearest; M the area of the triangles between x and such sides.
 ///
 /// All half-planes at once: the cell's corners are where two of their edges meet that lie in all the others.
@@ -236,9 +236,9 @@ pub(crate) fn planar_delaunay(points: &[[f64; 3]]) -> (Matrix, Vec<[usize; 3]>) 
                 let (p, q) = (at(b) - at(a), at(c) - at(a));
                 let twice = p.perp(&q);
                 let square = (p.norm_squared() * q - q.norm_squared() * p) / (2.0 * twice);
-                let centre = at(a) + Vector2::new(square.y, -square.x);
-                let radius = (at(a) - centre).norm();
-                if twice == 0.0 || (0..n).any(|d| (at(d) - centre).norm() < radius * (1.0 - 1e-12)) {
+                let center = at(a) + Vector2::new(square.y, -square.x);
+                let radius = (at(a) - center).norm();
+                if twice == 0.0 || (0..n).any(|d| (at(d) - center).norm() < radius * (1.0 - 1e-12)) {
                     continue;
                 }
                 triangles.push([a, b, c]);

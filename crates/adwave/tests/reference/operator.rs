@@ -1,7 +1,7 @@
 //! Eq. 1, 2, 4 and 5: the local operator, the diffusion, its stationary distribution and its step length.
 
 use crate::dense::{
-    LocalOperator, Matrix, Mutant, local_operator, normalised_rows, restricted, stationary, step_length, weld,
+    LocalOperator, Matrix, Mutant, local_operator, normalized_rows, restricted, stationary, step_length, weld,
 };
 use crate::fast::Fast;
 use crate::shapes::{Case, Parts, cases};
@@ -54,12 +54,12 @@ fn the_local_operator_is_that_of_equation_1() {
 }
 
 #[test]
-fn the_mean_length_of_a_cloud_counts_every_neighbour_of_a_tie() {
-    // One neighbour each, but two of the point 1, equally far: (1 + 1 + 1 + 1 + 3) / 5. The neighbourhood is what is directed,
+fn the_mean_length_of_a_cloud_counts_every_neighbor_of_a_tie() {
+    // One neighbor each, but two of the point 1, equally far: (1 + 1 + 1 + 1 + 3) / 5. The neighborhood is what is directed,
     // so that the edge from 2 to 3 is none of them.
     let points = [0.0, 1.0, 2.0, 5.0].map(|x| [x, 0.0, 0.0]).to_vec();
     for graph in [CloudGraph::Union, CloudGraph::Directed] {
-        let params = OperatorParams::default().with_neighbours(1).with_cloud_graph(graph);
+        let params = OperatorParams::default().with_neighbors(1).with_cloud_graph(graph);
         let case = Case { name: "tie", parts: Parts::Cloud { points: points.clone() }, params };
         assert_close(&[Fast::new(&case).local_operator().mean_length], &[1.4], ROUNDING, "E");
     }
@@ -73,7 +73,7 @@ fn the_local_operator_is_the_discrete_laplacian_with_its_diagonal_turned() {
         let (n, time) = (expected.t.len(), expected.time());
         let mut laplacian = vec![vec![0.0; n]; n];
         for (x, row) in laplacian.iter_mut().enumerate() {
-            for y in (0..n).filter(|&y| expected.is_neighbour[x][y]) {
+            for y in (0..n).filter(|&y| expected.is_neighbor[x][y]) {
                 let heat = (-expected.length[x][y].powi(2) / (4.0 * time)).exp() / (4.0 * PI * time * time);
                 row[y] = heat * expected.areas[y];
             }
@@ -85,15 +85,15 @@ fn the_local_operator_is_the_discrete_laplacian_with_its_diagonal_turned() {
                 *v *= 4.0 * PI * time * time;
             }
         }
-        assert_same_matrix(&Fast::new(case).diffusion(), &normalised_rows(&laplacian), ROUNDING, case.name);
+        assert_same_matrix(&Fast::new(case).diffusion(), &normalized_rows(&laplacian), ROUNDING, case.name);
     }
 }
 
 #[test]
-fn the_diffusion_is_the_operator_with_normalised_rows() {
+fn the_diffusion_is_the_operator_with_normalized_rows() {
     for case in cases() {
         let (fast, expected) = (Fast::new(&case), expected(&case));
-        assert_same_matrix(&fast.diffusion(), &normalised_rows(&expected.t), ROUNDING, case.name);
+        assert_same_matrix(&fast.diffusion(), &normalized_rows(&expected.t), ROUNDING, case.name);
     }
 }
 
@@ -101,7 +101,7 @@ fn the_diffusion_is_the_operator_with_normalised_rows() {
 fn the_stationary_distribution_and_the_step_length_are_those_of_the_operator() {
     for case in cases() {
         let (fast, expected) = (Fast::new(&case), expected(&case));
-        let (phi, pi) = (normalised_rows(&expected.t), stationary(&expected));
+        let (phi, pi) = (normalized_rows(&expected.t), stationary(&expected));
         assert_close(&fast.stationary(), &pi, ROUNDING, case.name);
         let step = step_length(&phi, &pi, &expected.length);
         assert_close(&[fast.step_length()], &[step], ROUNDING, case.name);
@@ -137,7 +137,7 @@ fn a_masked_operator_is_the_operator_without_those_vertices() {
         let areas = fast.areas_of_the_file();
         let is_without = |x: usize| is_masked[welded.class[x]];
         assert!((0..areas.len()).all(|x| !is_without(x) || areas[x] == 0.0), "{}: masked areas", case.name);
-        let phi = normalised_rows(&rest.t);
+        let phi = normalized_rows(&rest.t);
         assert_same_matrix(&fast.diffusion(), &phi, ROUNDING, case.name);
         let pi = stationary(&rest);
         assert_close(&fast.stationary(), &pi, ROUNDING, case.name);
@@ -165,7 +165,7 @@ fn another_kernel_another_area_and_another_diagonal_would_be_seen() {
             if case.name.contains("areas of 1") && mutant == Mutant::AreaOfTheRow {
                 continue;
             }
-            let other = normalised_rows(&local_operator(&case, mutant).t);
+            let other = normalized_rows(&local_operator(&case, mutant).t);
             let off = difference(&phi.concat(), &other.concat());
             assert!(off > SEEN * ROUNDING, "{}, {mutant:?}: only {off:.1e}", case.name);
         }

@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 
 /// Widths that are even neither in σ nor in log σ.
 const SIGMA: [f64; 6] = [0.0, 1.0, 1.7, 2.2, 4.1, 9.0];
-/// Six unknowns by normal equations, relative to the nearest neighbour.
+/// Six unknowns by normal equations, relative to the nearest neighbor.
 const FIT: f64 = 1e-7;
 /// The smallest of the singular values by the largest, below which six points are as good as on a conic.
 const SINGULAR: f64 = 1e-4;
 
-/// A vertex and its neighbours, in the plane that fits them best.
+/// A vertex and its neighbors, in the plane that fits them best.
 struct Around {
     /// Vertices, the middle first, and where they are.
     vertices: Vec<usize>,
@@ -23,8 +23,8 @@ struct Around {
 }
 
 impl Around {
-    fn new(points: &[[f64; 3]], neighbours: &[bool], x: usize) -> Self {
-        let others: Vec<usize> = (0..points.len()).filter(|&y| neighbours[y]).collect();
+    fn new(points: &[[f64; 3]], neighbors: &[bool], x: usize) -> Self {
+        let others: Vec<usize> = (0..points.len()).filter(|&y| neighbors[y]).collect();
         let vertices: Vec<usize> = std::iter::once(x).chain(others.iter().copied()).collect();
         let origin = Vector3::from(points[x]);
         let directions = spread(&vertices.iter().map(|&y| points[y]).collect::<Vec<_>>());
@@ -40,7 +40,7 @@ impl Around {
     }
 
     /// The gradient and the second derivatives at the middle of the quadric that fits values best, in units of the nearest
-    /// neighbour's distance; `None` where they do not determine it.
+    /// neighbor's distance; `None` where they do not determine it.
     fn quadric(&self, value: impl Fn(usize) -> f64) -> Option<(Vector2<f64>, Matrix2<f64>)> {
         let n = self.places.len();
         if n < 6 {

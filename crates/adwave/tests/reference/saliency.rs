@@ -16,7 +16,7 @@ const WEIGHTINGS: [Weighting; 6] = [
     Weighting::Entropy,
     Weighting::PerLevel,
     Weighting::AsPrinted,
-    Weighting::Normalised,
+    Weighting::Normalized,
     Weighting::Ranks,
     Weighting::Uniform,
 ];
@@ -45,7 +45,7 @@ fn level_map(w: &[f64], weighting: Weighting, is_masked: &[bool]) -> Vec<f64> {
             Weighting::Entropy => ((known.len() as f64).ln() - entropy) / mean * v,
             Weighting::PerLevel => (max - mean).powi(2) * v,
             Weighting::AsPrinted => (max - v).powi(2) * v,
-            Weighting::Normalised => v / mean,
+            Weighting::Normalized => v / mean,
             Weighting::Ranks => rank(v),
             Weighting::Uniform => v,
         })

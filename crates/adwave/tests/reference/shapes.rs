@@ -55,12 +55,12 @@ pub(crate) fn cases() -> Vec<Case> {
         case("cloud", &cloud, default),
         case("cloud, areas of 1", &cloud, default.with_cloud_area(CloudArea::Unit)),
         case("cloud, Voronoi areas", &cloud, default.with_cloud_area(CloudArea::TangentVoronoi)),
-        case("cloud, 4 neighbours", &cloud, default.with_neighbours(4)),
+        case("cloud, 4 neighbors", &cloud, default.with_neighbors(4)),
         case("directed cloud", &cloud, default.with_cloud_graph(CloudGraph::Directed)),
         case(
-            "directed cloud, 4 neighbours",
+            "directed cloud, 4 neighbors",
             &cloud,
-            default.with_cloud_graph(CloudGraph::Directed).with_neighbours(4),
+            default.with_cloud_graph(CloudGraph::Directed).with_neighbors(4),
         ),
         case("graph", &graph(), default),
     ]

@@ -148,7 +148,7 @@ fn saliency_has_means_by_area() {
         let norms = norms(&heat.levels(&dyadic(LEVELS)), &mean_of_welded(&welded, &f, 3), 3);
         let total: f64 = heat.areas.iter().sum();
         for (weighting, by_area) in
-            [(Weighting::PerLevel, true), (Weighting::Normalised, true), (Weighting::PerLevel, false)]
+            [(Weighting::PerLevel, true), (Weighting::Normalized, true), (Weighting::PerLevel, false)]
         {
             let mut map = vec![0.0; welded.first.len()];
             for w in &norms[1..] {

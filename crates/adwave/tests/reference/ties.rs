@@ -24,7 +24,7 @@ fn found(fast: &Fast<'_>, n: usize, theta: f64, values: &[(usize, usize, f64)]) 
 }
 
 #[test]
-fn of_equal_neighbours_the_first_of_the_analysis_wins() {
+fn of_equal_neighbors_the_first_of_the_analysis_wins() {
     let case = path(12);
     let fast = Fast::new(&case);
     for (x, y) in [(4, 5), (5, 6), (4, 6), (5, 7)] {
@@ -33,7 +33,7 @@ fn of_equal_neighbours_the_first_of_the_analysis_wins() {
             assert_eq!(found(&fast, 12, 0.1, &[(2, x, sign), (2, y, sign)]), [(2, first)], "{x}, {y}");
         }
     }
-    // Three steps away is nobody's neighbour.
+    // Three steps away is nobody's neighbor.
     let mut both = found(&fast, 12, 0.1, &[(3, 4, 1.0), (3, 7, 1.0)]);
     both.sort_unstable();
     assert_eq!(both, [(3, 4), (3, 7)]);

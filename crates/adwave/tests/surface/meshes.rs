@@ -92,7 +92,7 @@ pub(crate) fn uneven_rectangle(n: u32) -> (Points, Triangles) {
 }
 
 /// A sector of the ring 1 ≤ r ≤ 10 in the plane, 66° to either side of the x axis: triangles as large as their distance from
-/// the centre, in all directions alike. Gives the length of an edge at r = 1 too.
+/// the center, in all directions alike. Gives the length of an edge at r = 1 too.
 pub(crate) fn sector(n: u32) -> (Points, Triangles, f64) {
     let (mut points, triangles) = jittered_grid(n, 7);
     let span = 10.0_f64.ln();

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 The noise is estimated from the shape, and how much is smoothed, and whether creases stay, by an estimate of the risk;
-no option is needed. Of clouds the points move along their normals. Noise that neighbours share is not told from detail.
+no option is needed. Of clouds the points move along their normals. Noise that neighbors share is not told from detail.
 Of a field (--field) steps stay; it goes into the shape by its name, by that of its column or file, or alone into a file of values.
 
 Output by extension:

@@ -100,7 +100,7 @@ fn denoise_field(
 
 /// What was assumed, and how much was smoothed by what.
 pub(crate) fn describe(text: &mut String, info: &DenoiseInfo, is_mesh: bool) {
-    let unit = if is_mesh { "mean edges" } else { "mean distances of neighbours" };
+    let unit = if is_mesh { "mean edges" } else { "mean distances of neighbors" };
     let _ = writeln!(
         text,
         "noise along the normals: {} model units, {} {unit}",

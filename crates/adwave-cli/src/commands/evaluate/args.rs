@@ -8,9 +8,9 @@ use clap::Args;
 #[command(after_help = "\
 Without --fixations: which share of the features is found again, level by level, after noise along the normals, rotation,
 scaling, four times the faces, and on other vertices with other triangles of the same surface; with --operator surface --response
-sigma most are, by the walk few. With --fixations: how well the saliency map, maps that are given, and the distance from the centre
-agree with a field of fixations (seconds): area under the ROC curve, normalised scanpath saliency, correlation, and
-correlation without what both share with the distance from the centre.
+sigma most are, by the walk few. With --fixations: how well the saliency map, maps that are given, and the distance from the center
+agree with a field of fixations (seconds): area under the ROC curve, normalized scanpath saliency, correlation, and
+correlation without what both share with the distance from the center.
 
 Examples:
   adwave evaluate bunny.obj --percent 10,30,50

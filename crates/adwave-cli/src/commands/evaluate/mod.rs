@@ -12,7 +12,7 @@ use crate::signal;
 use adwave::bands::Schedule;
 use adwave::features::{FEATURE_EXTENT, Feature, Response, features};
 use adwave::measure::{
-    Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, centre_distance, change,
+    Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, center_distance, change,
     n_right, repeatability, share_by_chance,
 };
 use adwave::shape::{Shape, surface_area};
@@ -51,7 +51,7 @@ fn against(
     let fixations = one_channel(fixations)?;
     let sides = (found.sides(), found.sides_json());
     let own = found.saliency.map;
-    let control = analysis.input.shape.points().map(centre_distance);
+    let control = analysis.input.shape.points().map(center_distance);
     let mut maps = vec![(format!("saliency of {}", args.field.name()), own)];
     for name in &args.maps {
         maps.push((name.clone(), one_channel(name)?));
@@ -64,13 +64,13 @@ fn against(
         rows.push((name.clone(), compare(map, control.as_deref())?));
     }
     if let Some(control) = &control {
-        rows.push(("distance from the centre".to_owned(), compare(control, None)?));
+        rows.push(("distance from the center".to_owned(), compare(control, None)?));
     }
     let mut text = analysis.headline(args.field.name());
     text += &format!("{}\n", sides.0);
     text += &format!("{} of {} vertices were looked at\n\n", rows[0].1.n_positive, rows[0].1.n_vertices);
     text += &table(
-        ["map", "AUC", "NSS", "correlation", "without centre"],
+        ["map", "AUC", "NSS", "correlation", "without center"],
         rows.iter().map(|(name, a)| {
             let [auc, nss, cc, partial] = [a.auc, a.nss, a.correlation, a.partial_correlation]
                 .map(|v| if v.is_nan() { "-".to_owned() } else { format!("{v:.3}") });

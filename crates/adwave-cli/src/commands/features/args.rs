@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Output by extension; without it the features are printed:
   .csv .json  vertex, x, y, z, level, sigma, response, strength, sign, channel
-  .ply .vtp   a sphere of radius sigma for each feature, with these as fields and colours by level
+  .ply .vtp   a sphere of radius sigma for each feature, with these as fields and colors by level
 
 Examples:
   adwave features bunny.obj

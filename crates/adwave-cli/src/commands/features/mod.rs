@@ -159,10 +159,10 @@ fn text(args: &FeaturesArgs, found: &Found) -> String {
 /// What may give features where there are none.
 fn what_to_try(args: &FeaturesArgs, n_channels: usize) -> &'static str {
     match args.detect.response {
-        ResponseArg::Normalised if n_channels == 1 => {
+        ResponseArg::Normalized if n_channels == 1 => {
             "take a lower --theta, more --levels, or --response literal where the signal is flat but for a few bumps"
         }
-        ResponseArg::Literal if n_channels > 1 => "take a lower --theta, or --response normalised",
+        ResponseArg::Literal if n_channels > 1 => "take a lower --theta, or --response normalized",
         _ => "take a lower --theta, or more --levels",
     }
 }

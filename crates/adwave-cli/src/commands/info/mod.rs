@@ -251,8 +251,8 @@ fn health_notes(text: &mut String, health: &Health) {
         ),
         (
             health.n_isolated,
-            "vertex without neighbours, unchanged in every band",
-            "vertices without neighbours, unchanged in every band",
+            "vertex without neighbors, unchanged in every band",
+            "vertices without neighbors, unchanged in every band",
         ),
         (health.n_unreferenced, "vertex of no face", "vertices of no face"),
     ] {

@@ -95,7 +95,7 @@ fn beads(from: &[f64; 3], to: &[f64; 3], radius: f64, color: [u8; 3]) -> Vec<Bal
 /// The golden section: hues that many steps apart never come near each other.
 const GOLDEN: f64 = 0.618_034;
 
-/// A saturated colour of that hue in [0, 1).
+/// A saturated color of that hue in [0, 1).
 fn color(hue: f64) -> [u8; 3] {
     [0.0, 2.0, 4.0].map(|shift| {
         let k = (6.0 * hue + shift) % 6.0;

@@ -13,8 +13,8 @@ use std::str::FromStr;
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Without --color a shape has the colours of its file, else one colour. A field of both signs gets a diverging map with 0 in
-the middle, others viridis, from the 1st to the 99th percentile; what is NaN is grey. The front is seen from +z with y up,
+Without --color a shape has the colors of its file, else one color. A field of both signs gets a diverging map with 0 in
+the middle, others viridis, from the 1st to the 99th percentile; what is NaN is gray. The front is seen from +z with y up,
 or with --up z from -y. --region shows the weights that 'adwave filter' would take, whose help says how regions are written.
 
 Examples:
@@ -39,27 +39,27 @@ pub(crate) struct RenderArgs {
     #[arg(
         long,
         value_name = "FIELD",
-        help = concat!("What its colours show: ", signal_names!(), "; 'plain' for one colour. Several with --grid"),
-        help_heading = "Colours"
+        help = concat!("What its colors show: ", signal_names!(), "; 'plain' for one color. Several with --grid"),
+        help_heading = "Colors"
     )]
     pub(crate) color: Vec<String>,
     /// Show the weights of a region in place of a field; several are joined by "or"
-    #[arg(long, value_name = "REGION", value_parser = region, conflicts_with = "color", help_heading = "Colours")]
+    #[arg(long, value_name = "REGION", value_parser = region, conflicts_with = "color", help_heading = "Colors")]
     pub(crate) region: Vec<Region>,
-    /// viridis, magma, inferno, plasma, cividis, turbo, cool, warm, grey, coolwarm, red-blue or spectral
-    #[arg(long, value_name = "NAME", help_heading = "Colours")]
+    /// viridis, magma, inferno, plasma, cividis, turbo, cool, warm, gray, coolwarm, red-blue or spectral
+    #[arg(long, value_name = "NAME", help_heading = "Colors")]
     pub(crate) colormap: Option<String>,
-    /// The values of the first and last colour: auto, or LOW,HIGH
+    /// The values of the first and last color: auto, or LOW,HIGH
     #[arg(
         long,
         value_name = "RANGE",
         default_value = "auto",
         allow_hyphen_values = true,
-        help_heading = "Colours"
+        help_heading = "Colors"
     )]
     pub(crate) range: RangeArg,
-    /// No bar that says which colour stands for which value
-    #[arg(long, help_heading = "Colours")]
+    /// No bar that says which color stands for which value
+    #[arg(long, help_heading = "Colors")]
     pub(crate) no_bar: bool,
     /// Show features as balls of their size: a .csv or .json that 'adwave features' wrote
     #[arg(long, value_name = "FILE", help_heading = "Features")]
@@ -122,7 +122,7 @@ impl RenderArgs {
     }
 }
 
-/// The values of the first and last colour.
+/// The values of the first and last color.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum RangeArg {
     Auto,

@@ -103,7 +103,7 @@ fn color_map(args: &RenderArgs) -> Result<Option<ColorMap>, CliError> {
     let Some(name) = &args.colormap else { return Ok(None) };
     ColorMap::from_name(name).map(Some).ok_or_else(|| {
         let names: Vec<&str> = ColorMap::names().collect();
-        CliError::Input(format!("there is no colour map '{name}'; there is {}", names.join(", ")))
+        CliError::Input(format!("there is no color map '{name}'; there is {}", names.join(", ")))
     })
 }
 
@@ -114,7 +114,7 @@ struct Loaded {
     looks: Vec<Look>,
 }
 
-/// The colours of one panel.
+/// The colors of one panel.
 enum Look {
     Plain,
     Colors { values: Vec<[u8; 3]>, label: String },
@@ -163,7 +163,7 @@ fn region_look(args: &RenderArgs, input: &Input, global: &Global<'_>) -> Result<
     Ok(Look::Field { values, label: WEIGHT.to_owned(), unit: None, range })
 }
 
-/// What is shown by a field's name: its number, its length where it has several, or the colours that it holds.
+/// What is shown by a field's name: its number, its length where it has several, or the colors that it holds.
 fn look(args: &RenderArgs, global: &Global<'_>, input: &Input, name: &str) -> Result<Look, CliError> {
     if name == PLAIN {
         return Ok(Look::Plain);

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 The points of all files are sorted along one curve and cut into tiles that fit into memory. Around each tile lie as many rings of
-neighbours as its bands see, so that all ways to cut give the same bytes; results come in the order of the curve, with all that the
-points had. A mesh comes out as one file of its own format, in its own order, with all that it had; its neighbours are those of its faces.
+neighbors as its bands see, so that all ways to cut give the same bytes; results come in the order of the curve, with all that the
+points had. A mesh comes out as one file of its own format, in its own order, with all that it had; its neighbors are those of its faces.
 A run that was ended goes on where it was when the same command is given again. See docs/SCALE.md.
 
 Examples:
@@ -24,7 +24,7 @@ Examples:
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --forecast
   adwave tiles scan.ply -o smooth.ply --gains 0,0.5,1,1,1,1,1,1 --magnitudes 3,6 --memory 1G
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --plan-only, then on any machine that sees the folder:
-  adwave tile tiles/ sort; adwave tile tiles/ neighbours 0; adwave tile tiles/ bands 0")]
+  adwave tile tiles/ sort; adwave tile tiles/ neighbors 0; adwave tile tiles/ bands 0")]
 pub(crate) struct TilesArgs {
     /// LAS or LAZ files of one point format and scale, folders of such (tiles, an EPT), or one PLY or OBJ with faces
     #[arg(value_name = "FILE", required = true)]
@@ -70,9 +70,9 @@ pub(crate) struct TilesArgs {
     /// How many times the mean response of its level a feature has
     #[arg(long, value_name = "T", requires = "features", default_value_t = FeatureParams::default().theta, help_heading = "Bands")]
     pub(crate) theta: f64,
-    /// How many nearest neighbours a step of the walk takes in, in clouds [default: 10, with --denoise 12]
+    /// How many nearest neighbors a step of the walk takes in, in clouds [default: 10, with --denoise 12]
     #[arg(long, value_name = "K", help_heading = "Bands")]
-    pub(crate) neighbours: Option<usize>,
+    pub(crate) neighbors: Option<usize>,
     /// Relative error of the bands
     #[arg(long, value_name = "E", default_value_t = Params::default().accuracy, help_heading = "Bands")]
     pub(crate) accuracy: f64,
@@ -130,7 +130,7 @@ pub(crate) enum KindArg {
     /// (max − mean)² (eq. 17)
     Paper,
     /// 1/mean, so that every level counts alike
-    Normalised,
+    Normalized,
     /// 1
     None,
 }
@@ -138,14 +138,14 @@ pub(crate) enum KindArg {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Jobs of one kind may run in any order, at the same time and on several machines; runs come before the sort, which does those that are
-missing, all neighbours after it, where a cloud is denoised all sides after these, all bands after them, and, where there is a map or
+missing, all neighbors after it, where a cloud is denoised all sides after these, all bands after them, and, where there is a map or
 features, all maps after all bands. 'status' says how many there are of each. A job that is done twice gives the same file again. 'adwave tiles' with the same arguments does what is left and joins.
 
 Examples:
   adwave tile tiles/ status
   adwave tile tiles/ run 2
   adwave tile tiles/ sort
-  adwave tile tiles/ neighbours 3
+  adwave tile tiles/ neighbors 3
   adwave tile tiles/ bands 3
   adwave tile tiles/ maps 3")]
 pub(crate) struct TileArgs {
@@ -171,8 +171,8 @@ pub(crate) enum JobKind {
     Run,
     /// All points in the order of the curve, and the faces of a mesh to its tiles, once
     Sort,
-    /// The neighbours of the points of a tile
-    Neighbours,
+    /// The neighbors of the points of a tile
+    Neighbors,
     /// Which normals of a tile are on one side, where a cloud is denoised
     Sides,
     /// The bands of a tile or its positions without noise, and its points as they come out
@@ -201,15 +201,15 @@ impl TilesArgs {
             let (kind, skip) = match kind {
                 KindArg::Entropy => (MapKind::Entropy, 0),
                 KindArg::Paper => (MapKind::PerLevel, SKIPPED),
-                KindArg::Normalised => (MapKind::Normalised, SKIPPED),
+                KindArg::Normalized => (MapKind::Normalized, SKIPPED),
                 KindArg::None => (MapKind::Uniform, SKIPPED),
             };
             MapWeights { kind, skip: self.skip.unwrap_or(skip) }
         });
         params.theta = self.features.as_ref().map(|_| self.theta);
         params.denoise = self.noise.params();
-        let usual = if self.noise.denoise { DenoiseChoice::NEIGHBOURS } else { params.neighbours };
-        params.neighbours = self.neighbours.unwrap_or(usual);
+        let usual = if self.noise.denoise { DenoiseChoice::NEIGHBORS } else { params.neighbors };
+        params.neighbors = self.neighbors.unwrap_or(usual);
         params.accuracy = self.accuracy;
         params.n_tiles = self.tiles;
         params.memory = self.memory.unwrap_or_else(|| available_memory().unwrap_or(UNKNOWN) / 2);

@@ -162,7 +162,7 @@ fn said(
     n_features: Option<usize>,
 ) -> Result<(), CliError> {
     let (what, length) = match summary.n_faces {
-        0 => ("points".to_owned(), "distance to a neighbour"),
+        0 => ("points".to_owned(), "distance to a neighbor"),
         n => (format!("vertices of {n} faces"), "length of edges"),
     };
     let mut text = format!(
@@ -197,7 +197,7 @@ fn said(
 }
 
 fn status_in_words(status: &Status) -> String {
-    let Status { n_runs, runs_done, n_tiles, neighbours_done, bands_done, .. } = status;
+    let Status { n_runs, runs_done, n_tiles, neighbors_done, bands_done, .. } = status;
     let where_asked = |is_asked: bool, what: &str, n: usize| {
         if is_asked { format!("{what} of {n}, ") } else { String::new() }
     };
@@ -206,7 +206,7 @@ fn status_in_words(status: &Status) -> String {
     match n_tiles {
         Some(n) => {
             let text =
-                format!("{n} tiles: neighbours of {neighbours_done}, {sides}bands of {bands_done}, {maps}");
+                format!("{n} tiles: neighbors of {neighbors_done}, {sides}bands of {bands_done}, {maps}");
             format!("{}\n", text.trim_end_matches(", "))
         }
         None if *n_runs > 0 => format!("not sorted; {runs_done} of {n_runs} runs\n"),
@@ -223,7 +223,7 @@ pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliEr
         }
         JobKind::Run => Job::Run(args.index),
         JobKind::Sort => Job::Sort,
-        JobKind::Neighbours => Job::Neighbours(args.index),
+        JobKind::Neighbors => Job::Neighbors(args.index),
         JobKind::Sides => Job::Sides(args.index),
         JobKind::Bands => Job::Bands(args.index),
         JobKind::Maps => Job::Maps(args.index),

@@ -1,6 +1,6 @@
 //! COPC 1.0: a LAZ whose chunks are the nodes of an octree, with a hierarchy in pages of 32-byte entries.
 //!
-//! The first record behind the header of 375 bytes has the user `copc`, number 1 and 160 bytes: the centre and half the side of the
+//! The first record behind the header of 375 bytes has the user `copc`, number 1 and 160 bytes: the center and half the side of the
 //! root's cube, the spacing of its points, and where the first page is. Source: <https://copc.io>.
 
 use std::fs::File;

@@ -20,7 +20,7 @@ export function trianglesOfVertices(triangles: Uint32Array, n: number): Rows {
 }
 
 /** The vertices that share an edge of a triangle with each vertex, every one once, in ascending order. */
-export function neighboursOfMesh(triangles: Uint32Array, n: number, around: Rows): Rows {
+export function neighborsOfMesh(triangles: Uint32Array, n: number, around: Rows): Rows {
   const offsets = new Uint32Array(n + 1);
   let entries = new Uint32Array(Math.max(16, triangles.length + n));
   let size = 0;
@@ -66,9 +66,9 @@ function grown(array: Uint32Array<ArrayBuffer>): Uint32Array<ArrayBuffer> {
 
 /**
  * The `k` points next to each point of a cloud, by a grid whose cells hold four points on average. A preview of the
- * neighbour graph that the server has: what a brush paints on a cloud is fetched from there after the stroke.
+ * neighbor graph that the server has: what a brush paints on a cloud is fetched from there after the stroke.
  */
-export function neighboursOfCloud(positions: Float32Array, k: number): Rows {
+export function neighborsOfCloud(positions: Float32Array, k: number): Rows {
   const n = positions.length / 3;
   const grid = new Grid(positions);
   const offsets = new Uint32Array(n + 1);

@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { neighboursOfCloud } from './adjacency';
+import { neighborsOfCloud } from './adjacency';
 import { coarseTriangles, edgePairs } from './coarse';
 import { cloudNormals, meshNormals } from './normals';
 import { ballsOf, nearestVertex, pickMesh } from './pick';
@@ -12,7 +12,7 @@ import { random, rows, sheet, surfaceOf } from './testing';
 
 /** Dijkstra with the straight line over two edges, as the server has it, literally: the queue is searched through. */
 function literalDistances(
-  neighbours: { offsets: Uint32Array; entries: Uint32Array },
+  neighbors: { offsets: Uint32Array; entries: Uint32Array },
   p: Float32Array,
   sources: number[],
   radius: number,
@@ -36,8 +36,8 @@ function literalDistances(
     queue.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
     const [key, x] = queue.shift()!;
     if (key > distance[x]!) continue;
-    for (let e = neighbours.offsets[x]!; e < neighbours.offsets[x + 1]!; e++) {
-      const y = neighbours.entries[e]!;
+    for (let e = neighbors.offsets[x]!; e < neighbors.offsets[x + 1]!; e++) {
+      const y = neighbors.entries[e]!;
       let there = distance[x]! + far(x, y);
       if (before[x]! >= 0) there = Math.min(there, distance[before[x]!]! + far(before[x]!, y));
       if (there < distance[y]! && there <= radius) {
@@ -53,14 +53,14 @@ function literalDistances(
 describe('distance along the surface', () => {
   test('equals the literal rule on random strokes', () => {
     const s = sheet(17, 0.02);
-    const { neighbours } = rows(s);
+    const { neighbors } = rows(s);
     const search = new SurfaceSearch(surfaceOf(s));
     const next = random(1);
     for (let stroke = 0; stroke < 40; stroke++) {
       const sources = Array.from({ length: 1 + Math.floor(4 * next()) }, () => Math.floor(next() * s.n));
       const radius = 0.05 + 0.5 * next();
       search.run(sources, radius);
-      const expected = literalDistances(neighbours, s.positions, sources, radius);
+      const expected = literalDistances(neighbors, s.positions, sources, radius);
       expect(Array.from({ length: s.n }, (_, v) => search.distance(v))).toEqual(expected);
       expect(search.nReached).toBe(expected.filter(Number.isFinite).length);
     }
@@ -187,17 +187,17 @@ test('normals of a plane are its normal, for a mesh and a cloud', () => {
   meshNormals(s.positions, s.triangles, new Float32Array(3 * s.n), normals);
   for (let v = 0; v < s.n; v++)
     expect(Array.from(normals.subarray(4 * v, 4 * v + 4))).toEqual([0, 0, 127, 0]);
-  const near = neighboursOfCloud(s.positions, 6);
+  const near = neighborsOfCloud(s.positions, 6);
   cloudNormals(s.positions, near.offsets, near.entries, normals);
   for (let v = 0; v < s.n; v++) expect(Math.abs(normals[4 * v + 2]!)).toBeGreaterThan(125);
 });
 
-test('neighbours in a cloud are the nearest', () => {
+test('neighbors in a cloud are the nearest', () => {
   const next = random(5);
   // A surface, as scans are.
   const p = Float32Array.from({ length: 600 }, (_, i) => (i % 3 === 2 ? 0.1 : 1) * next());
   const k = 5;
-  const { offsets, entries } = neighboursOfCloud(p, k);
+  const { offsets, entries } = neighborsOfCloud(p, k);
   let right = 0;
   for (let v = 0; v < 200; v++) {
     const far = (w: number) =>
@@ -255,9 +255,9 @@ test('fewer triangles over the same vertices', () => {
 
 test('edges are there once', () => {
   const s = sheet(3);
-  const { neighbours } = rows(s);
+  const { neighbors } = rows(s);
   // Euler: V − E + F = 1 for a disc.
-  expect(edgePairs(neighbours.offsets, neighbours.entries).length / 2).toBe(s.n + s.triangles.length / 3 - 1);
+  expect(edgePairs(neighbors.offsets, neighbors.entries).length / 2).toBe(s.n + s.triangles.length / 3 - 1);
 });
 
 test('bands are read whatever the pieces they come in', async () => {

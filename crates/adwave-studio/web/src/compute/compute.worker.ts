@@ -17,7 +17,7 @@ const post = self.postMessage.bind(self) as (message: FromWorker, transfer?: Tra
 
 /** Vertices within the brush up to which its circle is drawn along the surface. */
 const RING_MOST = 60_000;
-const CLOUD_NEIGHBOURS = 8;
+const CLOUD_NEIGHBORS = 8;
 
 class Shape {
   readonly n: number;
@@ -73,7 +73,7 @@ class Shape {
     if (this.surfaceOnce) return;
     const { cloud, positions, triangles } = this.given;
     this.surfaceOnce = cloud
-      ? cloudSurface(positions, CLOUD_NEIGHBOURS)
+      ? cloudSurface(positions, CLOUD_NEIGHBORS)
       : readSurface(await (await this.fetch('surface')).arrayBuffer(), this.n, triangles);
   }
 
@@ -94,8 +94,8 @@ class Shape {
   /** Every edge once, as vertices. */
   async edges(): Promise<Uint32Array> {
     await this.prepare();
-    const { neighbours, members } = this.surface;
-    const pairs = edgePairs(neighbours.offsets, neighbours.entries);
+    const { neighbors, members } = this.surface;
+    const pairs = edgePairs(neighbors.offsets, neighbors.entries);
     for (let i = 0; i < pairs.length; i++) pairs[i] = members.entries[members.offsets[pairs[i]!]!]!;
     return pairs;
   }
@@ -103,8 +103,8 @@ class Shape {
   normals(positions: Float32Array): Int8Array<ArrayBuffer> {
     const out = new Int8Array(4 * this.n);
     if (this.given.cloud) {
-      this.surfaceOnce ??= cloudSurface(this.given.positions, CLOUD_NEIGHBOURS);
-      const { offsets, entries } = this.surface.neighbours;
+      this.surfaceOnce ??= cloudSurface(this.given.positions, CLOUD_NEIGHBORS);
+      const { offsets, entries } = this.surface.neighbors;
       cloudNormals(positions, offsets, entries, out);
     } else meshNormals(positions, this.given.triangles, this.sums, out);
     return out;

@@ -46,7 +46,7 @@ describe('regions and strokes', () => {
     for (const region of [field, { not: { any: [field] } }, blurred, { painted: [{ add: blurred }] }]) {
       await expect(maskOf(region, g)).rejects.toThrow('asked');
     }
-    // Of clouds the server has its own neighbours.
+    // Of clouds the server has its own neighbors.
     await expect(maskOf(stamp([1], 0.2), { ...g, local: false })).rejects.toThrow('asked');
     expect((await maskOf(stamp([1], 0.2), g))[1]).toBe(255);
   });

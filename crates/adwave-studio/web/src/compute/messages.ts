@@ -37,7 +37,7 @@ export interface Calls {
       url: string;
       token: string;
       n: number;
-      centre: number[];
+      center: number[];
       diagonal: number;
       meanLength: number;
       cloud: boolean;

@@ -57,7 +57,7 @@ function pack(sums: Float32Array, out: Int8Array): void {
 export function cloudNormals(
   positions: Float32Array,
   offsets: Uint32Array,
-  neighbours: Uint32Array,
+  neighbors: Uint32Array,
   out: Int8Array,
 ): void {
   const n = positions.length / 3;
@@ -77,7 +77,7 @@ export function cloudNormals(
     let my = 0;
     let mz = 0;
     for (let e = from; e < to; e++) {
-      const q = 3 * neighbours[e]!;
+      const q = 3 * neighbors[e]!;
       const x = positions[q]! - px;
       const y = positions[q + 1]! - py;
       const z = positions[q + 2]! - pz;

@@ -23,7 +23,7 @@ interface Stroke {
   before: Before;
   brush: BrushShape;
   /** Which vertices it may touch, from 0 to 1. */
-  towards: ((v: number) => number) | null;
+  toward: ((v: number) => number) | null;
   /** What a stroke that smooths leads to. */
   smoothed: Uint8Array | null;
 }
@@ -52,7 +52,7 @@ export class Painter {
 
   constructor(
     private readonly ground: Ground,
-    /** Relative to the centre of the page's shape. */
+    /** Relative to the center of the page's shape. */
     private readonly positions: Float32Array,
     private readonly tell: Tell,
   ) {}
@@ -180,7 +180,7 @@ export class Painter {
       stamped: new Set(),
       before: this.beforeOnce,
       brush,
-      towards: brush.facing && this.ground.local ? facingWeight(brush.facing, this.ground) : null,
+      toward: brush.facing && this.ground.local ? facingWeight(brush.facing, this.ground) : null,
       smoothed: brush.mode === 'smooth' && this.smoothed?.key === key ? this.smoothed.bytes : null,
     };
   }
@@ -269,12 +269,12 @@ class Range {
 function touch(stroke: Stroke, bytes: Uint8Array, v: number, distance: number): boolean {
   const { radius, falloff, strength, mode } = stroke.brush;
   let weight = weightAt(distance, radius, falloff);
-  if (stroke.towards) weight = Math.min(weight, stroke.towards(v));
+  if (stroke.toward) weight = Math.min(weight, stroke.toward(v));
   const w = strength * weight;
   const now = bytes[v]!;
   let value: number;
   if (mode === 'smooth') {
-    // A preview, until the server says it: from what was there towards what is blurred.
+    // A preview, until the server says it: from what was there toward what is blurred.
     const before = stroke.before.value(v, now);
     const there = stroke.smoothed?.[v] ?? before;
     value = Math.round(before + w * (there - before));

@@ -62,10 +62,10 @@ export function visitSparse(
   if ('all' in region) {
     const [first, ...rest] = region.all;
     if (!first || !rest.every((r) => 'facing' in r)) return false;
-    const towards = rest.map((r) => facingWeight(r.facing, ground));
+    const toward = rest.map((r) => facingWeight(r.facing, ground));
     return visitSparse(first, ground, (v, w) => {
       let least = w;
-      for (const weight of towards) least = Math.min(least, weight(v));
+      for (const weight of toward) least = Math.min(least, weight(v));
       if (least > 0) see(v, factor * least);
     });
   }

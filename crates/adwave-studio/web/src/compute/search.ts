@@ -57,7 +57,7 @@ export class SurfaceSearch {
 
   /** The same beside the sources of the searches since the last `run`: costs what is nearer to the new ones. */
   add(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
-    const { places, neighbours, points } = this.surface;
+    const { places, neighbors, points } = this.surface;
     this.stamp++;
     this.nFound = 0;
     this.nReached = 0;
@@ -66,7 +66,7 @@ export class SurfaceSearch {
       const source = places[sources[i]!]!;
       if (this.distanceOf(source) > 0) this.label(source, 0, NONE);
     }
-    const { offsets, entries } = neighbours;
+    const { offsets, entries } = neighbors;
     const { stamps, distances, first } = this;
     while (this.heapSize > 0) {
       const key = this.heapKeys[0]!;
@@ -173,7 +173,7 @@ function apart(p: Float64Array, x: number, y: number): number {
   return Math.sqrt(a * a + b * b + c * c);
 }
 
-function longestEdge({ points, neighbours: { offsets, entries } }: Surface): number {
+function longestEdge({ points, neighbors: { offsets, entries } }: Surface): number {
   let most = 0;
   for (let x = 0; x + 1 < offsets.length; x++) {
     for (let e = offsets[x]!; e < offsets[x + 1]!; e++) {

@@ -3,7 +3,7 @@
  * positions are those of the file in double precision, so that a brush paints here what the server will replay, to the bit.
  */
 
-import { neighboursOfCloud, neighboursOfMesh, type Rows, trianglesOfVertices } from './adjacency';
+import { neighborsOfCloud, neighborsOfMesh, type Rows, trianglesOfVertices } from './adjacency';
 
 export interface Surface {
   /** The place of each vertex. */
@@ -13,7 +13,7 @@ export interface Surface {
   /** The vertices at each place. */
   members: Rows;
   /** The places next to each. */
-  neighbours: Rows;
+  neighbors: Rows;
 }
 
 /** What `GET surface` gives: `f64 × 3 × n`, then `u32 × n` places. */
@@ -27,16 +27,16 @@ export function readSurface(buffer: ArrayBuffer, n: number, triangles: Uint32Arr
     for (let c = 0; c < 3; c++) points[3 * places[v]! + c] = positions[3 * v + c]!;
   }
   const welded = triangles.map((v) => places[v]!);
-  const neighbours = neighboursOfMesh(welded, nPlaces, trianglesOfVertices(welded, nPlaces));
-  return { places: places.slice(), points, members: membersOf(places, nPlaces), neighbours };
+  const neighbors = neighborsOfMesh(welded, nPlaces, trianglesOfVertices(welded, nPlaces));
+  return { places: places.slice(), points, members: membersOf(places, nPlaces), neighbors };
 }
 
 /** The surface of a cloud: near to that of the server, which is asked for what a brush has painted. */
-export function cloudSurface(positions: Float32Array, nNeighbours: number): Surface {
+export function cloudSurface(positions: Float32Array, nNeighbors: number): Surface {
   const n = positions.length / 3;
   const places = Uint32Array.from({ length: n }, (_, v) => v);
-  const neighbours = neighboursOfCloud(positions, nNeighbours);
-  return { places, points: Float64Array.from(positions), members: membersOf(places, n), neighbours };
+  const neighbors = neighborsOfCloud(positions, nNeighbors);
+  return { places, points: Float64Array.from(positions), members: membersOf(places, n), neighbors };
 }
 
 function membersOf(places: Uint32Array, nPlaces: number): Rows {

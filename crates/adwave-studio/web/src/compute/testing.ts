@@ -1,6 +1,6 @@
 /** Small shapes for tests. */
 
-import { neighboursOfMesh, trianglesOfVertices } from './adjacency';
+import { neighborsOfMesh, trianglesOfVertices } from './adjacency';
 import type { Ground } from './regions';
 import { SurfaceSearch } from './search';
 import { placeNormals, readSurface, type Surface } from './surface';
@@ -28,7 +28,7 @@ export function sheet(k: number, bump = 0): { positions: Float32Array; triangles
 
 export function rows(s: { triangles: Uint32Array; n: number }) {
   const around = trianglesOfVertices(s.triangles, s.n);
-  return { around, neighbours: neighboursOfMesh(s.triangles, s.n, around) };
+  return { around, neighbors: neighborsOfMesh(s.triangles, s.n, around) };
 }
 
 /** The surface of a sheet whose vertices are their own places. */

@@ -18,14 +18,14 @@ precision highp float;
 uniform vec3 surface;
 uniform bool cloud;
 in vec3 vNormal;
-out vec4 colour;
+out vec4 color;
 void main() {
   vec3 n = dot(vNormal, vNormal) > 1e-6 ? normalize(vNormal) : vec3(0.0, 0.0, 1.0);
   float side = 1.0;
   if (cloud ? n.z < 0.0 : !gl_FrontFacing) { n = -n; side = cloud ? 1.0 : 0.62; }
   float key = max(0.0, dot(n, vec3(-0.42, 0.56, 0.71)));
   float fill = max(0.0, dot(n, vec3(0.88, -0.12, 0.46)));
-  colour = vec4(surface * side * (0.24 + 0.72 * key + 0.18 * fill + 0.06 * n.y), 1.0);
+  color = vec4(surface * side * (0.24 + 0.72 * key + 0.18 * fill + 0.06 * n.y), 1.0);
 }`;
 
 const SURFACE = [0.84, 0.83, 0.81];
@@ -131,7 +131,7 @@ export class Picture {
       Math.cos(this.pitch),
       Math.sin(this.pitch),
     ];
-    // First about the upright axis, then towards the viewer.
+    // First about the upright axis, then toward the viewer.
     const rows = [
       [cy, 0, sy],
       [sp * sy, cp, -sp * cy],

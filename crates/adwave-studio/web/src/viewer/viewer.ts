@@ -1,6 +1,6 @@
 /** The one file: the shape with a slider a band, without a server. */
 
-import { neighboursOfCloud } from '../compute/adjacency';
+import { neighborsOfCloud } from '../compute/adjacency';
 import { cloudNormals, meshNormals } from '../compute/normals';
 import { editedPositions } from '../compute/positions';
 import { h } from '../dom';
@@ -37,7 +37,7 @@ async function start(): Promise<void> {
   const sums = new Float32Array(positions.length);
   const normals = new Int8Array(4 * head.n_vertices);
   if (triangles.length === 0) {
-    const { offsets, entries } = neighboursOfCloud(positions, 8);
+    const { offsets, entries } = neighborsOfCloud(positions, 8);
     cloudNormals(positions, offsets, entries, normals);
   }
   let before = false;

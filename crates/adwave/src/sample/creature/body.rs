@@ -60,7 +60,7 @@ fn shell() -> Part {
         .ball(at(0.0, 0.98, 0.50), 0.515, 0.03)
         .carved()
         .skin(Skin::Scales {
-            centre: at(0.0, 0.97, -0.10),
+            center: at(0.0, 0.97, -0.10),
             radius: 0.275,
             half_height: 0.41,
             n_rows: 13.0,

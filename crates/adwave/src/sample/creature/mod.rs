@@ -11,7 +11,7 @@ mod skin;
 
 use super::SampleError;
 use super::implicit::{Implicit, Side, V3, smooth_carve, smooth_union, smoothstep};
-use super::polygonise::{CrossedGrid, Surface};
+use super::polygonize::{CrossedGrid, Surface};
 use super::relax::{opposite_corners, relax};
 use part::Part;
 
@@ -50,10 +50,10 @@ impl Creature {
         assert!(parts.len() <= MAX_PARTS);
         let mut low = V3::repeat(f64::INFINITY);
         let mut high = V3::repeat(f64::NEG_INFINITY);
-        for (centre, radius) in parts.iter().flat_map(Part::balls) {
+        for (center, radius) in parts.iter().flat_map(Part::balls) {
             let reach = V3::repeat(radius + MARGIN);
-            low = low.inf(&(centre - reach));
-            high = high.sup(&(centre + reach));
+            low = low.inf(&(center - reach));
+            high = high.sup(&(center + reach));
         }
         Self { parts, low, high }
     }
@@ -101,10 +101,10 @@ impl Implicit for Creature {
         total - height / weights * smoothstep(0.0, 0.05, p.y)
     }
 
-    fn side_of_ball(&self, centre: V3, radius: f64) -> Option<Side> {
+    fn side_of_ball(&self, center: V3, radius: f64) -> Option<Side> {
         // The joined parts are 1-Lipschitz; the skin adds at most its height.
         let mut highest = 0.0_f64;
-        let total = self.joined(centre, radius, |i, _| highest = highest.max(self.parts[i].highest_skin()));
+        let total = self.joined(center, radius, |i, _| highest = highest.max(self.parts[i].highest_skin()));
         (total.abs() > radius + highest).then_some(if total < 0.0 { Side::Inside } else { Side::Outside })
     }
 

@@ -48,7 +48,7 @@ pub(super) struct Part {
     highest: f64,
     /// Width of the fillet to the parts before, model units.
     pub(super) blend: f64,
-    centre: V3,
+    center: V3,
     radius: f64,
     /// Largest flattening: distances are underestimated by at most this factor.
     stretch: f64,
@@ -62,7 +62,7 @@ impl Part {
             skin: Vec::new(),
             highest: 0.0,
             blend,
-            centre: V3::zeros(),
+            center: V3::zeros(),
             radius: 0.0,
             stretch: 1.0,
         }
@@ -92,16 +92,16 @@ impl Part {
     }
 
     /// Adds a ball (as a very short round cone).
-    pub(super) fn ball(self, centre: V3, radius: f64, blend: f64) -> Self {
+    pub(super) fn ball(self, center: V3, radius: f64, blend: f64) -> Self {
         let offset = V3::new(0.0, 0.5 * BALL_AXIS, 0.0);
-        self.bone(centre - offset, radius, centre + offset, radius, blend)
+        self.bone(center - offset, radius, center + offset, radius, blend)
     }
 
     /// Makes the last bone `factor` times as thin along `normal`, about the middle of its axis.
     pub(super) fn flattened(mut self, normal: V3, factor: f64) -> Self {
         let bone = self.bones.last_mut().expect("a bone to flatten");
         let [(a, _), (b, _)] = bone.cone.balls();
-        bone.flatten = Some(Flatten { centre: a.lerp(&b, 0.5), normal: normal.normalize(), factor });
+        bone.flatten = Some(Flatten { center: a.lerp(&b, 0.5), normal: normal.normalize(), factor });
         self.bounded()
     }
 
@@ -121,10 +121,10 @@ impl Part {
     fn bounded(mut self) -> Self {
         let solid = || self.bones.iter().filter(|b| b.role == Role::Add);
         let balls: Vec<_> = solid().flat_map(|b| b.cone.balls()).collect();
-        self.centre = balls.iter().map(|b| b.0).sum::<V3>() / balls.len().max(1) as f64;
+        self.center = balls.iter().map(|b| b.0).sum::<V3>() / balls.len().max(1) as f64;
         // A fillet of width k bulges by at most k/4.
         let bulge: f64 = solid().map(|b| 0.25 * b.blend).sum();
-        self.radius = balls.iter().map(|b| (b.0 - self.centre).norm() + b.1).fold(0.0, f64::max) + bulge;
+        self.radius = balls.iter().map(|b| (b.0 - self.center).norm() + b.1).fold(0.0, f64::max) + bulge;
         self.stretch = solid().filter_map(|b| b.flatten.as_ref()).map(|f| f.factor).fold(1.0, f64::max);
         self
     }
@@ -139,7 +139,7 @@ impl Part {
     /// Whether [`distance`](Self::distance) is certainly more than `limit` at `p`.
     pub(super) fn farther_than(&self, p: V3, limit: f64) -> bool {
         let reach = self.radius + (limit * self.stretch).max(0.0);
-        (p - self.centre).norm_squared() > reach * reach
+        (p - self.center).norm_squared() > reach * reach
     }
 
     /// Signed distance (an underestimate where flattened) to the part without skin.

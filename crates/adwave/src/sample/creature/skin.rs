@@ -19,7 +19,7 @@ pub(super) enum Skin {
     /// Rings round the chain, `size` apart, between `from` and `to` along it.
     Rings { size: f64, height: f64, from: f64, to: f64 },
     /// Rows of overlapping scales on an upright ellipsoid.
-    Scales { centre: V3, radius: f64, half_height: f64, n_rows: f64, n_columns: f64, height: f64 },
+    Scales { center: V3, radius: f64, half_height: f64, n_rows: f64, n_columns: f64, height: f64 },
     /// Pebbles where [`BellyPlates`](Self::BellyPlates) of the same extent are not.
     Flanks { size: f64, height: f64, half_width: f64, front: f64 },
     /// Broad plates across the belly, `size` apart in y, where |x| < `half_width` and z > `front`.
@@ -48,8 +48,8 @@ impl Skin {
                     smoothstep(from, from + size, place.along) * smoothstep(to, to - size, place.along);
                 height * mask * ring(place.along / size)
             }
-            Self::Scales { centre, radius, half_height, n_rows, n_columns, height } => {
-                let q = p - centre;
+            Self::Scales { center, radius, half_height, n_rows, n_columns, height } => {
+                let q = p - center;
                 let latitude = (q.y / half_height).atan2(q.x.hypot(q.z) / radius);
                 height * scales(latitude, q.x.atan2(-q.z), n_rows, n_columns)
             }
@@ -57,7 +57,7 @@ impl Skin {
                 height * (1.0 - belly(p, half_width, front)) * pebbles(p / size)
             }
             Self::BellyPlates { size, height, half_width, front } => {
-                // The plates sag towards the middle.
+                // The plates sag toward the middle.
                 height * belly(p, half_width, front) * ring((p.y + 0.5 * p.x * p.x) / size)
             }
         }
@@ -81,7 +81,7 @@ fn ring(x: f64) -> f64 {
 /// Part of a ring's width that its valley takes, about.
 const VALLEY: f64 = 0.3;
 
-/// Overlapping rounded scales in rows of latitude, every other row shifted by half a scale, each rising towards its
+/// Overlapping rounded scales in rows of latitude, every other row shifted by half a scale, each rising toward its
 /// lower edge and lying over the row below; between −1 and 1. Angles in radians.
 fn scales(latitude: f64, longitude: f64, n_rows: f64, n_columns: f64) -> f64 {
     // Rows are counted downwards from the upper pole.

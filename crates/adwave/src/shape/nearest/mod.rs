@@ -8,47 +8,47 @@ use crate::{Cancelled, Progress};
 use blocks::{Blocks, Search};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The neighbourhoods of a cloud's points.
+/// The neighborhoods of a cloud's points.
 #[derive(Clone, Debug)]
-pub struct Neighbourhoods {
+pub struct Neighborhoods {
     /// The points that each point names, not symmetric.
     pub adjacency: Adjacency,
-    /// The distance to the k-th nearest neighbour of each point, in the points' units.
+    /// The distance to the k-th nearest neighbor of each point, in the points' units.
     pub radius: Vec<f64>,
-    /// How many neighbours were asked for, at most one less than there are points.
+    /// How many neighbors were asked for, at most one less than there are points.
     pub k: usize,
 }
 
 /// Distances that differ by less than this part are equal: on a grid of points, whatever its orientation, the last of
-/// the k neighbours is one of several at the same distance, and which one it is must not hang on rounding.
+/// the k neighbors is one of several at the same distance, and which one it is must not hang on rounding.
 const TIE: f64 = 1e-9;
 
-/// How many neighbours beyond k a tie may add; past that the first in the order of `points` are taken.
+/// How many neighbors beyond k a tie may add; past that the first in the order of `points` are taken.
 const MAX_TIED: usize = 54;
 
-/// The `k` nearest neighbours of every point, and those at the same distance as the k-th (see below). O(n log n).
+/// The `k` nearest neighbors of every point, and those at the same distance as the k-th (see below). O(n log n).
 ///
 /// `N(x) = {y ≠ x : ‖x − y‖ ≤ r_k(x)}`: "the k nearest" is not a definition when several points are equally far, as on
-/// every regular grid or quantised scan; taking all of them keeps the operator unchanged when the cloud is rotated or its
-/// points are listed in another order. At most k + 54 neighbours are taken. With fewer than k + 1 points, all others are
-/// neighbours.
+/// every regular grid or quantized scan; taking all of them keeps the operator unchanged when the cloud is rotated or its
+/// points are listed in another order. At most k + 54 neighbors are taken. With fewer than k + 1 points, all others are
+/// neighbors.
 ///
 /// ```
-/// use adwave::shape::nearest_neighbours;
+/// use adwave::shape::nearest_neighbors;
 /// let line: Vec<_> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
-/// let near = nearest_neighbours(&line, 1);
+/// let near = nearest_neighbors(&line, 1);
 /// assert_eq!(near.adjacency.of(2), [1, 3]); // both are at distance 1
 /// assert_eq!(near.radius, [1.0; 5]);
 /// ```
 ///
 /// # Panics
 /// Where a coordinate is NaN or infinite.
-pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbourhoods {
-    unstopped(try_nearest_neighbours(points, k, Progress::none()))
+pub fn nearest_neighbors(points: &[[f64; 3]], k: usize) -> Neighborhoods {
+    unstopped(try_nearest_neighbors(points, k, Progress::none()))
 }
 
-/// The neighbours of `points[x]` among `points`, all different, as [`nearest_neighbours`] has them, without a search: O(n). Rising, in
-/// `neighbours`; what is returned is the distance to the k-th.
+/// The neighbors of `points[x]` among `points`, all different, as [`nearest_neighbors`] has them, without a search: O(n). Rising, in
+/// `neighbors`; what is returned is the distance to the k-th.
 ///
 /// ```
 /// use adwave::shape::nearest_of_one;
@@ -60,8 +60,8 @@ pub fn nearest_neighbours(points: &[[f64; 3]], k: usize) -> Neighbourhoods {
 ///
 /// # Panics
 /// Where there is no point `x`.
-pub fn nearest_of_one(points: &[[f64; 3]], x: usize, k: usize, neighbours: &mut Vec<u32>) -> f64 {
-    neighbours.clear();
+pub fn nearest_of_one(points: &[[f64; 3]], x: usize, k: usize, neighbors: &mut Vec<u32>) -> f64 {
+    neighbors.clear();
     let k = k.min(points.len().saturating_sub(1));
     if k == 0 {
         return 0.0;
@@ -78,21 +78,21 @@ pub fn nearest_of_one(points: &[[f64; 3]], x: usize, k: usize, neighbours: &mut 
         squares.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         squares.truncate(k + MAX_TIED);
     }
-    neighbours.extend(squares.into_iter().map(|(_, y)| y));
-    neighbours.sort_unstable();
+    neighbors.extend(squares.into_iter().map(|(_, y)| y));
+    neighbors.sort_unstable();
     unit * farthest.sqrt()
 }
 
-/// [`nearest_neighbours`], stopped when the call is.
-pub(crate) fn try_nearest_neighbours(
+/// [`nearest_neighbors`], stopped when the call is.
+pub(crate) fn try_nearest_neighbors(
     points: &[[f64; 3]],
     k: usize,
     progress: Progress<'_>,
-) -> Result<Neighbourhoods, Cancelled> {
+) -> Result<Neighborhoods, Cancelled> {
     let n = points.len();
     let k = k.min(n.saturating_sub(1));
     if k == 0 {
-        return Ok(Neighbourhoods { adjacency: Adjacency::empty(n), radius: vec![0.0; n], k });
+        return Ok(Neighborhoods { adjacency: Adjacency::empty(n), radius: vec![0.0; n], k });
     }
     // The blocks hold each position once: a search among many equal points would look at all of them.
     let vertex_map = VertexMap::try_new(points, WeldMode::EqualPositions, progress)?;
@@ -111,7 +111,7 @@ pub(crate) fn try_nearest_neighbours(
     let scratch = || (Search::new(&blocks, k + 1, (1.0 + TIE) * (1.0 + TIE)), Vec::new());
     if is_ordered {
         let radius: Vec<AtomicU64> = (0..n).map(|_| AtomicU64::new(0)).collect();
-        let adjacency = Adjacency::from_neighbours(n, progress, scratch, |(search, tied), x, out| {
+        let adjacency = Adjacency::from_neighbors(n, progress, scratch, |(search, tied), x, out| {
             let found = search.nearest(x, |_| 1);
             radius[x].store(found.farthest.sqrt().to_bits(), Ordering::Relaxed);
             if found.names.len() <= most + 1 {
@@ -122,7 +122,7 @@ pub(crate) fn try_nearest_neighbours(
             }
         })?;
         let radius = radius.into_iter().map(|r| unit * f64::from_bits(r.into_inner())).collect();
-        return Ok(Neighbourhoods { adjacency, radius, k });
+        return Ok(Neighborhoods { adjacency, radius, k });
     }
     // Along the curve, whatever the order of the points: what each position has near, one more than a point of it needs.
     let radius: Vec<AtomicU64> = (0..positions.len()).map(|_| AtomicU64::new(0)).collect();
@@ -140,7 +140,7 @@ pub(crate) fn try_nearest_neighbours(
         tied.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         out.extend(tied.iter().take(most + 1).map(|&(_, y)| y));
     })?;
-    let adjacency = Adjacency::from_neighbours(
+    let adjacency = Adjacency::from_neighbors(
         n,
         progress,
         || (),
@@ -151,7 +151,7 @@ pub(crate) fn try_nearest_neighbours(
     )?;
     let radius =
         (0..n).map(|x| unit * f64::from_bits(radius[vertex_map.welded(x)].load(Ordering::Relaxed))).collect();
-    Ok(Neighbourhoods { adjacency, radius, k })
+    Ok(Neighborhoods { adjacency, radius, k })
 }
 
 /// Coordinates between 2⁻³⁰⁰ and 2³⁰⁰ have squares that neither overflow nor vanish beside each other.
@@ -177,7 +177,7 @@ mod tests {
         ) {
             // Small integer coordinates make ties and repeated points the rule.
             let points: Vec<[f64; 3]> = points.into_iter().map(|p| p.map(f64::from)).collect();
-            let near = nearest_neighbours(&points, k);
+            let near = nearest_neighbors(&points, k);
             for (x, p) in points.iter().enumerate() {
                 let mut all: Vec<f64> =
                     (0..points.len()).filter(|&y| y != x).map(|y| distance(p, &points[y])).collect();
@@ -199,7 +199,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(40))]
 
         #[test]
-        fn many_blocks_and_more_neighbours_than_a_block_has_change_nothing(
+        fn many_blocks_and_more_neighbors_than_a_block_has_change_nothing(
             seed in any::<u64>(), n in 100_usize..900, k in 1_usize..60, lumps in 1_usize..5, is_doubled: bool,
         ) {
             // Lumps of different sizes far apart, and points that stand alone.
@@ -218,7 +218,7 @@ mod tests {
             if is_doubled {
                 points.extend_from_within(..n / 3);
             }
-            let near = nearest_neighbours(&points, k);
+            let near = nearest_neighbors(&points, k);
             for (x, p) in points.iter().enumerate() {
                 let squared = |y: usize| crate::shape::squared_distance(p, &points[y]);
                 let mut all: Vec<f64> = (0..points.len()).filter(|&y| y != x).map(squared).collect();
@@ -242,7 +242,7 @@ mod tests {
         let sheet = |i: u32| [random(i, 1), random(i, 2), 1e-3 * random(i, 3)];
         let time = |points: &[[f64; 3]]| {
             let start = std::time::Instant::now();
-            assert_eq!(nearest_neighbours(points, 10).radius.len(), points.len());
+            assert_eq!(nearest_neighbors(points, 10).radius.len(), points.len());
             start.elapsed().as_secs_f64()
         };
         let mut points: Vec<[f64; 3]> = (0..N).map(sheet).collect();
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn one_point_without_a_search_has_the_same_neighbours() {
+    fn one_point_without_a_search_has_the_same_neighbors() {
         let random =
             |i: u32, salt: u32| f64::from((i ^ salt).wrapping_mul(2_654_435_761).rotate_left(11) >> 8);
         let scattered: Vec<_> = (0..300).map(|i| [random(i, 1), random(i, 2), random(i, 3)]).collect();
@@ -281,7 +281,7 @@ mod tests {
         let mut found = Vec::new();
         for points in [scattered, lattice, sphere] {
             for k in [1, 4, 10, 26, 500] {
-                let near = nearest_neighbours(&points, k);
+                let near = nearest_neighbors(&points, k);
                 for x in 0..points.len() {
                     assert_eq!(nearest_of_one(&points, x, k, &mut found), near.radius[x]);
                     assert_eq!(found, near.adjacency.of(x), "{x} of {}, k = {k}", points.len());
@@ -295,11 +295,11 @@ mod tests {
         let points: Vec<[f64; 3]> = (0..300_u32)
             .map(|i| [f64::from(i * 37 % 101), f64::from(i * 53 % 97), f64::from(i % 7)])
             .collect();
-        let usual = nearest_neighbours(&points, 8);
+        let usual = nearest_neighbors(&points, 8);
         for exponent in [-1020, -600, 600, 1000] {
             let factor = 2_f64.powi(exponent);
             let scaled: Vec<_> = points.iter().map(|p| p.map(|c| c * factor)).collect();
-            let near = nearest_neighbours(&scaled, 8);
+            let near = nearest_neighbors(&scaled, 8);
             assert_eq!(near.adjacency, usual.adjacency, "2^{exponent}");
             assert!(near.radius.iter().zip(&usual.radius).all(|(r, usual)| *r == usual * factor));
         }
@@ -312,7 +312,7 @@ mod tests {
         let points: Vec<[f64; 3]> = (0..side * side * side)
             .map(|i| [f64::from(i % side), f64::from(i / side % side), f64::from(i / side / side)])
             .collect();
-        let near = nearest_neighbours(&points, 6);
+        let near = nearest_neighbors(&points, 6);
         for (x, p) in points.iter().enumerate() {
             let inside = |c: f64| u32::from(c > 0.0) + u32::from(c < f64::from(side - 1));
             let n_faces: u32 = p.iter().map(|&c| inside(c)).sum();
@@ -324,7 +324,7 @@ mod tests {
 
     #[test]
     fn a_hundred_thousand_equal_points_neither_hang_nor_blow_up() {
-        let near = nearest_neighbours(&vec![[1.0, 2.0, 3.0]; 100_000], 10);
+        let near = nearest_neighbors(&vec![[1.0, 2.0, 3.0]; 100_000], 10);
         assert!((0..100_000).all(|x| near.adjacency.of(x).len() <= 10 + MAX_TIED && near.radius[x] == 0.0));
     }
 }

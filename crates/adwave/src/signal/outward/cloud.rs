@@ -2,8 +2,8 @@
 
 use super::vote::Vote;
 use super::{OutwardInfo, OutwardNormals};
-use crate::shape::{Adjacency, try_nearest_neighbours};
-use crate::signal::{FIT_NEIGHBOURS, try_cloud_normals};
+use crate::shape::{Adjacency, try_nearest_neighbors};
+use crate::signal::{FIT_NEIGHBORS, try_cloud_normals};
 use crate::{Cancelled, Progress};
 
 /// The normals of the file, or those that are spread from point to point.
@@ -12,7 +12,7 @@ pub(super) fn normals(
     file: Option<&[[f64; 3]]>,
     progress: Progress<'_>,
 ) -> Result<OutwardNormals, Cancelled> {
-    let near = try_nearest_neighbours(points, FIT_NEIGHBOURS, progress)?;
+    let near = try_nearest_neighbors(points, FIT_NEIGHBORS, progress)?;
     let is_known = |normals: &&[[f64; 3]]| normals.iter().any(|n| *n != [0.0; 3]);
     let file = file.filter(is_known);
     let mut normals = match file {
@@ -35,10 +35,10 @@ pub(super) fn normals(
             info.n_by_file += 1;
             continue;
         }
-        let centre = centre(points, part);
+        let center = center(points, part);
         let mut vote = Vote::default();
         for &x in part {
-            vote.add(&points[x as usize], &normals[x as usize], &centre);
+            vote.add(&points[x as usize], &normals[x as usize], &center);
         }
         if vote.of_open().is_some() {
             info.n_by_majority += 1;
@@ -54,7 +54,7 @@ pub(super) fn normals(
     Ok(OutwardNormals { normals, info })
 }
 
-fn centre(points: &[[f64; 3]], part: &[u32]) -> [f64; 3] {
+fn center(points: &[[f64; 3]], part: &[u32]) -> [f64; 3] {
     let n = part.len() as f64;
     std::array::from_fn(|c| part.iter().map(|&x| points[x as usize][c] / n).sum())
 }

@@ -21,7 +21,7 @@ pub struct OutwardNormals {
 }
 
 /// How the outside of a shape was found, part by part: pieces of a mesh that hang together by edges of two triangles, pieces
-/// of a cloud that hang together by neighbours.
+/// of a cloud that hang together by neighbors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutwardInfo {
     /// Parts.
@@ -30,7 +30,7 @@ pub struct OutwardInfo {
     pub n_closed: usize,
     /// Parts that follow the normals of the file.
     pub n_by_file: usize,
-    /// Open parts whose outside is away from their own centre, seen from most of the area.
+    /// Open parts whose outside is away from their own center, seen from most of the area.
     pub n_by_majority: usize,
     /// Open parts seen alike from both sides, whose triangles agree on one.
     pub n_as_given: usize,
@@ -69,7 +69,7 @@ impl OutwardInfo {
         let ways = [
             (self.n_closed, "by the volume enclosed"),
             (self.n_by_file, "by the file's normals"),
-            (self.n_by_majority, "away from the centre of an open part"),
+            (self.n_by_majority, "away from the center of an open part"),
             (self.n_as_given, "as the triangles run"),
             (self.n_without, "none"),
         ];
@@ -124,7 +124,7 @@ impl ClassifiedError for OutwardError {
 /// Unit normals of a shape that point outwards, each part by itself. O(n log n).
 ///
 /// *Mesh.* Triangles are turned to agree across every edge of two triangles; what hangs together so is a part. The outside of a
-/// closed part is where its signed volume `⅓ Σ A_f·n_f·(x_f − c)` is positive, x_f the centre of a triangle and c that of the
+/// closed part is where its signed volume `⅓ Σ A_f·n_f·(x_f − c)` is positive, x_f the center of a triangle and c that of the
 /// part. An open part follows the normals of the file (`file`, one for each vertex of the shape, of any length, zero
 /// or NaN where there is none); without them the same sum decides, which then is the volume of the cones from c, where it is
 /// clear: at least a fiftieth of `⅓ Σ A_f·|n_f·(x_f − c)|`. Where it is not, the part is taken as its triangles run if they agree.

@@ -28,7 +28,7 @@ pub(super) fn normals(
     file: Option<&[[f64; 3]]>,
     progress: Progress<'_>,
 ) -> Result<OutwardNormals, Cancelled> {
-    let across = neighbours(triangles, progress)?;
+    let across = neighbors(triangles, progress)?;
     let mut turned = vec![false; triangles.len()];
     let patches = spread(&across, triangles, &mut turned, progress)?;
     let mut info = OutwardInfo {
@@ -83,7 +83,7 @@ pub(super) fn normals(
 }
 
 /// For each triangle what is across its edges ab, bc, ca.
-fn neighbours(triangles: &[[u32; 3]], progress: Progress<'_>) -> Result<Vec<[Across; 3]>, Cancelled> {
+fn neighbors(triangles: &[[u32; 3]], progress: Progress<'_>) -> Result<Vec<[Across; 3]>, Cancelled> {
     let mut edges: Vec<(u32, u32, u32, bool)> = Vec::with_capacity(3 * triangles.len());
     for (f, corners) in triangles.iter().enumerate().filter(|(_, corners)| is_proper(corners)) {
         for k in 0..3 {
@@ -183,7 +183,7 @@ impl Faces<'_> {
         doubled_normal(self.points, self.triangles[f as usize]).map(|c| sign * c)
     }
 
-    fn centre(&self, f: u32) -> [f64; 3] {
+    fn center(&self, f: u32) -> [f64; 3] {
         let [a, b, c] = self.triangles[f as usize].map(|v| self.points[v as usize]);
         std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0)
     }
@@ -212,20 +212,20 @@ impl Faces<'_> {
         sign
     }
 
-    /// Whether the patch turns its front or its back to its own centre.
+    /// Whether the patch turns its front or its back to its own center.
     fn vote(&self, patch: &Patch) -> Vote {
-        let origin = self.centre(patch.triangles[0]);
+        let origin = self.center(patch.triangles[0]);
         let (mut moment, mut total) = ([0.0; 3], 0.0);
         for &f in &patch.triangles {
             let area = norm(&self.doubled_normal(f));
-            let from = subtract(&self.centre(f), &origin);
+            let from = subtract(&self.center(f), &origin);
             moment = crate::vector::add_scaled(&moment, area, &from);
             total += area;
         }
         let mean = moment.map(|m| if total > 0.0 { m / total } else { 0.0 });
         let mut vote = Vote::default();
         for &f in &patch.triangles {
-            vote.add(&subtract(&self.centre(f), &origin), &self.doubled_normal(f), &mean);
+            vote.add(&subtract(&self.center(f), &origin), &self.doubled_normal(f), &mean);
         }
         vote
     }

@@ -16,11 +16,11 @@ fn outward(shape: &Shape, file: Option<&[f64]>) -> OutwardNormals {
     OutwardNormals { normals: normals.chunks_exact(3).map(|n| [n[0], n[1], n[2]]).collect(), info }
 }
 
-/// An octahedron about `centre`, its triangles running outwards.
-fn octahedron(centre: [f64; 3], first: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+/// An octahedron about `center`, its triangles running outwards.
+fn octahedron(center: [f64; 3], first: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let points = [1.0, -1.0].into_iter().flat_map(|s| axes.map(|a: [f64; 3]| a.map(|c| s * c)));
-    let points = points.map(|p| [p[0] + centre[0], p[1] + centre[1], p[2] + centre[2]]).collect();
+    let points = points.map(|p| [p[0] + center[0], p[1] + center[1], p[2] + center[2]]).collect();
     let faces = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
     (points, faces.map(|f| f.map(|v: u32| v + first)).to_vec())
 }
@@ -42,11 +42,11 @@ fn every_closed_part_points_away_from_its_own_inside_however_its_triangles_run()
     }
     points.extend(more);
     triangles.extend(inside_out);
-    triangles[2].swap(1, 2); // and one of the first runs against its neighbours
+    triangles[2].swap(1, 2); // and one of the first runs against its neighbors
     let OutwardNormals { normals, info } = found(points.clone(), &triangles, None);
     for (k, (n, p)) in normals.iter().zip(&points).enumerate() {
-        let centre = if k < 6 { [0.0; 3] } else { [9.0, 0.0, 0.0] };
-        let out = [p[0] - centre[0], p[1], p[2]];
+        let center = if k < 6 { [0.0; 3] } else { [9.0, 0.0, 0.0] };
+        let out = [p[0] - center[0], p[1], p[2]];
         assert!((dot(n, &out) - 1.0).abs() < 1e-12, "vertex {k}: {n:?}");
     }
     assert_eq!((info.n_parts, info.n_closed, info.n_turned, info.without), (2, 2, 9, 0.0));
@@ -66,7 +66,7 @@ fn turning_all_triangles_over_changes_nothing() {
 }
 
 #[test]
-fn an_open_cap_points_away_from_its_centre_and_the_files_normals_outrank_that() {
+fn an_open_cap_points_away_from_its_center_and_the_files_normals_outrank_that() {
     let (points, triangles) = sheet(9, |x, y| -0.4 * (x * x + y * y));
     let upward = vec![[0.0, 0.0, 1.0]; points.len()];
     let downward: Vec<f64> = upward.iter().flat_map(|n: &[f64; 3]| n.map(|c| -7.0 * c)).collect();

@@ -63,7 +63,7 @@ fn body<const D: usize, const FMA: bool, const CHECKED: bool>(rows: &Rows<'_>, o
     }
 }
 
-/// How many entries ahead vertices are asked for. Neighbours lie on several strands of memory that no hardware follows:
+/// How many entries ahead vertices are asked for. Neighbors lie on several strands of memory that no hardware follows:
 /// asking some 80 rows of a mesh ahead takes a quarter off the time of a product.
 const AHEAD: usize = 512;
 

@@ -68,8 +68,8 @@ impl CrossedGrid {
             nodes = nodes
                 .into_par_iter()
                 .filter(|at| {
-                    let centre = V3::from_fn(|a, _| (f64::from(at[a]) + 0.5) * width) + origin;
-                    field.side_of_ball(centre, reach).is_none()
+                    let center = V3::from_fn(|a, _| (f64::from(at[a]) + 0.5) * width) + origin;
+                    field.side_of_ball(center, reach).is_none()
                 })
                 .collect();
             if size == 1 {
@@ -199,10 +199,10 @@ impl CrossedGrid {
                     place[u] -= du;
                     place[v] -= dv;
                     let (nb, nc) = self.locate(b, place).expect("a crossed edge has four crossed cells");
-                    let neighbour = &self.blocks[nb].cells[nc];
+                    let neighbor = &self.blocks[nb].cells[nc];
                     let edge = edge_index(axis, du as usize, dv as usize);
-                    let which = u16::from(self.links_of(neighbour).loop_of[edge]);
-                    let local = neighbour.first + which;
+                    let which = u16::from(self.links_of(neighbor).loop_of[edge]);
+                    let local = neighbor.first + which;
                     (starts[nb] + u32::from(local), self.blocks[nb].points[local as usize])
                 });
                 let [a, b, c, d] = if start_inside { quad } else { [quad[3], quad[2], quad[1], quad[0]] };

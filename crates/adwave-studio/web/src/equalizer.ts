@@ -1,4 +1,4 @@
-/** The equaliser: one native slider a band, upright, with its width, its gain, solo and mute. */
+/** The equalizer: one native slider a band, upright, with its width, its gain, solo and mute. */
 
 import { h } from './dom';
 import { GREATEST_TYPED, gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
@@ -17,11 +17,11 @@ interface Column {
   mute: HTMLButtonElement;
 }
 
-export function equaliser(studio: Studio): HTMLElement {
+export function equalizer(studio: Studio): HTMLElement {
   let columns: Column[] = [];
   /** Gains before solo or mute, to go back to: by layer and band (0: all). */
   const kept = new Map<string, number[]>();
-  const bands = h('div', { class: 'bands', role: 'group', 'aria-label': text.equaliser });
+  const bands = h('div', { class: 'bands', role: 'group', 'aria-label': text.equalizer });
   const presets = h('select', { 'aria-label': text.presets });
   const drawButton = h(
     'button',
@@ -245,11 +245,11 @@ export function equaliser(studio: Studio): HTMLElement {
 
   return h(
     'section',
-    { class: 'equaliser', id: 'equaliser', 'aria-label': text.equaliser },
+    { class: 'equalizer', id: 'equalizer', 'aria-label': text.equalizer },
     h(
       'header',
       {},
-      h('h2', {}, text.equaliser),
+      h('h2', {}, text.equalizer),
       whose,
       h('span', { class: 'space' }),
       drawButton,

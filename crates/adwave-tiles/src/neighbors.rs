@@ -1,4 +1,4 @@
-//! The nearest neighbours of a tile's vertices, exact across its border.
+//! The nearest neighbors of a tile's vertices, exact across its border.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use adwave::Progress;
 use adwave::pages::{release_freed, zeros};
-use adwave::shape::{nearest_neighbours, nearest_of_one};
+use adwave::shape::{nearest_neighbors, nearest_of_one};
 use rayon::prelude::*;
 
 use crate::TilesError;
@@ -15,11 +15,11 @@ use crate::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::box_tree::{Bounds, BoxTree};
 use crate::near_file::{self, BlockSummary, Near};
 
-/// Distances within this part of each other may count as equal where the neighbours are chosen.
+/// Distances within this part of each other may count as equal where the neighbors are chosen.
 const TIE: f64 = 1e-8;
 
-/// Finds and writes the neighbourhoods of the vertices of the blocks `tile`.
-pub(crate) fn neighbours_of_tile(
+/// Finds and writes the neighborhoods of the vertices of the blocks `tile`.
+pub(crate) fn neighbors_of_tile(
     blocks: &Blocks,
     tree: &BoxTree,
     tile: Range<usize>,
@@ -31,8 +31,8 @@ pub(crate) fn neighbours_of_tile(
     let first = tile.start * VERTICES_IN_A_BLOCK;
     let points = positions_of_tile(blocks, &tile)?;
     progress.check()?;
-    let own = nearest_neighbours(&points, k);
-    // Where there are not enough points in the tile, any other may be a neighbour.
+    let own = nearest_neighbors(&points, k);
+    // Where there are not enough points in the tile, any other may be a neighbor.
     let wanted = k.min((blocks.n_vertices as usize).saturating_sub(1));
     let reach = |i: usize| if own.k < wanted { f64::INFINITY } else { own.radius[i] * (1.0 + TIE) };
     let cache = PositionCache::new(blocks);
@@ -43,7 +43,7 @@ pub(crate) fn neighbours_of_tile(
             progress.check()?;
             let vertices = blocks.vertices(block);
             let mut near = Near { offsets: vec![0], ..Near::default() };
-            let mut summary = BlockSummary { sum: 0.0, n_neighbours: 0, radius: 0.0 };
+            let mut summary = BlockSummary { sum: 0.0, n_neighbors: 0, radius: 0.0 };
             for place in vertices.clone() {
                 let i = place - first;
                 let mut others = Vec::new();
@@ -63,7 +63,7 @@ pub(crate) fn neighbours_of_tile(
                 near.measures.push(radius);
                 near.offsets.push(near.places.len() as u32);
                 summary.radius = summary.radius.max(radius);
-                summary.n_neighbours += (near.places.len() - start) as u64;
+                summary.n_neighbors += (near.places.len() - start) as u64;
             }
             summary.sum = sum_of_distances(&near, &vertices, first, &points, &cache)?;
             Ok((vertices.start, near, summary))
@@ -83,7 +83,7 @@ pub(crate) fn positions_of_tile(blocks: &Blocks, tile: &Range<usize>) -> Result<
     Ok(points)
 }
 
-/// The neighbours of the first of `known`, which are those that its own tile names, with the points of the blocks `others` of other
+/// The neighbors of the first of `known`, which are those that its own tile names, with the points of the blocks `others` of other
 /// tiles: appended to `places`. Its distance to the k-th.
 ///
 /// The k nearest of a tile are among the k nearest of all, or farther: all that is within `reach` is compared at once, by the
@@ -142,7 +142,7 @@ fn kth_distance(known: &[(u32, [f64; 3])], k: usize, square: impl Fn(&[f64; 3]) 
     squares.select_nth_unstable_by(k, f64::total_cmp).1.sqrt()
 }
 
-/// The sum of the distances to all neighbours, vertex by vertex, in the order of the curve: no tile decides it.
+/// The sum of the distances to all neighbors, vertex by vertex, in the order of the curve: no tile decides it.
 fn sum_of_distances(
     near: &Near,
     vertices: &Range<usize>,

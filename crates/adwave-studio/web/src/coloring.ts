@@ -1,6 +1,6 @@
-/** A scalar field as colours, with a bar in its units. */
+/** A scalar field as colors, with a bar in its units. */
 
-import { colourAt, type MapName, type RangeRule, rangeOf } from './colours';
+import { colorAt, type MapName, type RangeRule, rangeOf } from './colors';
 import { h, select } from './dom';
 import { short } from './lengths';
 import type { FieldName } from './protocol';
@@ -12,17 +12,17 @@ function isOther(field: FieldName): boolean {
   return field.name !== 'change' && !/^band-\d+$/.test(field.name);
 }
 
-export interface Colouring {
+export interface Coloring {
   controls: HTMLElement[];
   legend: HTMLElement;
   toggleChange(): void;
-  /** The value at a vertex in words; nothing where nothing is coloured. */
+  /** The value at a vertex in words; nothing where nothing is colored. */
   valueAt(v: number): string;
 }
 
-export function colouring(studio: Studio): Colouring {
+export function coloring(studio: Studio): Coloring {
   const { view } = studio;
-  let coloured = 'none';
+  let colored = 'none';
   let values: Float32Array | null = null;
   let title = '';
   let unit = '';
@@ -30,9 +30,9 @@ export function colouring(studio: Studio): Colouring {
   let map: MapName = 'viridis';
   let rule: RangeRule = 'most';
 
-  const colourSelect = h('select', {
-    'aria-label': text.colours,
-    onchange: () => void colour(colourSelect.value),
+  const colorSelect = h('select', {
+    'aria-label': text.colors,
+    onchange: () => void color(colorSelect.value),
   });
   const mapSelect = select<MapName>(text.map, text.maps, 'viridis', (m) => {
     map = m;
@@ -71,9 +71,9 @@ export function colouring(studio: Studio): Colouring {
     rule = { low: low.valueAsNumber, high: high.valueAsNumber };
     paintLegend();
   };
-  const colourOptions = h(
+  const colorOptions = h(
     'div',
-    { class: 'colour-options', hidden: true },
+    { class: 'color-options', hidden: true },
     mapSelect,
     ruleSelect,
     h('div', { class: 'row' }, low, high),
@@ -99,7 +99,7 @@ export function colouring(studio: Studio): Colouring {
     view.setScalarRange(range, map);
     const context = bar.getContext('2d')!;
     for (let i = 0; i < 256; i++) {
-      const [r, g, b] = colourAt(map, i / 255);
+      const [r, g, b] = colorAt(map, i / 255);
       context.fillStyle = `rgb(${r} ${g} ${b})`;
       context.fillRect(i, 0, 1, 1);
     }
@@ -113,12 +113,12 @@ export function colouring(studio: Studio): Colouring {
   }
 
   let asked = 0;
-  async function colour(name: string): Promise<void> {
+  async function color(name: string): Promise<void> {
     const mine = ++asked;
-    const changed = name !== coloured;
-    coloured = name;
-    colourSelect.value = name;
-    colourOptions.hidden = name === 'none';
+    const changed = name !== colored;
+    colored = name;
+    colorSelect.value = name;
+    colorOptions.hidden = name === 'none';
     if (name === 'none') {
       values = null;
       view.setScalar(null);
@@ -146,7 +146,7 @@ export function colouring(studio: Studio): Colouring {
     } catch (error) {
       if (mine !== asked) return;
       studio.say((error as Error).message, 'error');
-      if (changed) void colour('none');
+      if (changed) void color('none');
       return;
     }
     if (changed) {
@@ -159,11 +159,11 @@ export function colouring(studio: Studio): Colouring {
     paintLegend();
   }
 
-  function listColours(): void {
+  function listColors(): void {
     const shape = studio.shape;
     if (!shape) return;
-    colourSelect.replaceChildren(
-      h('option', { value: 'none' }, text.noColours),
+    colorSelect.replaceChildren(
+      h('option', { value: 'none' }, text.noColors),
       h('option', { value: 'change' }, text.change),
       h(
         'optgroup',
@@ -178,23 +178,23 @@ export function colouring(studio: Studio): Colouring {
         ),
       ),
     );
-    void colour('none');
+    void color('none');
   }
-  studio.on('levels', listColours);
+  studio.on('levels', listColors);
   // Fields of the edited shape follow it.
   let later = 0;
   studio.on('moved', () => {
     const edited =
-      coloured === 'change' || studio.shape?.fields.some((f) => f.edited && coloured === `field-${f.name}`);
-    if (!edited || (coloured !== 'change' && studio.saver?.state !== 'kept')) return;
+      colored === 'change' || studio.shape?.fields.some((f) => f.edited && colored === `field-${f.name}`);
+    if (!edited || (colored !== 'change' && studio.saver?.state !== 'kept')) return;
     window.clearTimeout(later);
-    later = window.setTimeout(() => void colour(coloured), 60);
+    later = window.setTimeout(() => void color(colored), 60);
   });
 
   return {
-    controls: [h('label', { class: 'field' }, h('span', {}, text.colours), colourSelect), colourOptions],
+    controls: [h('label', { class: 'field' }, h('span', {}, text.colors), colorSelect), colorOptions],
     legend,
-    toggleChange: () => void colour(coloured === 'change' ? 'none' : 'change'),
+    toggleChange: () => void color(colored === 'change' ? 'none' : 'change'),
     valueAt: (v) => (values ? `, ${title} ${short(values[v]!)}${unit ? ` ${unit}` : ''}` : ''),
   };
 }

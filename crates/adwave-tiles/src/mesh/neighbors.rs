@@ -1,4 +1,4 @@
-//! The neighbours and areas of a tile's vertices, by the faces around them.
+//! The neighbors and areas of a tile's vertices, by the faces around them.
 
 use std::ops::Range;
 use std::path::Path;
@@ -11,11 +11,11 @@ use rayon::prelude::*;
 use crate::TilesError;
 use crate::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::near_file::{self, BlockSummary, Near};
-use crate::neighbours::{PositionCache, positions_of_tile};
+use crate::neighbors::{PositionCache, positions_of_tile};
 use crate::outputs::length;
 
-/// Finds and writes the neighbourhoods of the vertices of the blocks `tile`, whose faces are in the file `faces`, of `n_bytes` bytes.
-pub(crate) fn neighbours_of_tile(
+/// Finds and writes the neighborhoods of the vertices of the blocks `tile`, whose faces are in the file `faces`, of `n_bytes` bytes.
+pub(crate) fn neighbors_of_tile(
     blocks: &Blocks,
     tile: Range<usize>,
     (faces, n_bytes): (&Path, u64),
@@ -115,7 +115,7 @@ impl Around {
 
     fn block(&self, vertices: &Range<usize>, ring: &Adjacency, areas: &[f64]) -> (Near, BlockSummary) {
         let mut near = Near { offsets: vec![0], ..Near::default() };
-        let mut summary = BlockSummary { sum: 0.0, n_neighbours: 0, radius: 0.0 };
+        let mut summary = BlockSummary { sum: 0.0, n_neighbors: 0, radius: 0.0 };
         let first = self.number(vertices.start as u32) as usize;
         near.measures.extend(&areas[first..first + vertices.len()]);
         for x in first..first + vertices.len() {
@@ -128,7 +128,7 @@ impl Around {
             // Each edge once, in the order of the curve: no tile decides it.
             let later = ring.of(x).iter().filter(|&&y| y as usize > x);
             summary.sum += later.clone().map(|&y| distance(y)).sum::<f64>();
-            summary.n_neighbours += later.count() as u64;
+            summary.n_neighbors += later.count() as u64;
         }
         (near, summary)
     }

@@ -1,6 +1,6 @@
-/** Colour maps, built in code, and what of a field they show. */
+/** Color maps, built in code, and what of a field they show. */
 
-export type MapName = 'viridis' | 'diverging' | 'grey';
+export type MapName = 'viridis' | 'diverging' | 'gray';
 
 type Rgb = [number, number, number];
 
@@ -24,13 +24,13 @@ const DIVERGING: Rgb[] = [
   [0.6, 0.11, 0.16],
 ];
 
-/** The colour at t in [0, 1], each component in [0, 255]. */
-export function colourAt(map: MapName, t: number): Rgb {
+/** The color at t in [0, 1], each component in [0, 255]. */
+export function colorAt(map: MapName, t: number): Rgb {
   const s = Math.min(1, Math.max(0, t));
   let rgb: Rgb;
   if (map === 'viridis') {
     rgb = [0, 1, 2].map((c) => VIRIDIS.reduceRight((sum, k) => sum * s + k[c]!, 0)) as Rgb;
-  } else if (map === 'grey') {
+  } else if (map === 'gray') {
     rgb = [0.15 + 0.8 * s, 0.15 + 0.8 * s, 0.15 + 0.8 * s];
   } else {
     const x = s * (DIVERGING.length - 1);
@@ -40,10 +40,10 @@ export function colourAt(map: MapName, t: number): Rgb {
   return rgb.map((x) => Math.round(255 * Math.min(1, Math.max(0, x)))) as Rgb;
 }
 
-/** 256 colours as RGBA. */
+/** 256 colors as RGBA. */
 export function table(map: MapName): Uint8Array<ArrayBuffer> {
   const out = new Uint8Array(4 * 256);
-  for (let i = 0; i < 256; i++) out.set([...colourAt(map, i / 255), 255], 4 * i);
+  for (let i = 0; i < 256; i++) out.set([...colorAt(map, i / 255), 255], 4 * i);
   return out;
 }
 

@@ -1,10 +1,10 @@
-"""How long the nearest neighbours of a cloud take, beside SciPy's and Open3D's trees.
+"""How long the nearest neighbors of a cloud take, beside SciPy's and Open3D's trees.
 
     python -m pip install numpy scipy open3d
-    cargo build --release -p adwave-bench-helpers --bin neighbour_time
-    python benches/peers/neighbours.py --points 1e6 1e7
+    cargo build --release -p adwave-bench-helpers --bin neighbor_time
+    python benches/peers/neighbors.py --points 1e6 1e7
 
-The cloud is a terrain as from a flight: hills, noise of a few centimetres, one point in seven up to 15 m above the ground, in no
+The cloud is a terrain as from a flight: hills, noise of a few centimeters, one point in seven up to 15 m above the ground, in no
 order. Everybody finds the ten nearest of each point with both cores, its tree or order included; the sum of the distances to the
 tenth must be the same. adwave also finds those that are tied with the tenth.
 """
@@ -20,13 +20,13 @@ import numpy as np
 import open3d as o3d
 from scipy.spatial import cKDTree
 
-NEIGHBOURS = 10
+NEIGHBORS = 10
 # Sums of as many distances in another order.
 ROUNDING = 1e-9
 
 
 def terrain(n: int) -> np.ndarray:
-    """So many points, 2.5 on a square metre."""
+    """So many points, 2.5 on a square meter."""
     random = np.random.default_rng(1)
     x, y = 2000 * np.sqrt(n / 1e7) * random.random((2, n))
     z = 20 * np.sin(x / 70) * np.cos(y / 90) + random.normal(0, 0.05, n)
@@ -42,8 +42,8 @@ def write_ply(points: np.ndarray, path: Path) -> None:
 
 def by_scipy(points: np.ndarray, **options: bool) -> tuple[float, float]:
     start = time.perf_counter()
-    distances, _ = cKDTree(points, **options).query(points, NEIGHBOURS + 1, workers=-1)
-    return time.perf_counter() - start, distances[:, NEIGHBOURS].sum()
+    distances, _ = cKDTree(points, **options).query(points, NEIGHBORS + 1, workers=-1)
+    return time.perf_counter() - start, distances[:, NEIGHBORS].sum()
 
 
 def by_open3d(points: np.ndarray) -> tuple[float, float]:
@@ -51,14 +51,14 @@ def by_open3d(points: np.ndarray) -> tuple[float, float]:
     tensor = o3d.core.Tensor(points)
     search = o3d.core.nns.NearestNeighborSearch(tensor)
     search.knn_index()
-    _, squares = search.knn_search(tensor, NEIGHBOURS + 1)
-    return time.perf_counter() - start, np.sqrt(squares.numpy()[:, NEIGHBOURS]).sum()
+    _, squares = search.knn_search(tensor, NEIGHBORS + 1)
+    return time.perf_counter() - start, np.sqrt(squares.numpy()[:, NEIGHBORS]).sum()
 
 
 def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--points", type=float, nargs="+", default=[1e6, 1e7])
-    arguments.add_argument("--program", type=Path, default=Path("target/release/neighbour_time"))
+    arguments.add_argument("--program", type=Path, default=Path("target/release/neighbor_time"))
     given = arguments.parse_args()
     print("| points | adwave | SciPy `cKDTree` | the same, not balanced | Open3D | fastest peer / adwave |")
     print("|---|---|---|---|---|---|")
@@ -67,7 +67,7 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder:
             cloud = Path(folder) / "cloud.ply"
             write_ply(points, cloud)
-            command = [given.program, cloud, str(NEIGHBOURS), "3"]
+            command = [given.program, cloud, str(NEIGHBORS), "3"]
             ours = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
         seconds = sorted(ours["seconds"])[1]
         peers = [by_scipy(points), by_scipy(points, balanced_tree=False, compact_nodes=False), by_open3d(points)]
