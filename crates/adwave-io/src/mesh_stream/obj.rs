@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::window::Window;
 use crate::ReadError;
-use crate::obj::read::{Chunk, corner_as_written, cut, logical_end, parse_chunk, resolve_relative};
+use crate::formats::obj::read::{Chunk, corner_as_written, cut, logical_end, parse_chunk, resolve_relative};
 
 pub(in crate::mesh_stream) struct ObjStream {
     pub(super) window: Window,

@@ -4,11 +4,11 @@ use adwave::Progress;
 use adwave::shape::Polygons;
 
 use super::window::Window;
-use crate::field::{ByteOrder, Number};
-use crate::ply::body::Body;
-use crate::ply::fixed::{FaceLayout, whole};
-use crate::ply::header::{Element, Encoding, Header, Kind, parse_header};
-use crate::ply::read::{check_axes, corner_list, strip_triangles};
+use crate::formats::ply::body::Body;
+use crate::formats::ply::fixed::{FaceLayout, whole};
+use crate::formats::ply::header::{Element, Encoding, Header, Kind, parse_header};
+use crate::formats::ply::read::{check_axes, corner_list, strip_triangles};
+use crate::model::field::{ByteOrder, Number};
 use crate::{ReadError, ValueType};
 
 /// Rows that are read at once.

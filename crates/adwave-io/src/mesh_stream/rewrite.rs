@@ -9,9 +9,9 @@ use adwave::Progress;
 use super::Source;
 use super::obj::ObjStream;
 use super::ply::PlyStream;
-use crate::original::{RowEdit, Separator, TextRows};
-use crate::ply::header::Element;
-use crate::ply::update::{RowWriter, write_header};
+use crate::formats::ply::header::Element;
+use crate::formats::ply::update::{RowWriter, write_header};
+use crate::model::original::{RowEdit, Separator, TextRows};
 use crate::{Field, FieldValues, Format, ReadError, ShapeFile, WriteError};
 
 /// What [`rewrite_mesh`] asks for: the new coordinates of the next vertices, and their values of each new field.

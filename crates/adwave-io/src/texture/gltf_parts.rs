@@ -2,10 +2,10 @@
 
 use super::TextureError;
 use super::picture::Picture;
-use crate::gltf::document::Document;
-use crate::gltf::json::Json;
-use crate::gltf::read::{Part, field_name};
-use crate::gltf::update::GltfOriginal;
+use crate::formats::gltf::document::Document;
+use crate::formats::gltf::json::Json;
+use crate::formats::gltf::read::{Part, field_name};
+use crate::formats::gltf::update::GltfOriginal;
 use crate::{Field, FieldValues, ShapeFile};
 
 /// The base colors: those of pictures where a part has texture coordinates, else of the material alone; NaN without a material.

@@ -10,7 +10,7 @@ use std::path::Path;
 use adwave::{ClassifiedError, ErrorKind, Progress};
 
 use crate::limits::decompress;
-use crate::read::read_file;
+use crate::registry::read::read_file;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile};
 use materials::read_materials;
 use obj_corners::Corners;
@@ -79,7 +79,7 @@ pub fn texture_colors(
         let colors: Vec<f64> = (0..texcoord.len()).flat_map(at).collect();
         return Ok(Field::new("texture", 3, FieldValues::F64(colors)));
     }
-    if let Some(crate::original::Original::Gltf(original)) = shape.original.as_deref() {
+    if let Some(crate::model::original::Original::Gltf(original)) = shape.original.as_deref() {
         let given = image.map(Picture::open).transpose()?;
         return gltf_parts::colors(shape, original, given.as_ref(), &name());
     }

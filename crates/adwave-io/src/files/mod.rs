@@ -1,0 +1,3 @@
+//! Replacing files as a whole.
+
+pub(crate) mod atomic;

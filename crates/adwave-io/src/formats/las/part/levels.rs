@@ -1,0 +1,65 @@
+//! The levels of a cloud that has such.
+
+use std::fs::File;
+use std::path::Path;
+
+use adwave::Progress;
+
+use crate::formats::las::part::octree::{Node, Root};
+use crate::formats::las::part::selection::Selection;
+use crate::formats::las::part::{copc, ept, folder_of_tiles, is_las, named};
+use crate::formats::las::stream::LasReader;
+use crate::{ReadError, ReadLimits};
+
+/// The levels of a COPC or EPT. Level d adds its points to those of the levels before it, which together are about spacing / 2ᵈ apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CloudLevels {
+    /// How far apart the points of level 0 are, in model units.
+    pub spacing: f64,
+    /// The number of points of each level, the coarsest first.
+    pub n_points: Vec<u64>,
+}
+
+/// The levels of a COPC (found by what is in the file) or an EPT (its folder, or the `ept.json` in it); `None` of any other file.
+///
+/// The whole hierarchy is read, and no points: 32 bytes of a COPC for each node.
+///
+/// # Errors
+/// One line that begins with a file's name: it cannot be read, or is a LAS, LAZ, COPC or EPT that is broken.
+///
+/// ```
+/// use adwave_io::{ReadLimits, ShapeFile, cloud_levels, write_path};
+/// let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("a.laz");
+/// write_path(&ShapeFile::from_cloud(vec![[0.0; 3]]), &path, None).unwrap();
+/// assert_eq!(cloud_levels(&path, &ReadLimits::default()).unwrap(), None);
+/// ```
+pub fn cloud_levels(path: &Path, limits: &ReadLimits) -> Result<Option<CloudLevels>, ReadError> {
+    levels(path, limits).map_err(|error| named(error, path))
+}
+
+fn levels(path: &Path, limits: &ReadLimits) -> Result<Option<CloudLevels>, ReadError> {
+    let (all, progress) = (Selection::whole(), Progress::none());
+    if let Some(folder) = folder_of_tiles(path) {
+        let info = ept::Info::read(&folder, limits, progress)?;
+        let nodes = ept::nodes(&folder, &info, &all, limits, progress)?;
+        return Ok(Some(count(&info.root, &nodes)));
+    }
+    if !is_las(path)? {
+        return Ok(None);
+    }
+    let reader = LasReader::open(path)?;
+    let Some(info) = copc::Info::of(&reader)? else { return Ok(None) };
+    let nodes = copc::nodes(&mut File::open(path)?, &reader, &info, &all, limits, progress)?;
+    Ok(Some(count(&info.root, &nodes)))
+}
+
+fn count<P>(root: &Root, nodes: &[Node<P>]) -> CloudLevels {
+    let mut n_points = Vec::new();
+    for node in nodes {
+        let level = node.key.depth as usize;
+        n_points.resize(n_points.len().max(level + 1), 0);
+        n_points[level] += node.n_points;
+    }
+    CloudLevels { spacing: root.spacing, n_points }
+}

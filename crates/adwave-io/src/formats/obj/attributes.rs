@@ -1,0 +1,177 @@
+//! The colors, normals and texture coordinates of an OBJ as fields of its vertices, where each vertex has one.
+
+use adwave::{Cancelled, Progress};
+
+use crate::formats::obj::read::{Chunk, NONE};
+use crate::progress::at_row;
+use crate::{Field, FieldValues, ShapeFile};
+
+/// For each corner of each face the index of its texture coordinate and normal, or [`NONE`]; empty when none has.
+pub(crate) struct CornerIndices {
+    texcoords: Vec<u32>,
+    normals: Vec<u32>,
+}
+
+impl CornerIndices {
+    /// Joins the lists of the chunks. An index of nothing becomes [`NONE`]: files name normals that they do not have,
+    /// and their faces are sound all the same.
+    pub(crate) fn join(
+        chunks: &mut [Chunk],
+        n_corners: usize,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let n_texcoords = chunks.iter().map(|p| p.texcoords.len()).sum();
+        let n_normals = chunks.iter().map(|p| p.normals.len()).sum();
+        let mut texcoords = join_list(chunks, n_corners, progress, |p| &mut p.corner_texcoords)?;
+        let mut normals = join_list(chunks, n_corners, progress, |p| &mut p.corner_normals)?;
+        for (list, n) in [(&mut texcoords, n_texcoords), (&mut normals, n_normals)] {
+            for (k, index) in list.iter_mut().enumerate() {
+                at_row(progress, k as u64, n_corners as u64)?;
+                if *index as usize >= n {
+                    *index = NONE;
+                }
+            }
+        }
+        Ok(Self { texcoords, normals })
+    }
+}
+
+fn join_list(
+    chunks: &mut [Chunk],
+    n_corners: usize,
+    progress: Progress<'_>,
+    list: fn(&mut Chunk) -> &mut Vec<u32>,
+) -> Result<Vec<u32>, Cancelled> {
+    if chunks.iter_mut().all(|p| list(p).is_empty()) {
+        return Ok(Vec::new());
+    }
+    let mut all = Vec::with_capacity(n_corners);
+    for chunk in chunks {
+        progress.check()?;
+        let n = chunk.corners.len();
+        let mut own = std::mem::take(list(chunk));
+        own.resize(n, NONE);
+        all.append(&mut own);
+    }
+    Ok(all)
+}
+
+/// Adds the fields, and names what has several values at one vertex.
+pub(crate) fn attach(
+    shape: &mut ShapeFile,
+    chunks: &mut [Chunk],
+    indices: &CornerIndices,
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    tails(shape, chunks, progress)?;
+    let texcoords = joined(chunks, progress, |p| &mut p.texcoords)?;
+    let n_channels = chunks.iter().map(|p| p.n_texcoord_channels).max().unwrap_or(0).max(2);
+    let name = ("texcoord", "texture coordinates");
+    corner_field(shape, name, n_channels, (&texcoords, &indices.texcoords), progress)?;
+    let normals = joined(chunks, progress, |p| &mut p.normals)?;
+    corner_field(shape, ("normal", "normals"), 3, (&normals, &indices.normals), progress)
+}
+
+fn joined(
+    chunks: &mut [Chunk],
+    progress: Progress<'_>,
+    list: fn(&mut Chunk) -> &mut Vec<[f64; 3]>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let mut all = Vec::with_capacity(chunks.iter_mut().map(|chunk| list(chunk).len()).sum());
+    for chunk in chunks {
+        progress.check()?;
+        all.append(&mut std::mem::take(list(chunk)));
+    }
+    Ok(all)
+}
+
+/// What stands after z: a weight, or a color.
+fn tails(shape: &mut ShapeFile, chunks: &mut [Chunk], progress: Progress<'_>) -> Result<(), Cancelled> {
+    let n_channels = chunks.iter().map(|p| p.tail_len).max().unwrap_or(0);
+    let name = match n_channels {
+        0 => return Ok(()),
+        1 => "w",
+        2 => "extra",
+        _ => "color",
+    };
+    let mut values = Vec::with_capacity(shape.n_vertices * n_channels);
+    let mut seen = 0;
+    for chunk in chunks {
+        progress.check()?;
+        // A chunk without tails still counts its vertices.
+        let n = chunk.n_points;
+        if chunk.tails.is_empty() {
+            values.resize(values.len() + n * n_channels, f64::NAN);
+        } else {
+            values.extend(chunk.tails.iter().flat_map(|t| &t[..n_channels]));
+        }
+        seen += n;
+        chunk.tails = Vec::new();
+    }
+    debug_assert_eq!(seen, shape.n_vertices);
+    shape.vertex_fields.push(Field::new(name, n_channels, FieldValues::F64(values)));
+    Ok(())
+}
+
+/// A field from values at corners, if all corners of each vertex have the same value.
+fn corner_field(
+    shape: &mut ShapeFile,
+    (name, what): (&str, &str),
+    n_channels: usize,
+    (list, corner_indices): (&[[f64; 3]], &[u32]),
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    if list.is_empty() {
+        return Ok(());
+    }
+    match one_per_vertex(shape, list, corner_indices, progress)? {
+        None => shape.extras.push(format!("{what} of face corners")),
+        Some(of_vertex) => {
+            let mut values = Vec::with_capacity(of_vertex.len() * n_channels);
+            let n = of_vertex.len() as u64;
+            for (i, index) in of_vertex.into_iter().enumerate() {
+                at_row(progress, i as u64, n)?;
+                let value = list.get(index as usize).copied().unwrap_or([f64::NAN; 3]);
+                values.extend_from_slice(&value[..n_channels]);
+            }
+            shape.vertex_fields.push(Field::new(name, n_channels, FieldValues::F64(values)));
+        }
+    }
+    Ok(())
+}
+
+/// For each vertex the index of its only value; `None` when a vertex has several, or a corner has none.
+fn one_per_vertex(
+    shape: &ShapeFile,
+    list: &[[f64; 3]],
+    corner_indices: &[u32],
+    progress: Progress<'_>,
+) -> Result<Option<Vec<u32>>, Cancelled> {
+    let n = shape.n_vertices;
+    if corner_indices.is_empty() {
+        // No face names them; a list as long as the vertices belongs to them in order, as scanners write clouds.
+        return Ok((list.len() == n).then(|| (0..n as u32).collect()));
+    }
+    let mut of_vertex = vec![NONE; n];
+    for (k, (&vertex, &index)) in shape.faces.corners().iter().zip(corner_indices).enumerate() {
+        at_row(progress, k as u64, corner_indices.len() as u64)?;
+        if index == NONE {
+            return Ok(None);
+        }
+        let known = &mut of_vertex[vertex as usize];
+        if *known == NONE {
+            *known = index;
+        } else if *known != index && !same(list[*known as usize], list[index as usize]) {
+            return Ok(None);
+        }
+    }
+    // Vertices of no face: where all others have the value of their own number, so have they.
+    if list.len() == n && of_vertex.iter().enumerate().all(|(v, &i)| i == NONE || i as usize == v) {
+        return Ok(Some((0..n as u32).collect()));
+    }
+    Ok(Some(of_vertex))
+}
+
+fn same(a: [f64; 3], b: [f64; 3]) -> bool {
+    a.map(f64::to_bits) == b.map(f64::to_bits)
+}

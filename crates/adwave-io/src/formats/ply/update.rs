@@ -1,0 +1,170 @@
+//! Updating a PLY: header, elements and properties stay as they are, coordinates are replaced, and vertex
+//! fields that were added or replaced become the last properties of the vertices.
+
+use std::io::Write;
+
+use adwave::Progress;
+
+use crate::formats::ply::body::Body;
+use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlyOriginal};
+use crate::formats::ply::write::{Style, note_rounding, property_lines, push_fields};
+use crate::progress::at_row;
+use crate::text::{is_space, parse_f32, parse_f64};
+use crate::{Field, FieldValues, ReadError, ShapeFile, ValueType, WriteError, WriteReport};
+
+/// Writes the original with other coordinates and fields.
+pub(crate) fn update_ply(
+    shape: &ShapeFile,
+    ply: &PlyOriginal,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<WriteReport, WriteError> {
+    let mut report = WriteReport::default();
+    let fields: Vec<&Field> = shape.vertex_fields.iter().filter(|f| shape.edited.contains(&f.name)).collect();
+    note_rounding(&fields, &mut report);
+    let element = &ply.header.elements[ply.vertex];
+    let replaced = |p: usize| {
+        ply.field_properties.iter().any(|(name, members)| members.contains(&p) && shape.edited.contains(name))
+    };
+    let dropped: Vec<bool> = (0..element.properties.len()).map(replaced).collect();
+    write_header((&ply.bytes, &ply.header), ply.vertex, &dropped, &fields, out)?;
+    out.write_all(&ply.bytes[ply.header.body..ply.rows.0])?;
+    write_rows(shape, ply, &dropped, &fields, out, progress)?;
+    out.write_all(&ply.bytes[ply.rows.1..])?;
+    Ok(report)
+}
+
+/// The header, `bytes` being those that it was parsed from, with the properties of new fields.
+pub(crate) fn write_header(
+    (bytes, header): (&[u8], &Header),
+    vertex: usize,
+    dropped: &[bool],
+    fields: &[&Field],
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let element = &header.elements[vertex];
+    let last = element.properties.last().map_or(element.line, |p| p.line);
+    for (number, &(start, end)) in header.lines.iter().enumerate() {
+        let line = &bytes[start..end];
+        let is_dropped =
+            element.properties.iter().zip(dropped).any(|(p, &dropped)| dropped && p.line == number);
+        if !is_dropped {
+            out.write_all(line)?;
+        }
+        if number == last {
+            let line_end = if line.ends_with(b"\r\n") { "\r\n" } else { "\n" };
+            out.write_all(property_lines(fields, line_end).as_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+/// How rows of vertices are written again.
+pub(crate) struct RowWriter<'a> {
+    element: &'a Element,
+    /// Which coordinate each property is.
+    axes: Vec<Option<usize>>,
+    /// Whether it is left out.
+    dropped: &'a [bool],
+    style: Style,
+}
+
+impl<'a> RowWriter<'a> {
+    pub(crate) fn new(element: &'a Element, encoding: Encoding, dropped: &'a [bool]) -> Self {
+        let axes = element.properties.iter().enumerate().map(|(p, property)| {
+            let axis = ["x", "y", "z"].iter().position(|axis| *axis == property.name)?;
+            // A name that comes twice counts the first time.
+            (element.property(&property.name) == Some(p)).then_some(axis)
+        });
+        let style = match encoding {
+            Encoding::Ascii => Style::Text,
+            Encoding::Binary(order) => Style::Bytes(order),
+        };
+        Self { element, axes: axes.collect(), dropped, style }
+    }
+
+    /// Appends the row at the body's position, its number being `at`, with the coordinates that are not `None` and with row `i` of
+    /// the fields.
+    pub(crate) fn push(
+        &self,
+        body: &mut Body<'_>,
+        at: u64,
+        point: [Option<f64>; 3],
+        (fields, i): (&[&Field], usize),
+        row: &mut Vec<u8>,
+    ) -> Result<(), ReadError> {
+        for (p, property) in self.element.properties.iter().enumerate() {
+            let start = body.position;
+            body.skip(property.kind, self.element, at)?;
+            let old = &body.bytes[start..body.position];
+            match (self.axes[p].and_then(|axis| point[axis]), property.kind) {
+                (Some(x), Kind::Scalar(t)) => push_coordinate(old, t, x, self.style, row),
+                _ if self.dropped[p] => {}
+                _ => row.extend_from_slice(old),
+            }
+        }
+        push_fields(fields, i, self.style, row);
+        Ok(())
+    }
+}
+
+fn write_rows(
+    shape: &ShapeFile,
+    ply: &PlyOriginal,
+    dropped: &[bool],
+    fields: &[&Field],
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
+    let element = &ply.header.elements[ply.vertex];
+    let writer = RowWriter::new(element, ply.header.encoding, dropped);
+    let mut body = Body { bytes: &ply.bytes, position: ply.rows.0, encoding: ply.header.encoding, progress };
+    let mut row = Vec::new();
+    for i in 0..shape.n_vertices {
+        at_row(progress, i as u64, element.n_rows)?;
+        row.clear();
+        // The same bytes were read before, so this cannot fail; if it does, it is said.
+        let point = shape.points[i].map(Some);
+        writer.push(&mut body, i as u64, point, (fields, i), &mut row).map_err(std::io::Error::other)?;
+        out.write_all(&row)?;
+    }
+    Ok(())
+}
+
+/// Writes a coordinate in the file's type; bytes that mean the same value stay.
+fn push_coordinate(old: &[u8], t: ValueType, x: f64, style: Style, row: &mut Vec<u8>) {
+    let mut value = t.empty();
+    // Coordinates of a whole-number type are rounded to it.
+    if !value.push_f64(x) {
+        value.push_f64(x.round().clamp(-9e15, 9e15));
+    }
+    if value.is_empty() {
+        row.extend_from_slice(old);
+        return;
+    }
+    let Style::Bytes(order) = style else {
+        let blanks = old.iter().take_while(|&&b| is_space(b)).count();
+        let word = &old[blanks..];
+        let before = if t == ValueType::F32 { parse_f32(word).map(f64::from) } else { parse_f64(word) };
+        let same =
+            before.is_some_and(|b| b.to_bits() == value.get(0).to_bits() || (b.is_nan() && x.is_nan()));
+        if same {
+            row.extend_from_slice(old);
+        } else {
+            row.extend_from_slice(&old[..blanks]);
+            value.write_text(0, row);
+        }
+        return;
+    };
+    let mut before = t.empty();
+    before.push_bytes(old, order);
+    if is_nan(&before) && x.is_nan() {
+        row.extend_from_slice(old);
+    } else {
+        value.write_bytes(0, order, row);
+    }
+}
+
+fn is_nan(values: &FieldValues) -> bool {
+    values.get(0).is_nan()
+}

@@ -1,0 +1,93 @@
+//! The bytes of a binary file with its coordinates in place, kept so that it can be written again with only these replaced.
+
+use std::io::Write;
+
+use adwave::Progress;
+
+use crate::model::field::ByteOrder;
+use crate::progress::at_row;
+use crate::{ShapeFile, WriteError};
+
+/// Vertices whose coordinates stand at equal distances.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run {
+    /// The byte where the first vertex has its x.
+    pub(crate) start: usize,
+    /// How many vertices.
+    pub(crate) n: usize,
+    /// Bytes from one to the next.
+    pub(crate) stride: usize,
+}
+
+/// A binary file in which x, y and z of each vertex stand one after the other.
+#[derive(Debug)]
+pub(crate) struct BinaryRows {
+    pub(crate) bytes: Vec<u8>,
+    /// In the order of the file and of the vertices.
+    pub(crate) runs: Vec<Run>,
+    /// Whether numbers have 64 bits, or 32.
+    pub(crate) is_double: bool,
+    /// How many coordinates there are: 3, or 2 of the plane.
+    pub(crate) n_axes: usize,
+    pub(crate) order: ByteOrder,
+}
+
+impl BinaryRows {
+    /// Where the rows begin.
+    pub(crate) fn first(&self) -> usize {
+        self.runs.first().map_or(self.bytes.len(), |run| run.start)
+    }
+
+    /// Writes bytes `from..to` of the original, in which all rows lie, with the coordinates of the shape.
+    pub(crate) fn write_range(
+        &self,
+        (from, to): (usize, usize),
+        shape: &ShapeFile,
+        out: &mut dyn Write,
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
+        const ROWS: usize = 4096;
+        let (mut copied, mut vertex) = (from, 0);
+        let mut buffer = Vec::new();
+        for run in &self.runs {
+            let mut row = 0;
+            while row < run.n {
+                at_row(progress, vertex as u64, shape.n_vertices as u64)?;
+                let n = ROWS.min(run.n - row);
+                let start = run.start + row * run.stride;
+                let end = start + (n - 1) * run.stride + self.n_row_bytes();
+                out.write_all(&self.bytes[copied..start])?;
+                buffer.clear();
+                buffer.extend_from_slice(&self.bytes[start..end]);
+                for (slot, point) in buffer.chunks_mut(run.stride).zip(&shape.points[vertex..vertex + n]) {
+                    self.put(&mut slot[..self.n_row_bytes()], *point);
+                }
+                out.write_all(&buffer)?;
+                copied = end;
+                row += n;
+                vertex += n;
+            }
+        }
+        Ok(out.write_all(&self.bytes[copied..to])?)
+    }
+
+    fn n_row_bytes(&self) -> usize {
+        self.n_axes * if self.is_double { 8 } else { 4 }
+    }
+
+    fn put(&self, row: &mut [u8], point: [f64; 3]) {
+        let is_little = self.order == ByteOrder::Little;
+        for (slot, x) in row.chunks_exact_mut(if self.is_double { 8 } else { 4 }).zip(point) {
+            // The bits of what is no number stay as they are.
+            if x.is_nan() {
+                continue;
+            }
+            match (self.is_double, is_little) {
+                (true, true) => slot.copy_from_slice(&x.to_le_bytes()),
+                (true, false) => slot.copy_from_slice(&x.to_be_bytes()),
+                (false, true) => slot.copy_from_slice(&(x as f32).to_le_bytes()),
+                (false, false) => slot.copy_from_slice(&(x as f32).to_be_bytes()),
+            }
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! The bytes of the file that a shape came from, kept so that it can be written again with nothing lost: only the
+//! coordinates that changed are replaced, everything else is copied.
+
+use crate::formats::ply::header::PlyOriginal;
+use crate::progress::at_row;
+use crate::text::tokens::Tokens;
+use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
+use crate::{Precision, ShapeFile, WriteError};
+use adwave::Progress;
+
+/// What is kept of the original, by format.
+#[derive(Debug)]
+pub(crate) enum Original {
+    /// A text with one row per vertex.
+    Rows(TextRows),
+    /// A PLY, text or binary.
+    Ply(PlyOriginal),
+    /// A binary OFF.
+    OffBinary(crate::model::binary_rows::BinaryRows),
+    /// The header, names and points of an STL.
+    Stl(crate::formats::stl::read::StlOriginal),
+    /// A Gmsh mesh.
+    Msh(crate::formats::msh::write::MshOriginal),
+    /// A Medit mesh.
+    Medit(crate::formats::medit::write::MeditOriginal),
+    /// A GIFTI.
+    Gifti(crate::formats::gifti::update::GiftiOriginal),
+    /// A glTF or GLB.
+    Gltf(crate::formats::gltf::update::GltfOriginal),
+    /// A FreeSurfer surface.
+    FreeSurfer(crate::formats::freesurfer::read::FreeSurferOriginal),
+    /// A LAS or LAZ.
+    Las(crate::formats::las::write::LasOriginal),
+    /// The `VIEWPOINT` line and the width and height of a PCD.
+    Pcd(crate::formats::pcd::read::PcdOriginal),
+}
+
+/// What separates the values of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Separator {
+    /// Blanks, any number of them.
+    Blanks,
+    /// Blanks, and a `#` ends the row even right after a value.
+    BlanksUntilRemark,
+    /// This byte, once; there may be blanks around the values.
+    Byte(u8),
+    /// Blanks, line ends and remarks; only the first three values are looked at.
+    OverLines,
+}
+
+/// A text in which every vertex has a row of values.
+#[derive(Debug)]
+pub(crate) struct TextRows {
+    pub(crate) bytes: Vec<u8>,
+    /// Where the first value of each vertex's row begins, increasing.
+    pub(crate) rows: Vec<u64>,
+    /// The position in the row of x, y and z.
+    pub(crate) columns: [usize; 3],
+    pub(crate) separator: Separator,
+    /// The line of names, when new columns need a name there: `start..end` without the line end.
+    pub(crate) names: Option<(usize, usize)>,
+}
+
+/// Writes values at the end of a row.
+pub(crate) type Append<'a> = dyn Fn(usize, &mut Vec<u8>) + 'a;
+
+/// How the rows differ from the original beside the coordinates.
+#[derive(Default)]
+pub(crate) struct RowEdit<'a> {
+    /// Positions in the row that are dropped.
+    pub(crate) dropped: &'a [usize],
+    /// Writes what is added at the end of row `i`, with the separators before each value.
+    pub(crate) append: Option<&'a Append<'a>>,
+}
+
+/// A value as it is written in a text file of that precision.
+pub(crate) fn push_coordinate(out: &mut Vec<u8>, x: f64, precision: Precision) {
+    match precision {
+        Precision::F32 => push_f32(out, x as f32),
+        Precision::F64 => push_f64(out, x),
+    }
+}
+
+fn is_same(word: &[u8], x: f64, precision: Precision) -> bool {
+    let old = match precision {
+        Precision::F32 => parse_f32(word).map(f64::from),
+        Precision::F64 => parse_f64(word),
+    };
+    old.is_some_and(|old| old.to_bits() == x.to_bits() || (old.is_nan() && x.is_nan()))
+}
+
+impl TextRows {
+    /// Writes the whole original with the rows in it changed.
+    pub(crate) fn write_all(
+        &self,
+        shape: &ShapeFile,
+        edit: &RowEdit<'_>,
+        out: &mut dyn std::io::Write,
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
+        self.write_range((0, self.bytes.len()), shape, edit, out, progress)
+    }
+
+    /// Writes bytes `from..to` of the original with the rows in it changed.
+    pub(crate) fn write_range(
+        &self,
+        (from, to): (usize, usize),
+        shape: &ShapeFile,
+        edit: &RowEdit<'_>,
+        out: &mut dyn std::io::Write,
+        progress: Progress<'_>,
+    ) -> Result<(), WriteError> {
+        const FLUSH: usize = 1 << 18;
+        let mut buffer = Vec::with_capacity(FLUSH + 1024);
+        let mut copied = from;
+        for (i, &row) in self.rows.iter().enumerate() {
+            at_row(progress, i as u64, self.rows.len() as u64)?;
+            let row = row as usize;
+            self.copy(copied, row, &mut buffer, out)?;
+            copied = self.write_row(row, i, shape, edit, &mut buffer);
+            if buffer.len() > FLUSH {
+                out.write_all(&buffer)?;
+                buffer.clear();
+            }
+        }
+        self.copy(copied, to, &mut buffer, out)?;
+        Ok(out.write_all(&buffer)?)
+    }
+
+    /// Copies original bytes: few by way of the buffer, many directly.
+    fn copy(
+        &self,
+        from: usize,
+        to: usize,
+        buffer: &mut Vec<u8>,
+        out: &mut dyn std::io::Write,
+    ) -> std::io::Result<()> {
+        let part = &self.bytes[from..to.max(from)];
+        if part.len() > 1 << 16 {
+            out.write_all(buffer)?;
+            buffer.clear();
+            out.write_all(part)
+        } else {
+            buffer.extend_from_slice(part);
+            Ok(())
+        }
+    }
+
+    /// Writes row `i` that begins at `start`, and gives the position after its last value.
+    fn write_row(
+        &self,
+        start: usize,
+        i: usize,
+        shape: &ShapeFile,
+        edit: &RowEdit<'_>,
+        out: &mut Vec<u8>,
+    ) -> usize {
+        let mut copied = start;
+        let mut position = start;
+        let mut column = 0;
+        while let Some((begin, end)) = self.next_value(position, column) {
+            if let Some(axis) = self.columns.iter().position(|&c| c == column) {
+                let x = shape.points[i][axis];
+                out.extend_from_slice(&self.bytes[copied..begin]);
+                if is_same(&self.bytes[begin..end], x, shape.precision) {
+                    out.extend_from_slice(&self.bytes[begin..end]);
+                } else {
+                    push_coordinate(out, x, shape.precision);
+                }
+            } else if !edit.dropped.contains(&column) {
+                out.extend_from_slice(&self.bytes[copied..end]);
+            }
+            copied = end;
+            position = end;
+            column += 1;
+        }
+        if let Some(append) = edit.append {
+            append(i, out);
+        }
+        copied
+    }
+
+    /// The bytes of the value at or after `position`, or `None` at the end of the row.
+    fn next_value(&self, position: usize, column: usize) -> Option<(usize, usize)> {
+        let bytes = &self.bytes;
+        let mut begin = position;
+        match self.separator {
+            Separator::OverLines => {
+                if column > 2 {
+                    return None;
+                }
+                let mut tokens = Tokens::new(bytes, begin);
+                tokens.next().map(|(begin, word)| (begin, begin + word.len()))
+            }
+            Separator::Byte(separator) => {
+                if column > 0 {
+                    if bytes.get(begin) != Some(&separator) {
+                        return None;
+                    }
+                    begin += 1;
+                }
+                while bytes.get(begin).is_some_and(|&b| is_blank(b) && b != separator) {
+                    begin += 1;
+                }
+                let end = bytes[begin..]
+                    .iter()
+                    .position(|&b| b == separator || b == b'\n' || b == b'\r')
+                    .map_or(bytes.len(), |n| begin + n);
+                if column > 0 || end > begin { Some((begin, end)) } else { None }
+            }
+            Separator::Blanks | Separator::BlanksUntilRemark => {
+                loop {
+                    match bytes.get(begin) {
+                        Some(b'\\') => {
+                            // A continued line: its end counts as a blank.
+                            begin += 1;
+                            while bytes.get(begin) == Some(&b'\r') {
+                                begin += 1;
+                            }
+                            begin += usize::from(bytes.get(begin) == Some(&b'\n'));
+                        }
+                        Some(&b) if is_blank(b) => begin += 1,
+                        Some(b'\n' | b'#') | None => return None,
+                        Some(_) => break,
+                    }
+                }
+                // Elsewhere the sign may be part of a number: `1.#INF`.
+                let is_remark = |b: u8| b == b'#' && self.separator == Separator::BlanksUntilRemark;
+                let stop = |b: u8| is_space(b) || b == b'\\' || is_remark(b);
+                let end = bytes[begin..].iter().position(|&b| stop(b)).map_or(bytes.len(), |n| begin + n);
+                Some((begin, end))
+            }
+        }
+    }
+}
