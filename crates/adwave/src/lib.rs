@@ -76,8 +76,3 @@ pub use decomposer::{BandsRequest, Decomposer, VertexFunctions};
 pub use editor::{Editor, Touched};
 pub use error::{ClassifiedError, ErrorKind};
 pub use progress::{Cancelled, Progress, ProgressCounter};
-
-/// The examples of the README, which are run as tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
