@@ -3,7 +3,7 @@
 pub mod outputs;
 pub mod style;
 
-/// The examples of the README, which are run as tests.
+/// The examples of docs/RUST.md, run as tests.
 #[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
+#[doc = include_str!("../../docs/RUST.md")]
 struct Readme;
