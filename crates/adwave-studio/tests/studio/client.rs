@@ -2,7 +2,7 @@
 
 use adwave::Progress;
 use adwave_io::{ReadLimits, read_path};
-use adwave_studio::{Finished, Opened, StudioError, StudioParams, serve};
+use adwave_studio::{StudioError, StudioInput, StudioOutcome, StudioParams, serve};
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -16,7 +16,7 @@ pub(crate) struct Studio {
     pub(crate) host: String,
     pub(crate) token: String,
     stop: &'static AtomicBool,
-    thread: Option<JoinHandle<Result<Finished, StudioError>>>,
+    thread: Option<JoinHandle<Result<StudioOutcome, StudioError>>>,
 }
 
 pub(crate) struct Answer {
@@ -47,27 +47,28 @@ impl Answer {
 }
 
 /// What `path` holds, as the command opens it.
-pub(crate) fn opened(path: &Path) -> Opened {
+pub(crate) fn opened(path: &Path) -> StudioInput {
     let file = read_path(path, &ReadLimits::default()).unwrap();
     let shape = file.to_shape().unwrap();
     let name = path.file_name().unwrap().to_string_lossy().into_owned();
-    Opened { name, path: Some(path.to_path_buf()), file, shape }
+    StudioInput { name, path: Some(path.to_path_buf()), file, shape }
 }
 
 impl Studio {
-    /// A studio on a file, whose edits are kept in `kept_in`.
-    pub(crate) fn on(path: &Path, kept_in: &Path) -> Self {
-        Self::of(opened(path), kept_in)
+    /// A studio on a file, whose edits are kept in `autosave_folder`.
+    pub(crate) fn on(path: &Path, autosave_folder: &Path) -> Self {
+        Self::of(opened(path), autosave_folder)
     }
 
-    pub(crate) fn of(opened: Opened, kept_in: &Path) -> Self {
+    pub(crate) fn of(opened: StudioInput, autosave_folder: &Path) -> Self {
         // For as long as the process runs: a server must not outlive its flag.
         let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
         let (send, receive) = mpsc::channel();
-        let params = StudioParams { kept_in: Some(kept_in.to_path_buf()), ..StudioParams::default() };
+        let params =
+            StudioParams { autosave_folder: Some(autosave_folder.to_path_buf()), ..StudioParams::default() };
         let thread = std::thread::spawn(move || {
             serve(opened, &params, Progress::none().with_cancel(stop), |served| {
-                send.send(served.address.clone()).unwrap();
+                send.send(served.url.clone()).unwrap();
             })
         });
         let address = receive.recv_timeout(Duration::from_mins(1)).expect("the studio is served");
@@ -120,13 +121,13 @@ impl Studio {
     }
 
     /// Stops it as Ctrl-C does.
-    pub(crate) fn end(mut self) -> Finished {
+    pub(crate) fn end(mut self) -> StudioOutcome {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap().unwrap()
     }
 
     /// Waits until it ends by itself.
-    pub(crate) fn finished(mut self) -> Finished {
+    pub(crate) fn finished(mut self) -> StudioOutcome {
         self.thread.take().unwrap().join().unwrap().unwrap()
     }
 }

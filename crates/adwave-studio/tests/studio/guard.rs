@@ -26,7 +26,7 @@ fn only_who_has_the_token_is_given_anything() {
         {
             let refused = studio.bare(method, path, &headers, b"");
             assert_eq!(refused.status, 401, "{wrong:?}");
-            assert!(refused.error().contains("token"), "{}", refused.error());
+            assert!(refused.error().contains("no longer valid"), "{}", refused.error());
         }
     }
     // By the address is no way to give it: addresses are written down by many.

@@ -10,7 +10,7 @@ use adwave::{Decomposer, Progress};
 use adwave_io::{
     Levels, ReadLimits, ShapeFile, parse_recipe, read_path, region_field, write_bytes, write_path,
 };
-use adwave_studio::Opened;
+use adwave_studio::StudioInput;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -34,7 +34,7 @@ pub(crate) fn edit(revision: u64, layers: &[Value]) -> Value {
 /// The file that a recipe makes of another, as `adwave filter --recipe` does it.
 fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
     let recipe = parse_recipe(recipe).unwrap();
-    let Opened { mut file, shape, .. } = opened(path);
+    let StudioInput { mut file, shape, .. } = opened(path);
     let decomposer = Decomposer::new(&shape);
     let Levels::Dyadic(n_levels) = recipe.levels else { panic!("{:?}", recipe.levels) };
     let points = shape.points().unwrap();
@@ -86,7 +86,7 @@ fn a_saved_shape_has_the_bytes_of_its_recipe_replayed() {
         }
     }
     let finished = studio.end();
-    assert_eq!((finished.recipe, finished.points.len(), finished.done), (recipe, n, false));
+    assert_eq!((finished.recipe, finished.points.len(), finished.is_done), (recipe, n, false));
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn recipes_weights_fields_features_and_other_shapes() {
     assert_eq!(studio.ask("DELETE", &format!("/api/shapes/{id}"), b"").status, 200);
     assert_eq!(studio.ask("GET", &format!("/api/shapes/{id}"), b"").status, 404);
     assert_eq!(studio.post("/api/done", &json!({})).status, 200);
-    assert!(studio.finished().done);
+    assert!(studio.finished().is_done);
 }
 
 #[test]
@@ -265,17 +265,17 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
         ("PUT", "levels", "{\"lengths\": [-1]}", 400, "length"),
         ("PUT", "recipe", "layer = 3", 400, "line"),
         ("PUT", "recipe", "field = 'color'", 400, "color"),
-        ("POST", "weights", "[", 400, "no region"),
+        ("POST", "weights", "[", 400, "invalid region"),
         ("POST", "save", "{\"name\": \"../up.ply\"}", 400, "without folders"),
         ("POST", "save", "{\"name\": \"/etc/up.ply\"}", 400, "without folders"),
         ("POST", "save", "{\"name\": \"creature.ply\"}", 400, "is the file that was opened"),
         ("POST", "save", "{\"name\": \"creature.doc\"}", 400, "known format"),
         ("POST", "denoise", "{\"strength\": -3}", 400, "strength"),
-        ("GET", "field?name=../secret", "", 400, "no field"),
-        ("GET", "field?name=other.npy", "", 400, "no field"),
+        ("GET", "field?name=../secret", "", 400, "has no field"),
+        ("GET", "field?name=other.npy", "", 400, "has no field"),
         ("GET", "features?theta=much", "", 400, "theta"),
         ("GET", "download?format=doc", "", 400, "'doc'"),
-        ("GET", "nothing", "", 404, "there is no"),
+        ("GET", "nothing", "", 404, "not found"),
     ] {
         let refused = studio.ask(method, &format!("/api/shapes/1/{at}"), body.as_bytes());
         assert_eq!(refused.status, status, "{at}: {}", refused.text());
@@ -305,7 +305,7 @@ fn distances_are_measured_on_the_surface_that_the_page_is_given() {
     let path = creature(&folder, 3000);
     let studio = Studio::on(&path, folder.path());
     let body = studio.get("/api/shapes/1/surface").body;
-    let Opened { shape, .. } = opened(&path);
+    let StudioInput { shape, .. } = opened(&path);
     let (points, map) = (shape.points().unwrap(), Decomposer::new(&shape).geometry().vertex_map().clone());
     let (positions, places) = body.split_at(24 * points.len());
     let positions: Vec<f64> = positions.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
