@@ -1,14 +1,14 @@
-/** The equalizer: one native slider a band, upright, with its width, its gain, solo and mute. */
+/** Equalizer: one vertical native slider per band with its width, gain, solo and mute. */
 
 import { h } from './dom';
 import { GREATEST_TYPED, gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
-import { short } from './lengths';
-import { openLevels } from './levels';
-import { fitted, withGain } from './state';
+import { formatNumber } from './lengths';
+import { openLevels } from './levels-dialog';
+import { fitGains, withGain } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
-interface Column {
+interface BandColumn {
   root: HTMLElement;
   input: HTMLInputElement;
   number: HTMLInputElement;
@@ -18,9 +18,9 @@ interface Column {
 }
 
 export function equalizer(studio: Studio): HTMLElement {
-  let columns: Column[] = [];
-  /** Gains before solo or mute, to go back to: by layer and band (0: all). */
-  const kept = new Map<string, number[]>();
+  let columns: BandColumn[] = [];
+  /** Gains before solo or mute, by layer and band (0: all bands). */
+  const gainsBefore = new Map<string, number[]>();
   const bands = h('div', { class: 'bands', role: 'group', 'aria-label': text.equalizer });
   const presets = h('select', { 'aria-label': text.presets });
   const drawButton = h(
@@ -38,13 +38,13 @@ export function equalizer(studio: Studio): HTMLElement {
   });
   presets.addEventListener('change', () => {
     const preset = studio.shape?.presets[Number(presets.value)];
-    if (preset) studio.changeLayer({ gains: fitted(preset.gains, studio.nLevels) }, true);
+    if (preset) studio.changeLayer({ gains: fitGains(preset.gains, studio.nLevels) }, true);
     presets.value = '';
   });
 
   const setGain = (level: number, gain: number, step: boolean) => {
-    studio.watch.sliderTouched();
-    studio.view.touch();
+    studio.timings.startSliderTiming();
+    studio.view.markMoving();
     const doc = withGain(studio.doc, studio.layer.key, level, gain);
     if (step) {
       studio.history.preview(doc);
@@ -55,11 +55,11 @@ export function equalizer(studio: Studio): HTMLElement {
   const solo = (level: number) => {
     const { gains, key } = studio.layer;
     const alone = gains.every((g, j) => j === level - 1 || g === 0) && gains.length > 1;
-    const before = kept.get(`${key}.0`);
-    if (alone) studio.changeLayer({ gains: before ?? fitted([], gains.length) }, true);
+    const before = gainsBefore.get(`${key}.0`);
+    if (alone) studio.changeLayer({ gains: before ?? fitGains([], gains.length) }, true);
     else {
       const someAlone = gains.filter((g) => g !== 0).length === 1 && before !== undefined;
-      if (!someAlone) kept.set(`${key}.0`, gains);
+      if (!someAlone) gainsBefore.set(`${key}.0`, gains);
       const own = (someAlone ? before[level - 1]! : gains[level - 1]!) || 1;
       studio.changeLayer({ gains: gains.map((_, j) => (j === level - 1 ? own : 0)) }, true);
     }
@@ -69,15 +69,15 @@ export function equalizer(studio: Studio): HTMLElement {
     const { gains, key } = studio.layer;
     const name = `${key}.${level}`;
     if (gains[level - 1] === 0)
-      studio.changeLayer({ gains: gains.with(level - 1, kept.get(name)?.[0] || 1) }, true);
+      studio.changeLayer({ gains: gains.with(level - 1, gainsBefore.get(name)?.[0] || 1) }, true);
     else {
-      kept.set(name, [gains[level - 1]!]);
+      gainsBefore.set(name, [gains[level - 1]!]);
       studio.changeLayer({ gains: gains.with(level - 1, 0) }, true);
     }
   };
 
-  function column(level: number, sigma: number): Column {
-    const size = short(sigma);
+  function column(level: number, sigma: number): BandColumn {
+    const size = formatNumber(sigma);
     const name = text.band(level, size);
     const input = h('input', {
       type: 'range',
@@ -102,7 +102,7 @@ export function equalizer(studio: Studio): HTMLElement {
       onchange: () => {
         const gain = Number(number.value.replace(',', '.'));
         if (number.value.trim() !== '' && gain >= 0 && gain <= GREATEST_TYPED) setGain(level, gain, true);
-        else studio.say(text.badGain(GREATEST_TYPED), 'error');
+        else studio.showMessage(text.badGain(GREATEST_TYPED), 'error');
         refresh();
       },
     });
@@ -157,7 +157,7 @@ export function equalizer(studio: Studio): HTMLElement {
 
   function enable(): void {
     for (const [j, c] of columns.entries()) {
-      const there = studio.arrived.has(j + 1);
+      const there = studio.loadedBands.has(j + 1);
       c.input.disabled = !there;
       c.number.disabled = !there;
       c.root.classList.toggle('waiting', !there);
@@ -183,29 +183,29 @@ export function equalizer(studio: Studio): HTMLElement {
     whose.textContent = studio.doc.layers.length > 1 ? layer.name || text.layerName(index + 1) : '';
   }
 
-  /** Bars of |W_j| under the cursor, beside each other on a scale of the largest. */
+  /** Shows |W_j| under the cursor as bars, relative to the largest. */
   function meters(): void {
     const most = Math.max(...studio.spectrum, 0);
     for (const [j, c] of columns.entries()) {
       const x = studio.spectrum[j] ?? 0;
       c.meter.style.height = most > 0 ? `${(100 * x) / most}%` : '0';
-      c.root.title = x > 0 ? text.detailHere(short(x)) : '';
+      c.root.title = x > 0 ? text.detailHere(formatNumber(x)) : '';
     }
   }
 
-  // A curve drawn over the bands: every column under the pointer takes its height.
+  // Drawing a curve: every column under the pointer takes the height of the pointer.
   let last: { level: number; position: number } | null = null;
   const drawAt = (event: PointerEvent) => {
     const hit = columns.findIndex((c) => {
       const r = c.root.getBoundingClientRect();
       return event.clientX >= r.left && event.clientX < r.right;
     });
-    if (hit < 0 || !studio.arrived.has(hit + 1)) return;
+    if (hit < 0 || !studio.loadedBands.has(hit + 1)) return;
     const track = columns[hit]!.input.getBoundingClientRect();
     const position = Math.round(
       SLIDER_MAX * Math.min(1, Math.max(0, (track.bottom - 8 - event.clientY) / (track.height - 16))),
     );
-    // Near the middle it is the middle that is meant.
+    // Positions near the middle snap to gain 1.
     const at = Math.abs(position - 100) < 4 ? 100 : position;
     const from = last ?? { level: hit + 1, position: at };
     let doc = studio.doc;
@@ -213,11 +213,11 @@ export function equalizer(studio: Studio): HTMLElement {
     for (let k = 0; k <= n; k++) {
       const level = from.level + (n ? k * Math.sign(hit + 1 - from.level) : 0);
       const p = n ? from.position + ((at - from.position) * k) / n : at;
-      if (studio.arrived.has(level)) doc = withGain(doc, studio.layer.key, level, gainOf(Math.round(p)));
+      if (studio.loadedBands.has(level)) doc = withGain(doc, studio.layer.key, level, gainOf(Math.round(p)));
     }
     last = { level: hit + 1, position: at };
-    studio.watch.sliderTouched();
-    studio.view.touch();
+    studio.timings.startSliderTiming();
+    studio.view.markMoving();
     studio.history.preview(doc);
   };
   bands.addEventListener('pointerdown', (event) => {
@@ -258,7 +258,7 @@ export function equalizer(studio: Studio): HTMLElement {
         'button',
         {
           type: 'button',
-          onclick: () => studio.changeLayer({ gains: fitted([], studio.nLevels) }, true),
+          onclick: () => studio.changeLayer({ gains: fitGains([], studio.nLevels) }, true),
         },
         text.reset,
       ),

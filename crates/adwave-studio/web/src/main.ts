@@ -1,56 +1,43 @@
-/** Puts the page together. */
+/** Assembles the page. */
 
 import type { Api } from './api';
-import type { Early, fetchShape as FetchShape } from './boot';
+import type { fetchShape as FetchShape, ShapeRequest } from './boot';
 import { brushPanel } from './brush';
 import { h, iconButton } from './dom';
 import { equalizer } from './equalizer';
 import { Files } from './files';
 import { listenToKeys, showKeys } from './keys';
-import { layersPanel } from './layers';
-import { look as makeLook } from './look';
+import { layersPanel } from './layers-panel';
+import { lookPanel } from './look-panel';
 import type { ShapeList } from './protocol';
 import { Stage } from './stage';
-import { toEdit } from './state';
-import { Studio } from './studio';
+import { type MessageLink, Studio } from './studio';
+import { installTestHooks } from './test-hooks';
 import { text } from './text';
 import { comparisonPanel } from './tools';
 import { type Theme, View } from './view';
 
-/** What tests and the curious may ask for, as `window.studio`. */
-export interface Window4Tests {
-  /** Resolves when the shape is drawn and every slider is live. */
-  ready: Promise<void>;
-  /** The edit, as it would be sent. */
-  state(): object;
-  /** Milliseconds since the page was asked for, or of a kind of work each time it was done. */
-  timings: object;
-  /** Frames are finished and timed while this is true. */
-  measure(on: boolean): void;
-  /** Positions as drawn, after all computing has come to rest. */
-  positions(): Promise<Float32Array>;
-  /** Resolves when the server has every step. */
-  kept(): Promise<void>;
-  /** The mask of the last layer, as painted here, after all computing has come to rest. */
-  mask(): Promise<Uint8Array>;
-  /** Who draws. */
-  renderer: string;
-}
-
-interface Start {
+interface StartOptions {
   api: Api;
   list: Promise<ShapeList>;
-  early: Promise<Early | null>;
+  early: Promise<ShapeRequest | null>;
   fetchShape: typeof FetchShape;
   started: number;
 }
 
-export function start({ api, list, early, fetchShape }: Start): void {
+export function start({ api, list, early, fetchShape }: StartOptions): void {
   const app = document.getElementById('app')!;
   const toasts = h('div', { class: 'toasts', role: 'status', 'aria-live': 'polite' });
   let toastTimer = 0;
-  const say = (sentence: string, kind: 'info' | 'error' = 'info') => {
-    toasts.replaceChildren(h('p', { class: kind, role: kind === 'error' ? 'alert' : undefined }, sentence));
+  const showMessage = (sentence: string, kind: 'info' | 'error' = 'info', link?: MessageLink) => {
+    toasts.replaceChildren(
+      h(
+        'p',
+        { class: kind, role: kind === 'error' ? 'alert' : undefined },
+        link ? `${sentence} ` : sentence,
+        link ? h('button', { type: 'button', class: 'link', onclick: link.onclick }, link.label) : null,
+      ),
+    );
     window.clearTimeout(toastTimer);
     toastTimer = window.setTimeout(() => toasts.replaceChildren(), kind === 'error' ? 12_000 : 5_000);
   };
@@ -64,9 +51,9 @@ export function start({ api, list, early, fetchShape }: Start): void {
     return;
   }
   const worker = new Worker(new URL('./compute/compute.worker.ts', import.meta.url), { type: 'module' });
-  const studio = new Studio(api, view, worker, say);
+  const studio = new Studio(api, view, worker, showMessage);
   const stage = new Stage(studio, canvas);
-  const look = makeLook(studio, stage);
+  const look = lookPanel(studio, stage);
   const files = new Files(studio, fetchShape);
 
   const undo = iconButton('undo', text.undo, () => studio.undo());
@@ -80,7 +67,7 @@ export function start({ api, list, early, fetchShape }: Start): void {
   });
   before.addEventListener('keyup', () => studio.setBefore(false));
   const split = iconButton('split', text.split, look.toggleSplit);
-  const saving = h('span', { class: 'saving', role: 'status', title: text.keptHint });
+  const saving = h('span', { class: 'saving', role: 'status', title: text.editSavedHint });
   const banner = h('div', { class: 'banner', hidden: true, role: 'alert' });
   const badge = h('span', { class: 'badge', hidden: true }, text.beforeShort);
 
@@ -98,7 +85,7 @@ export function start({ api, list, early, fetchShape }: Start): void {
       themeButton(view),
       iconButton('help', text.help, showKeys, { class: 'icon wide-only' }),
     ),
-    h('button', { type: 'button', class: 'primary', onclick: () => files.menu() }, text.file),
+    h('button', { type: 'button', class: 'primary', onclick: () => files.openMenu() }, text.file),
   );
   const loading = h('p', { class: 'loading' }, text.loading);
   const scene = h(
@@ -150,25 +137,24 @@ export function start({ api, list, early, fetchShape }: Start): void {
     redo.disabled = !studio.history.canRedo;
   });
   studio.on(['before', 'compared'], () => {
-    badge.hidden = !view.before;
-    badge.textContent = studio.compared ? text.compareShort[studio.compared.method] : text.beforeShort;
-    before.setAttribute('aria-pressed', String(view.before));
+    badge.hidden = !view.showsOriginal;
+    badge.textContent = studio.comparison ? text.compareShort[studio.comparison.method] : text.beforeShort;
+    before.setAttribute('aria-pressed', String(view.showsOriginal));
     split.setAttribute('aria-pressed', String(view.split !== null));
   });
   studio.on('shape', () => {
     document.title = `${studio.shape!.name} – ${text.title}`;
-    if (studio.shape!.resumed && !resumedSaid.has(studio.shape!.id)) say(text.resumed);
-    resumedSaid.add(studio.shape!.id);
-    if (studio.nLevels === 0 || studio.shape!.diagonal === 0) say(text.tooSmall, 'error');
+    if (studio.shape!.resumed && !announcedShapes.has(studio.shape!.id)) showMessage(text.resumed);
+    announcedShapes.add(studio.shape!.id);
+    if (studio.nLevels === 0 || studio.shape!.diagonal === 0) showMessage(text.tooSmall, 'error');
   });
-  const resumedSaid = new Set<number>();
+  const announcedShapes = new Set<number>();
 
-  const keptWaiters: (() => void)[] = [];
   studio.on('saving', () => {
     const { saver } = studio;
     if (!saver) return;
     const words = {
-      kept: text.kept,
+      saved: text.editSaved,
       sending: text.sending,
       offline: text.offline,
       ended: text.offline,
@@ -195,14 +181,17 @@ export function start({ api, list, early, fetchShape }: Start): void {
           },
           text.keepMine,
         ),
-        h('button', { type: 'button', onclick: () => studio.session.takeTheirs() }, text.takeTheirs),
+        h(
+          'button',
+          { type: 'button', onclick: () => studio.session.acceptConflictingEdit() },
+          text.takeTheirs,
+        ),
       );
     }
-    if (saver.state === 'refused') say(saver.problem, 'error');
-    if (saver.state === 'kept') for (const done of keptWaiters.splice(0)) done();
+    if (saver.state === 'refused') showMessage(saver.problem, 'error');
   });
   window.addEventListener('pagehide', () => studio.saver?.flush());
-  canvas.addEventListener('webglcontextlost', () => say(text.lostPicture));
+  canvas.addEventListener('webglcontextlost', () => showMessage(text.lostPicture));
   canvas.addEventListener('webglcontextrestored', () => view.request());
 
   const ready = (async () => {
@@ -217,7 +206,7 @@ export function start({ api, list, early, fetchShape }: Start): void {
       const opened = studio.session.open(first);
       void first.positions.then(() => loading.remove());
       await opened;
-      await studio.display.settled();
+      await studio.display.waitUntilSettled();
     } catch (error) {
       loading.textContent = (error as Error).message;
       loading.classList.add('error');
@@ -228,31 +217,10 @@ export function start({ api, list, early, fetchShape }: Start): void {
   ready.catch(() => {});
   studio.on('shape', () => loading.remove());
 
-  const tests: Window4Tests = {
-    ready,
-    state: () => toEdit(studio.doc, 0),
-    timings: studio.watch.timings,
-    measure: (on) => {
-      studio.watch.measuring = on;
-    },
-    positions: async () => {
-      await studio.display.settled();
-      return (await studio.engine.call('positions', {})).positions;
-    },
-    mask: async () => {
-      await studio.display.settled();
-      return (await studio.engine.call('maskBytes', { key: studio.doc.layers.at(-1)!.key })).bytes;
-    },
-    kept: () =>
-      studio.saver && studio.saver.state === 'kept' && !studio.saver.pending
-        ? Promise.resolve()
-        : new Promise((done) => keptWaiters.push(done)),
-    renderer: view.rendererName,
-  };
-  (window as unknown as { studio: Window4Tests }).studio = tests;
+  if (import.meta.env.MODE === 'e2e') installTestHooks(studio, ready);
 }
 
-/** Light, dark, or as the system has it; the choice is remembered. */
+/** Creates the button that switches between light and dark; the choice is remembered. */
 function themeButton(view: View): HTMLButtonElement {
   const dark = matchMedia('(prefers-color-scheme: dark)');
   let chosen = localStorage.getItem('adwave-theme') as Theme | null;

@@ -1,14 +1,14 @@
-/** Where the selected layer acts: everywhere, painted, a ball, a line, a box, a half-space, by a field; inverted, grown, blurred. */
+/** Controls of the selected layer's region: its kind and parameters, inversion, growing and blurring. */
 
 import { h, iconButton, select, slider } from './dom';
 import { firstField, regionFields } from './fields';
-import { lengthOf, short } from './lengths';
+import { formatNumber, toModelUnits } from './lengths';
 import type { Region } from './protocol';
-import { type Change, reshaped } from './reshape';
+import { type Change, reshapeRegion } from './reshape';
 import type { Studio } from './studio';
 import { text } from './text';
 
-type Kind =
+type RegionChoice =
   | 'everywhere'
   | 'painted'
   | 'ball'
@@ -19,22 +19,26 @@ type Kind =
   | 'field'
   | 'other';
 
-/** By what a region is grown, shrunk and blurred, in percent of the diagonal. */
+/** Length by which a region is grown, shrunk or blurred, in percent of the diagonal. */
 let amount = 1;
 
-/** Changes where the selected layer acts. */
+/** Grows, shrinks or blurs the region of the selected layer. */
 export function reshape(studio: Studio, change: Change): void {
   const { region, key } = studio.layer;
   if (!region || !studio.shape) {
-    studio.say(text.reshapeNothing);
+    studio.showMessage(text.reshapeNothing);
     return;
   }
   const { diagonal } = studio.shape;
-  studio.changeLayer({ region: reshaped(region, change, (amount / 100) * diagonal, diagonal) }, true, key);
+  studio.changeLayer(
+    { region: reshapeRegion(region, change, (amount / 100) * diagonal, diagonal) },
+    true,
+    key,
+  );
 }
 
-/** A region without the inversions round it, and whether they leave it inverted. */
-function bare(region: Region | null): { inner: Region | null; inverted: boolean } {
+/** Strips enclosing inversions; `inverted` tells if their number was odd. */
+function stripInversions(region: Region | null): { inner: Region | null; inverted: boolean } {
   let inner = region;
   let inverted = false;
   while (inner && 'not' in inner) {
@@ -44,25 +48,25 @@ function bare(region: Region | null): { inner: Region | null; inverted: boolean 
   return { inner, inverted };
 }
 
-function kindOf(region: Region | null): Kind {
+function regionKind(region: Region | null): RegionChoice {
   if (!region) return 'everywhere';
   const kind = Object.keys(region)[0] as string;
   if (kind === 'vertices' || kind === 'painted') return 'painted';
   const known = ['ball', 'stroke', 'box', 'half-space', 'component', 'field'];
-  return known.includes(kind) ? (kind as Kind) : 'other';
+  return known.includes(kind) ? (kind as RegionChoice) : 'other';
 }
 
 export function regionChooser(studio: Studio): HTMLElement {
   const shape = studio.shape;
   if (!shape) return h('div');
   const { region, key } = studio.layer;
-  const { inner, inverted } = bare(region);
-  const kind = kindOf(inner);
+  const { inner, inverted } = stripInversions(region);
+  const kind = regionKind(inner);
   const { diagonal, center } = shape;
   const wrap = (r: Region | null): Region | null => (inverted && r ? { not: r } : r);
   const set = (r: Region | null, step: boolean) => studio.changeLayer({ region: wrap(r) }, step, key);
 
-  const start = (next: Kind): Region | null => {
+  const start = (next: RegionChoice): Region | null => {
     const half = diagonal / 4;
     switch (next) {
       case 'painted':
@@ -92,20 +96,20 @@ export function regionChooser(studio: Studio): HTMLElement {
   const choices = text.regionChoices
     .filter(([k]) => k !== 'other' || kind === 'other')
     .map(([k, name]) => [k, k === 'other' ? text.otherRegion(describeRegion(region)) : name]) as [
-    Kind,
+    RegionChoice,
     string,
   ][];
-  /** Fits a field's range to its values. */
+  /** Fits the range of a field to its values. */
   const fit = (name: string) =>
     studio.fieldRange(name).then(
       ([low, high]) => set({ field: { name, low, high } }, true),
-      (e: Error) => studio.say(e.message, 'error'),
+      (e: Error) => studio.showMessage(e.message, 'error'),
     );
   const pickPart = () => {
-    studio.say(text.clickPart);
-    studio.pickNext = (vertex) => set({ component: { vertex } }, true);
+    studio.showMessage(text.clickPart);
+    studio.onPickVertex = (vertex) => set({ component: { vertex } }, true);
   };
-  const chooser = select<Kind>(text.where, choices, kind, (next) => {
+  const chooser = select<RegionChoice>(text.where, choices, kind, (next) => {
     if (next === 'painted') studio.setBrush(true);
     if (next === 'stroke') {
       drawLine(studio, key, 0.04 * diagonal);
@@ -138,9 +142,9 @@ export function regionChooser(studio: Studio): HTMLElement {
     slider(
       label,
       { min: 0.5, max: most, step: 0.5, value: Math.min(most, (100 * value) / diagonal) },
-      (v) => short((v / 100) * diagonal),
+      (v) => formatNumber((v / 100) * diagonal),
       (v, done) => {
-        // Regions of the server are asked for at the end of a movement only.
+        // Some regions are computed by the server, hence only when the slider is released.
         if (done) set(moved((v / 100) * diagonal), true);
       },
     );
@@ -148,21 +152,23 @@ export function regionChooser(studio: Studio): HTMLElement {
     const ball = inner.ball;
     parts.push(
       h('p', { class: 'hint' }, text.ballHint),
-      length(text.radius, lengthOf(ball.radius, diagonal), 60, (radius) => ({ ball: { ...ball, radius } })),
+      length(text.radius, toModelUnits(ball.radius, diagonal), 60, (radius) => ({
+        ball: { ...ball, radius },
+      })),
       button(text.moveCenter, () => {
-        studio.say(text.clickCenter);
-        studio.pickNext = (vertex) => set({ ball: { ...ball, center: { vertex } } }, true);
+        studio.showMessage(text.clickCenter);
+        studio.onPickVertex = (vertex) => set({ ball: { ...ball, center: { vertex } } }, true);
       }),
     );
   } else if (inner && 'stroke' in inner) {
     const { stroke } = inner;
     parts.push(
-      length(text.radius, lengthOf(stroke.radius, diagonal), 30, (radius) => ({
+      length(text.radius, toModelUnits(stroke.radius, diagonal), 30, (radius) => ({
         stroke: { ...stroke, radius },
       })),
-      studio.drawing
-        ? button(text.lineEnd, () => studio.drawing?.end())
-        : button(text.lineAgain, () => drawLine(studio, key, lengthOf(stroke.radius, diagonal))),
+      studio.lineDrawing
+        ? button(text.lineEnd, () => studio.lineDrawing?.end())
+        : button(text.lineAgain, () => drawLine(studio, key, toModelUnits(stroke.radius, diagonal))),
     );
   } else if (inner && 'component' in inner) {
     parts.push(button(text.choosePart, pickPart));
@@ -174,7 +180,7 @@ export function regionChooser(studio: Studio): HTMLElement {
           slider(
             `${end === 'min' ? text.from : text.to} ${'xyz'[c]}`,
             { min: -50, max: 50, step: 0.5, value: (100 * (box[end][c]! - center[c]!)) / diagonal },
-            (v) => short(center[c]! + (v / 100) * diagonal),
+            (v) => formatNumber(center[c]! + (v / 100) * diagonal),
             (v, done) => {
               if (!done) return;
               set({ box: { ...box, [end]: box[end].with(c, center[c]! + (v / 100) * diagonal) } }, true);
@@ -184,7 +190,7 @@ export function regionChooser(studio: Studio): HTMLElement {
       }
     }
     parts.push(
-      length(text.falloff, lengthOf(box.falloff ?? '5%', diagonal), 30, (falloff) => ({
+      length(text.falloff, toModelUnits(box.falloff ?? '5%', diagonal), 30, (falloff) => ({
         box: { ...box, falloff },
       })),
     );
@@ -210,7 +216,7 @@ export function regionChooser(studio: Studio): HTMLElement {
           step: 0.5,
           value: (100 * ((half.point[axis] ?? 0) - center[Math.max(0, axis)]!)) / diagonal,
         },
-        (v) => short(center[Math.max(0, axis)]! + (v / 100) * diagonal),
+        (v) => formatNumber(center[Math.max(0, axis)]! + (v / 100) * diagonal),
         (v, done) => {
           if (!done) return;
           const a = Math.max(0, axis);
@@ -220,7 +226,7 @@ export function regionChooser(studio: Studio): HTMLElement {
           );
         },
       ),
-      length(text.falloff, lengthOf(half.falloff ?? '5%', diagonal), 60, (falloff) => ({
+      length(text.falloff, toModelUnits(half.falloff ?? '5%', diagonal), 60, (falloff) => ({
         'half-space': { ...half, falloff },
       })),
     );
@@ -264,7 +270,7 @@ export function regionChooser(studio: Studio): HTMLElement {
       slider(
         text.reshapeBy,
         { min: 0.2, max: 10, step: 0.2, value: amount },
-        (v) => short((v / 100) * diagonal),
+        (v) => formatNumber((v / 100) * diagonal),
         (v) => {
           amount = v;
         },
@@ -278,27 +284,27 @@ function button(label: string, onclick: () => void): HTMLButtonElement {
   return h('button', { type: 'button', onclick }, label);
 }
 
-/** A line over the surface: each click adds a place, Enter or its button ends it, Escape gives it up. */
+/** Draws a line over the surface: each click adds a vertex, Enter or the button finishes it, Escape cancels it. */
 function drawLine(studio: Studio, key: number, radius: number): void {
   const path: { vertex: number }[] = [];
   const finish = (keep: boolean) => {
-    studio.drawing = null;
-    studio.pickNext = null;
+    studio.lineDrawing = null;
+    studio.onPickVertex = null;
     if (keep) studio.history.end();
     else studio.history.cancel();
     studio.emit('drawing');
   };
   const next = (vertex: number) => {
     path.push({ vertex });
-    studio.drawing = { end: () => finish(true), cancel: () => finish(false) };
+    studio.lineDrawing = { end: () => finish(true), cancel: () => finish(false) };
     studio.changeLayer({ region: { stroke: { path: [...path], radius } } }, false, key);
-    studio.pickNext = next;
+    studio.onPickVertex = next;
   };
-  studio.say(text.lineClick);
-  studio.pickNext = next;
+  studio.showMessage(text.lineClick);
+  studio.onPickVertex = next;
 }
 
-/** Where a layer acts, in a few words. */
+/** Describes a region in a few words. */
 export function describeRegion(region: Region | null): string {
   if (!region) return text.everywhere;
   const kind = Object.keys(region)[0] as string;
