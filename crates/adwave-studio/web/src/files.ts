@@ -4,7 +4,7 @@ import { ApiError } from './api';
 import type { fetchShape as FetchShape } from './boot';
 import { dialog } from './dialog';
 import { check, chooseFile, download, h, iconButton } from './dom';
-import type { Edit, ReadableFormat } from './protocol';
+import type { Edit, ReadableFormat, Shape } from './protocol';
 import { toEdit } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
@@ -126,101 +126,102 @@ export class Files {
 
   /** Opens the dialog for saving, downloads and tools. */
   openMenu(): void {
-    const { studio } = this;
-    const { shape } = studio;
+    const { shape } = this.studio;
     if (!shape) return;
-    const name = h('input', { type: 'text', placeholder: text.saveNameHint, 'aria-label': text.saveName });
-    const format = h(
-      'select',
-      { 'aria-label': text.format },
-      ...shape.formats.map((f) => h('option', { value: f }, text.formatName(f))),
-    );
-    const own = shape.formats.find((f) => f.toLowerCase() === shape.format?.toLowerCase());
-    if (own) format.value = own;
-    const button = (label: string, act: () => void, kind = '') =>
-      h('button', { type: 'button', class: kind, onclick: act }, label);
-    let replace = false;
+    const close = () => box.close();
     const box = dialog(
       text.file,
-      h('h3', {}, text.save),
-      h('p', {}, text.saveNote),
-      h(
-        'div',
-        { class: 'row' },
-        name,
-        button(
-          text.save,
-          () => {
-            box.close();
-            void this.save(name.value.trim() || null, replace);
-          },
-          'primary',
-        ),
-      ),
-      check(text.saveReplace, false, (on) => {
-        replace = on;
-      }),
-      h('h3', {}, text.downloads),
-      h(
-        'div',
-        { class: 'row' },
-        format,
-        button(
-          text.download,
-          () =>
-            void this.reportErrors(async () => {
-              await studio.saver?.waitUntilSent();
-              const kind = format.value.toLowerCase();
-              const ending = kind === 'gifti' ? 'gii' : kind.replace('-ascii', '');
-              download(await studio.api.download(shape.id, kind), `${this.stem}-edited.${ending}`);
-            }),
-        ),
-      ),
-      h(
-        'div',
-        { class: 'row' },
-        button(text.picture, () => void this.picture()),
-        button(text.pageGo, () => {
-          box.close();
-          void this.page();
-        }),
-      ),
-      h('p', { class: 'hint' }, text.pageNote),
-      h('h3', {}, text.recipe),
-      h('p', {}, text.recipeNote),
-      h(
-        'div',
-        { class: 'row' },
-        button(
-          text.recipeSave,
-          () =>
-            void this.reportErrors(async () => {
-              await studio.saver?.waitUntilSent();
-              const recipe = await studio.api.recipe(shape.id);
-              download(new Blob([recipe], { type: 'application/toml' }), `${this.stem}.toml`);
-            }),
-        ),
-        button(text.recipeOpen, () =>
-          chooseFile('.toml', (file) => {
-            box.close();
-            void this.reportErrors(async () => studio.session.applyRecipe(await file.text()));
-          }),
-        ),
-      ),
-      ...toolSections(studio, this, () => box.close()),
+      ...this.saveSection(close),
+      ...this.downloadSection(shape, close),
+      ...this.recipeSection(shape, close),
+      ...toolSections(this.studio, this, close),
       h('h3', {}, text.quit),
       h('p', {}, text.quitNote),
       h(
         'div',
         { class: 'row' },
         button(text.quit, () => {
-          box.close();
+          close();
           void this.quitStudio();
         }),
       ),
       shape.notes.length ? h('h3', {}, text.notes) : null,
       shape.notes.length ? h('ul', {}, ...shape.notes.map((n) => h('li', {}, n))) : null,
     );
+  }
+
+  private saveSection(close: () => void): Node[] {
+    const name = h('input', { type: 'text', placeholder: text.saveNameHint, 'aria-label': text.saveName });
+    let replace = false;
+    const save = () => {
+      close();
+      void this.save(name.value.trim() || null, replace);
+    };
+    return [
+      h('h3', {}, text.save),
+      h('p', {}, text.saveNote),
+      h('div', { class: 'row' }, name, button(text.save, save, 'primary')),
+      check(text.saveReplace, false, (on) => {
+        replace = on;
+      }),
+    ];
+  }
+
+  private downloadSection(shape: Shape, close: () => void): Node[] {
+    const { studio } = this;
+    const format = h(
+      'select',
+      { 'aria-label': text.format },
+      ...shape.formats.map((f) => h('option', { value: f }, text.formatName(f))),
+    );
+    const current = shape.formats.find((f) => f.toLowerCase() === shape.format?.toLowerCase());
+    if (current) format.value = current;
+    const downloadShape = () =>
+      void this.reportErrors(async () => {
+        await studio.saver?.waitUntilSent();
+        const id = format.value.toLowerCase();
+        const extension = id === 'gifti' ? 'gii' : id.replace('-ascii', '');
+        download(await studio.api.download(shape.id, id), `${this.stem}-edited.${extension}`);
+      });
+    return [
+      h('h3', {}, text.downloads),
+      h('div', { class: 'row' }, format, button(text.download, downloadShape)),
+      h(
+        'div',
+        { class: 'row' },
+        button(text.picture, () => void this.picture()),
+        button(text.pageGo, () => {
+          close();
+          void this.page();
+        }),
+      ),
+      h('p', { class: 'hint' }, text.pageNote),
+    ];
+  }
+
+  private recipeSection(shape: Shape, close: () => void): Node[] {
+    const { studio } = this;
+    const downloadRecipe = () =>
+      void this.reportErrors(async () => {
+        await studio.saver?.waitUntilSent();
+        const recipe = await studio.api.recipe(shape.id);
+        download(new Blob([recipe], { type: 'application/toml' }), `${this.stem}.toml`);
+      });
+    const openRecipe = () =>
+      chooseFile('.toml', (file) => {
+        close();
+        void this.reportErrors(async () => studio.session.applyRecipe(await file.text()));
+      });
+    return [
+      h('h3', {}, text.recipe),
+      h('p', {}, text.recipeNote),
+      h(
+        'div',
+        { class: 'row' },
+        button(text.recipeSave, downloadRecipe),
+        button(text.recipeOpen, openRecipe),
+      ),
+    ];
   }
 
   /** Creates the tabs of the open shapes. */
@@ -271,6 +272,10 @@ export class Files {
       for (const file of e.dataTransfer?.files ?? []) void this.openFile(file);
     });
   }
+}
+
+function button(label: string, onclick: () => void, kind = ''): HTMLButtonElement {
+  return h('button', { type: 'button', class: kind, onclick }, label);
 }
 
 /** Returns the supported formats that the server lists in its error about an unknown one. */

@@ -23,11 +23,9 @@ export interface LookPanel {
   toggleSplit(): void;
 }
 
-export function lookPanel(studio: Studio, stage: Stage): LookPanel {
+/** Creates the choice of shading. */
+function styleControl(studio: Studio) {
   const { view } = studio;
-  let features: Feature[] = [];
-
-  // Style.
   const styles: Style[] = ['shaded', 'matcap', 'flat', 'edges'];
   const setStyle = (style: Style) => {
     view.style = style;
@@ -45,9 +43,14 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   );
   studio.on('shape', () => setStyle(view.style));
 
-  const colors = coloring(studio);
+  const cycle = () => setStyle(styles[(styles.indexOf(view.style) + 1) % styles.length]!);
+  return { buttons: styleButtons, setStyle, cycle };
+}
 
-  // Features.
+/** Creates the switch for features, and the output for a clicked feature or vertex. */
+function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => string): HTMLElement[] {
+  const { view } = studio;
+  let features: Feature[] = [];
   const featureList = h('output', { class: 'feature', hidden: true });
   const setFeatures = (on: boolean) => {
     featureList.hidden = true;
@@ -108,11 +111,14 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     featureList.hidden = true;
     if (!answer.hit) return;
     const v = answer.hit.vertex;
-    featureList.textContent = `${text.vertex(v)}${colors.valueAt(v)}`;
+    featureList.textContent = `${text.vertex(v)}${valueAt(v)}`;
     featureList.hidden = false;
   };
+  return [featureBox, featureList];
+}
 
-  // Camera.
+/** Creates the buttons for standard views, and the settings of the camera. */
+function cameraControls({ view }: Studio): HTMLElement[] {
   const cameraRow = h(
     'div',
     { class: 'row' },
@@ -163,8 +169,15 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
       view.markMoving();
     },
   );
+  return [
+    cameraRow,
+    h('details', {}, h('summary', {}, text.camera), h('div', { class: 'stack' }, turning, upright)),
+  ];
+}
 
-  // Before and after.
+/** Creates the divider of the wipe between before and after. */
+function wipe(studio: Studio): { divider: HTMLElement; toggleSplit: () => void } {
+  const { view } = studio;
   const divider = h('div', {
     class: 'divider',
     hidden: true,
@@ -209,8 +222,11 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     view.request();
     studio.emit('before');
   };
+  return { divider, toggleSplit };
+}
 
-  // Readouts that are always visible.
+/** Creates the readouts that are always visible. */
+function createReadouts(studio: Studio): HTMLElement {
   const readouts = h('dl', { class: 'readouts', 'aria-live': 'off' });
   function read(): void {
     const shape = studio.shape;
@@ -236,25 +252,29 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     readouts.replaceChildren(...items);
   }
   studio.on(['shape', 'moved'], read);
+  return readouts;
+}
 
+export function lookPanel(studio: Studio, stage: Stage): LookPanel {
+  const style = styleControl(studio);
+  const colors = coloring(studio);
+  const { divider, toggleSplit } = wipe(studio);
   const panel = h(
     'section',
     { class: 'look-panel', id: 'look', 'aria-label': text.look },
     h('header', {}, h('h2', {}, text.look)),
-    styleButtons,
+    style.buttons,
     ...colors.controls,
-    featureBox,
-    featureList,
-    cameraRow,
-    h('details', {}, h('summary', {}, text.camera), h('div', { class: 'stack' }, turning, upright)),
+    ...featureControls(studio, stage, colors.valueAt),
+    ...cameraControls(studio),
   );
   return {
     panel,
     legend: colors.legend,
-    readouts,
+    readouts: createReadouts(studio),
     divider,
-    style: setStyle,
-    cycleStyle: () => setStyle(styles[(styles.indexOf(view.style) + 1) % styles.length]!),
+    style: style.setStyle,
+    cycleStyle: style.cycle,
     toggleChange: colors.toggleChange,
     toggleSplit,
   };
