@@ -1,4 +1,4 @@
-//! A studio that a test asks, by requests as a browser writes them.
+//! Test client: a studio in this process, and HTTP requests as a browser sends them.
 
 use adwave::Progress;
 use adwave_io::{ReadLimits, read_path};
@@ -34,7 +34,7 @@ impl Answer {
         String::from_utf8_lossy(&self.body).into_owned()
     }
 
-    /// The one line of a refusal.
+    /// One-line message of an error response.
     pub(crate) fn error(&self) -> String {
         let error = self.json()["error"].as_str().unwrap_or_default().to_owned();
         assert!(!error.is_empty() && !error.contains('\n'), "{}", self.text());
@@ -46,7 +46,7 @@ impl Answer {
     }
 }
 
-/// What `path` holds, as the command opens it.
+/// Opens a file like the command does.
 pub(crate) fn opened(path: &Path) -> StudioInput {
     let file = read_path(path, &ReadLimits::default()).unwrap();
     let shape = file.to_shape().unwrap();
@@ -55,13 +55,13 @@ pub(crate) fn opened(path: &Path) -> StudioInput {
 }
 
 impl Studio {
-    /// A studio on a file, whose edits are kept in `autosave_folder`.
+    /// Starts a studio on a file, with edits stored in `autosave_folder`.
     pub(crate) fn on(path: &Path, autosave_folder: &Path) -> Self {
         Self::of(opened(path), autosave_folder)
     }
 
     pub(crate) fn of(opened: StudioInput, autosave_folder: &Path) -> Self {
-        // For as long as the process runs: a server must not outlive its flag.
+        // Leaked, because the server must not outlive its flag.
         let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
         let (send, receive) = mpsc::channel();
         let params =
@@ -77,7 +77,7 @@ impl Studio {
         Self { host: host.to_owned(), token: token.to_owned(), stop, thread: Some(thread) }
     }
 
-    /// A request with these headers and no others but those that HTTP needs.
+    /// Sends a request with only these headers and those that HTTP requires.
     pub(crate) fn bare(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(Duration::from_mins(2))).unwrap();
@@ -90,7 +90,7 @@ impl Studio {
             head += &format!("{name}: {value}\r\n");
         }
         stream.write_all((head + "\r\n").as_bytes()).unwrap();
-        // A refusal may come before all was read.
+        // An error response may arrive before the whole request was read.
         let _ = stream.write_all(body);
         let mut all = Vec::new();
         let _ = stream.read_to_end(&mut all);
@@ -120,13 +120,13 @@ impl Studio {
         self.ask("POST", path, content.to_string().as_bytes())
     }
 
-    /// Stops it as Ctrl-C does.
+    /// Stops the studio like Ctrl-C does.
     pub(crate) fn end(mut self) -> StudioOutcome {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap().unwrap()
     }
 
-    /// Waits until it ends by itself.
+    /// Waits until the studio ends.
     pub(crate) fn finished(mut self) -> StudioOutcome {
         self.thread.take().unwrap().join().unwrap().unwrap()
     }
@@ -138,7 +138,7 @@ impl Drop for Studio {
     }
 }
 
-/// A body that came in chunks.
+/// Joins a chunked body.
 fn joined(mut body: &[u8]) -> Vec<u8> {
     let mut all = Vec::new();
     while let Some(at) = body.windows(2).position(|w| w == b"\r\n") {

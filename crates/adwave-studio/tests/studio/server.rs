@@ -1,4 +1,4 @@
-//! What the page is given, against the library; the saved file against the recipe replayed.
+//! Responses to the page compared with the library; saved files compared with a replay of the recipe.
 
 use crate::client::{Studio, opened};
 use adwave::bands::Schedule;
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A creature in a folder of its own.
+/// Writes a creature to a temporary folder.
 pub(crate) fn creature(folder: &TempDir, n_vertices: usize) -> PathBuf {
     let sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
     let path = folder.path().join("creature.ply");
@@ -31,7 +31,7 @@ pub(crate) fn edit(revision: u64, layers: &[Value]) -> Value {
     json!({"revision": revision, "layers": layers, "along": null, "border": "natural", "volume": "free"})
 }
 
-/// The file that a recipe makes of another, as `adwave filter --recipe` does it.
+/// Applies a recipe to a file, like `adwave filter --recipe`.
 fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
     let recipe = parse_recipe(recipe).unwrap();
     let StudioInput { mut file, shape, .. } = opened(path);
@@ -75,7 +75,7 @@ fn a_saved_shape_has_the_bytes_of_its_recipe_replayed() {
     let bytes = std::fs::read(saved).unwrap();
     assert_eq!(bytes, replayed(&path, &recipe));
     assert_eq!(studio.get("/api/shapes/1/download?format=ply").body, bytes);
-    // The page's own numbers: positions, the sum of the bands, the exact result.
+    // Data of the page: positions, the sum of the bands, and the exact result.
     let info = studio.get("/api/shapes/1").json();
     let (n, center) = (info["n_vertices"].as_u64().unwrap() as usize, &info["center"]);
     let exact = read_path(saved, &ReadLimits::default()).unwrap();
@@ -137,7 +137,7 @@ fn an_edit_is_there_again_on_the_next_visit() {
     let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
     let document = edit(3, &[layer(&vec![0.25; n_levels], &Value::Null)]);
     assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
-    // An edit that is not newer is refused, with the one that is kept; the same again is not.
+    // An edit that is not newer is rejected with the stored one; an identical edit is accepted.
     let stale = studio.put("/api/shapes/1/edit", &edit(3, &[]));
     assert_eq!((stale.status, &stale.json()["edit"]), (409, &document));
     assert!(stale.error().contains("revision 3"));
@@ -149,7 +149,7 @@ fn an_edit_is_there_again_on_the_next_visit() {
     assert_eq!(again.get("/api/shapes/1/edit").json(), document);
     assert_eq!(again.get("/api/shapes/1/exact").body, exact);
     again.end();
-    // Another shape in the same place is another one.
+    // Another shape at the same path does not resume the edit.
     creature(&folder, 2500);
     let other = Studio::on(&path, &kept);
     assert_eq!(other.get("/api/shapes/1").json()["resumed"], false);
@@ -248,7 +248,7 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
         assert!(refused.error().contains(said), "{said}: {}", refused.error());
     }
     assert_eq!(studio.get("/api/shapes/1/edit").json()["revision"], 0);
-    // Gains whose result no file could hold: the edit before them stays, in the numbers as well.
+    // Gains with an overflowing result are rejected, and the previous edit and positions stay.
     let good = edit(1, &[layer(&vec![2.0; n_levels], &Value::Null)]);
     assert_eq!(studio.put("/api/shapes/1/edit", &good).status, 200);
     let exact = studio.get("/api/shapes/1/exact").body;
@@ -339,7 +339,7 @@ fn regions_are_made_of_the_surface_its_fields_and_each_other() {
     let smoothed =
         json!({"painted": [{"add": half}, {"smooth": {"region": {"all": [brush, front]}, "by": "2%"}}]});
     assert!(mask(smoothed).body.iter().any(|w| (20..235).contains(w)));
-    // Fields of the shape itself: of the opened shape, in the ranges that the page is told.
+    // Fields of regions belong to the original shape, with the range that the page receives.
     for name in ["saliency", "mean-curvature", "band-2"] {
         let values = studio.get(&format!("/api/shapes/1/field?of=region&name={name}")).floats();
         let (low, high) = values.iter().fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
