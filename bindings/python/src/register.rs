@@ -12,8 +12,8 @@ use adwave::shape::{Shape, surface_area};
 use adwave::signal::outward_normals;
 use adwave_io::Subset;
 use adwave_register::{
-    AlignInfo, AlignParams, Consensus, ConsensusParams, Described, Motion, PairParams, Surface, align,
-    common_lengths, consensus, described, pairs_under, signed_distances,
+    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, PairParams, ShapeFeatures, Surface, align,
+    common_lengths, consensus, describe_shape, pairs_under, signed_distances,
 };
 use adwave_simplify::{Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud, simplify_mesh};
 use pyo3::prelude::*;
@@ -130,7 +130,7 @@ fn matched<'py>(
 }
 
 /// The features of two shapes, and the motion between them where one is clear.
-type Brought = (Described, Described, Option<(Motion, AlignInfo)>);
+type Brought = (ShapeFeatures, ShapeFeatures, Option<(Motion, AlignInfo)>);
 
 /// Features of both shapes, and the motion from the first to the second that most of them agree on, fitted to the surfaces.
 fn motion_between(a: &Prepared, b: &Prepared, theta: f64, scaled: bool, p: Progress<'_>) -> Stage<Brought> {
@@ -141,12 +141,12 @@ fn motion_between(a: &Prepared, b: &Prepared, theta: f64, scaled: bool, p: Progr
         let both = stage(common_lengths(walk, other))?;
         [both.clone(), both]
     };
-    let of = |side: &Prepared, lengths: &[f64]| -> Stage<Described> {
-        stage(described(&side.decomposer, side.normals.as_deref(), lengths, theta, p))
+    let of = |side: &Prepared, lengths: &[f64]| -> Stage<ShapeFeatures> {
+        stage(describe_shape(&side.decomposer, side.normals.as_deref(), lengths, theta, p))
     };
     let (one, two) = (of(a, &lengths[0])?, of(b, &lengths[1])?);
     let params = ConsensusParams { scaled, ..ConsensusParams::default() };
-    let found = stage(consensus((&one.keys, &one.descriptors), (&two.keys, &two.descriptors), &params, p))?;
+    let found = stage(consensus(&one, &two, &params, p))?;
     let clear = found.filter(Consensus::is_clear);
     let (Some(found), Some(surface)) = (clear, Surface::new(other.geometry())) else {
         return Ok((one, two, None));

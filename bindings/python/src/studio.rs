@@ -3,7 +3,7 @@
 use crate::error;
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave_studio::{Opened, StudioParams, serve};
+use adwave_studio::{StudioInput, StudioParams, serve};
 use pyo3::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,7 +30,7 @@ fn studio<'py>(
     let path = Path::new(&content.name);
     let path = path.is_file().then(|| path.to_path_buf());
     let name = path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-    let opened = Opened {
+    let input = StudioInput {
         name: name.unwrap_or_else(|| content.name.clone()),
         path,
         file: content.file.clone(),
@@ -45,7 +45,7 @@ fn studio<'py>(
         let server = scope.spawn(move || {
             let progress = Progress::none().with_cancel(stop);
             // Who started it waits for this.
-            serve(opened, &params, progress, |served| drop(send.send(served.address.clone())))
+            serve(input, &params, progress, |address| drop(send.send(address.url.clone())))
         });
         while !server.is_finished() {
             py.detach(|| std::thread::sleep(LOOK));

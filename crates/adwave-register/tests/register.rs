@@ -1,12 +1,12 @@
-//! Two meshings of one shape are brought together, and their features are the same ones.
+//! Registration of two meshes of one shape, and correspondence of their features.
 
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Graph, Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, surface_area};
 use adwave::{Decomposer, Progress};
 use adwave_register::{
-    AlignParams, ConsensusParams, DescribeError, Described, Motion, PairParams, Surface, align,
-    common_lengths, consensus, described, pairs_under, signed_distances,
+    AlignParams, ConsensusParams, DescribeError, Motion, PairParams, ShapeFeatures, Surface, align,
+    common_lengths, consensus, describe_shape, pairs_under, signed_distances,
 };
 
 fn prepared(shape: &Shape) -> Decomposer {
@@ -14,7 +14,7 @@ fn prepared(shape: &Shape) -> Decomposer {
     Decomposer::with_params(shape, &params, Progress::none()).unwrap()
 }
 
-/// A creature of that many vertices, with noise, moved.
+/// Noisy creature with about n vertices, after a motion.
 fn creature(n_vertices: usize, noise: f64, seed: u64, motion: &Motion) -> Shape {
     let mut sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
     sample.add_noise(NoiseSigma::MeanEdge(noise), seed).unwrap();
@@ -26,11 +26,11 @@ fn geometry(shape: &Shape) -> PreparedGeometry {
     PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()).unwrap()
 }
 
-fn both(first: &Shape, second: &Shape) -> [(Decomposer, Described); 2] {
+fn both(first: &Shape, second: &Shape) -> [(Decomposer, ShapeFeatures); 2] {
     let walks = [prepared(first), prepared(second)];
     let lengths = common_lengths(&walks[0], &walks[1]).unwrap();
     walks.map(|walk| {
-        let found = described(&walk, None, &lengths, 1.0, Progress::none()).unwrap();
+        let found = describe_shape(&walk, None, &lengths, 1.0, Progress::none()).unwrap();
         (walk, found)
     })
 }
@@ -46,7 +46,7 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let [(walk, a), (other, b)] = both(&first, &second);
     assert!(a.is_signed && b.is_signed);
     let params = ConsensusParams::default();
-    let found = consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &params, Progress::none());
+    let found = consensus(&a, &b, &params, Progress::none());
     let found = found.unwrap().unwrap();
     assert!(found.is_clear(), "{} of {}", found.n_agreeing, found.n_by_chance);
     let surface = Surface::new(other.geometry()).unwrap();
@@ -66,7 +66,7 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let n_right = pairs.iter().filter(right).count();
     assert!(pairs.len() >= 30 && 10 * n_right >= 8 * pairs.len(), "{n_right} of {}", pairs.len());
     assert!(pairs.iter().all(|p| (0.0..=1.0).contains(&p.confidence)));
-    // Nobody is in two pairs.
+    // No feature is in two pairs.
     let mut seconds: Vec<usize> = pairs.iter().map(|p| p.second).collect();
     seconds.sort_unstable();
     assert!(seconds.windows(2).all(|w| w[0] < w[1]));
@@ -80,7 +80,7 @@ fn no_motion_is_clear_between_shapes_that_have_nothing_in_common() {
     let torus = Shape::Mesh(Mesh::new(torus.points, torus.faces).unwrap());
     let [(_, a), (_, b)] = both(&creature(6000, 0.1, 1, &Motion::default()), &torus);
     let params = ConsensusParams { tries: 20_000, ..ConsensusParams::default() };
-    let found = consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &params, Progress::none());
+    let found = consensus(&a, &b, &params, Progress::none());
     assert!(found.unwrap().is_none_or(|found| !found.is_clear()));
 }
 
@@ -93,7 +93,7 @@ fn a_fit_finds_motion_and_size_and_is_not_tilted_by_what_differs() {
     for scaled in [false, true] {
         let truth = if scaled { truth.scaled_by(1.03) } else { truth };
         let mut points: Vec<[f64; 3]> = target.points().iter().map(|p| truth.inverse().apply(p)).collect();
-        // A tenth of the vertices, all on one side, were moved away.
+        // A tenth of the vertices, all on one side, are displaced.
         let n = points.len();
         for p in points.iter_mut().take(n / 10) {
             p[0] += 0.03 * target.shape().diagonal();
@@ -161,7 +161,7 @@ fn the_closest_point_of_a_mesh_is_that_of_all_its_triangles() {
             (0..3).map(|k| found.weights[k] * target.points()[found.corners[k] as usize][c]).sum()
         });
         assert!(off(&mix, &found.point) < 1e-9 * size);
-        // Sampling every triangle finds nothing nearer.
+        // Sampling every triangle finds no nearer point.
         let least = target.triangles().iter().flat_map(|t| {
             let corners = t.map(|v| target.points()[v as usize]);
             (0..=4).flat_map(move |i| {
@@ -199,7 +199,7 @@ fn what_has_no_extent_is_refused() {
     let sphere = prepared(&creature(2000, 0.0, 1, &Motion::default()));
     assert!(matches!(common_lengths(&graph, &sphere), Err(DescribeError::NoPositions)));
     assert!(matches!(common_lengths(&sphere, &cloud), Err(DescribeError::NoExtent)));
-    // On one line a turn round it is left open.
+    // Points on a line do not determine the rotation about it.
     let line: Vec<[f64; 3]> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
     assert_eq!(Motion::fit(&line, &line, &[1.0; 5], false), None);
     assert!(Surface::new(graph.geometry()).is_none());

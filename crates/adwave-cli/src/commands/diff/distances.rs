@@ -14,7 +14,7 @@ use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave::signal::outward_normals;
 use adwave_register::{
     AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, SignedDistances, Summary, Surface, align,
-    common_lengths, consensus, described, signed_distances,
+    common_lengths, consensus, describe_shape, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
@@ -255,13 +255,13 @@ fn by_features(
     let Ok(lengths) = common_lengths(&other, walk) else { return Ok(None) };
     let of = |input: &Input, walk: &Decomposer| {
         with_progress(global, "finding features", |progress| {
-            described(walk, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
+            describe_shape(walk, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
         })
         .map_err(|e| CliError::classified(&e))
     };
     let (a, b) = (of(second, &other)?, of(first, walk)?);
     let found = with_progress(global, "matching", |progress| {
-        consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &ConsensusParams::default(), progress)
+        consensus(&a, &b, &ConsensusParams::default(), progress)
     })
     .map_err(|_| CliError::Cancelled)?;
     Ok(found.filter(Consensus::is_clear).map(|found| found.motion))

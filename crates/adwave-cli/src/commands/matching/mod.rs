@@ -15,8 +15,8 @@ use adwave::features::match_features;
 use adwave::shape::surface_area;
 use adwave_io::atomic_write;
 use adwave_register::{
-    AlignInfo, AlignParams, Consensus, ConsensusParams, Described, Motion, Pair, PairParams, Surface, align,
-    common_lengths, consensus, described, pairs_under,
+    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, Pair, PairParams, ShapeFeatures, Surface,
+    align, common_lengths, consensus, describe_shape, pairs_under,
 };
 use adwave_report::Table;
 pub(crate) use args::MatchArgs;
@@ -32,7 +32,7 @@ const MAX_PRINTED: usize = 20;
 struct Side {
     input: Input,
     walk: Decomposer,
-    described: Described,
+    described: ShapeFeatures,
 }
 
 /// What was found.
@@ -115,7 +115,7 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
     for ((input, walk), lengths) in prepared.into_iter().zip(lengths) {
         let normals = file_normals(&input.file);
         let described = with_progress(global, "finding features", |progress| {
-            described(&walk, normals.as_deref(), &lengths, args.theta, progress)
+            describe_shape(&walk, normals.as_deref(), &lengths, args.theta, progress)
         })
         .map_err(|e| CliError::classified(&e))?;
         sides.push(Side { input, walk, described });
@@ -140,10 +140,8 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
     }
     let params =
         ConsensusParams { scaled: args.motion == MotionArg::Similarity, ..ConsensusParams::default() };
-    let found = with_progress(global, "matching", |progress| {
-        consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &params, progress)
-    })
-    .map_err(|_| CliError::Cancelled)?;
+    let found = with_progress(global, "matching", |progress| consensus(a, b, &params, progress))
+        .map_err(|_| CliError::Cancelled)?;
     let clear = found.filter(Consensus::is_clear);
     let (Some(found), Some(surface)) = (clear, Surface::new(second.walk.geometry())) else {
         return Ok(Found { motion: None, pairs: Vec::new(), sigma });

@@ -1,4 +1,4 @@
-//! The features of a shape as matching needs them.
+//! Features of a shape with their descriptors, for matching.
 
 use crate::Key;
 use adwave::bands::{BandsError, Schedule, ScheduleError};
@@ -9,35 +9,36 @@ use adwave::signal::{OutwardError, outward_normals};
 use adwave::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 use thiserror::Error;
 
-/// How wide the last level is, as a share of the diagonal.
-const WIDEST: f64 = 0.08;
-/// Levels at least.
-const LEAST_LEVELS: usize = 6;
-/// Accuracy of the bands: far below what tells features apart.
+/// Width of the last level relative to the diagonal.
+const MAX_RELATIVE_WIDTH: f64 = 0.08;
+/// Smallest number of levels.
+const MIN_LEVELS: usize = 6;
+/// Relative accuracy of the bands, far below the differences between features.
 const ACCURACY: f64 = 1e-6;
 
-/// Why a shape cannot be matched.
+/// Failure to describe a shape for matching.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum DescribeError {
-    /// A graph has no positions.
-    #[error("a graph has no positions, so no motion brings it to another")]
+    /// The shape is a graph, which has no positions.
+    #[error("matching needs positions, and a graph has none")]
     NoPositions,
-    /// A shape without extent has no lengths.
-    #[error("the shape has no extent: all its points are at one place")]
+    /// All points are equal, so that there are no lengths.
+    #[error("the shape has no extent: all its points are equal")]
     NoExtent,
-    /// Levels that there cannot be.
+    /// The levels are invalid.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
-    /// No bands.
+    /// The bands cannot be computed.
     #[error(transparent)]
     Bands(#[from] BandsError),
-    /// No features.
+    /// The features cannot be computed.
     #[error(transparent)]
     Features(#[from] FeatureError),
-    /// Normals that are not those of the shape.
+    /// The normals do not fit the shape.
     #[error(transparent)]
     Outward(#[from] OutwardError),
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -54,24 +55,24 @@ impl ClassifiedError for DescribeError {
     }
 }
 
-/// The features of a shape, and what they look like.
+/// Features of a shape with their keys and descriptors.
 #[derive(Clone, Debug)]
-pub struct Described {
-    /// The features, as [`features`] gives them.
+pub struct ShapeFeatures {
+    /// Features in the order of [`features`].
     pub features: Vec<Feature>,
-    /// The same for matching, in the same order.
+    /// Keys for matching, in the same order.
     pub keys: Vec<Key>,
-    /// What their surroundings look like, in the same order.
+    /// Descriptors of the surroundings, in the same order.
     pub descriptors: Vec<Descriptor>,
-    /// Whether + is convex and − concave: the shape has an outside.
+    /// True if the shape has an outside, so that + is convex and − concave.
     pub is_signed: bool,
 }
 
-/// Widths σ that two shapes can be compared at: half an octave apart, from the longer of their mean edges to 8 % of the shorter
-/// diagonal.
+/// Common widths σ of two shapes, in model units: half an octave apart, from the larger mean edge length to 8 % of the
+/// smaller diagonal.
 ///
 /// # Errors
-/// [`DescribeError`] of a graph and of a shape without extent.
+/// Returns a [`DescribeError`] for a graph and for a shape without extent.
 pub fn common_lengths(first: &Decomposer, second: &Decomposer) -> Result<Vec<f64>, DescribeError> {
     for side in [first, second] {
         if side.geometry().points().is_empty() {
@@ -82,27 +83,29 @@ pub fn common_lengths(first: &Decomposer, second: &Decomposer) -> Result<Vec<f64
         }
     }
     let finest = first.mean_length().max(second.mean_length());
-    let octaves = (WIDEST * first.diagonal().min(second.diagonal()) / finest).log2();
-    let n_levels = ((2.0 * octaves).ceil().max(0.0) as usize + 1).max(LEAST_LEVELS);
+    let octaves = (MAX_RELATIVE_WIDTH * first.diagonal().min(second.diagonal()) / finest).log2();
+    let n_levels = ((2.0 * octaves).ceil().max(0.0) as usize + 1).max(MIN_LEVELS);
     Ok((0..n_levels).map(|j| finest * (j as f64 / 2.0).exp2()).collect())
 }
 
-/// The features of a shape's coordinates along its outward normals (along nothing, by their length, where it has no outside): of
-/// `W_j·n / σ_j` at the widths `lengths`, θ times the mean or more, placed between vertices and levels. `file` are the normals that its file
-/// has. O(n × levels).
+/// Finds and describes the features of the coordinates of a shape, at the widths `lengths`.
+///
+/// Features are extrema of `W_j·n / σ_j` along the outward normals n, or of `‖W_j‖ / σ_j` if the shape has no outside. Their
+/// response is at least θ times the mean, and their positions are interpolated between vertices and levels. `normals` are
+/// those stored in the file, if any. O(n × levels).
 ///
 /// # Errors
-/// [`DescribeError`].
-pub fn described(
+/// Returns a [`DescribeError`] if bands, normals or features cannot be computed.
+pub fn describe_shape(
     decomposer: &Decomposer,
-    file: Option<&[f64]>,
+    normals: Option<&[f64]>,
     lengths: &[f64],
     theta: f64,
     progress: Progress<'_>,
-) -> Result<Described, DescribeError> {
+) -> Result<ShapeFeatures, DescribeError> {
     let geometry = decomposer.geometry();
     let points = geometry.shape().points().ok_or(DescribeError::NoPositions)?;
-    let outward = outward_normals(geometry, file, progress.quiet())?;
+    let outward = outward_normals(geometry, normals, progress.quiet())?;
     let is_signed = outward.info.has_outside();
     let schedule = Schedule::lengths(lengths, decomposer.diffusion().step_length())?;
     let request =
@@ -117,5 +120,5 @@ pub fn described(
     let normal = |f: &Feature| if is_signed { outward.normals[welded.welded(f.vertex)] } else { [0.0; 3] };
     let keys = features.iter().filter_map(|f| Key::new(f, normal(f))).collect();
     let descriptors = describe(decomposer, &wavelets, &features);
-    Ok(Described { features, keys, descriptors, is_signed })
+    Ok(ShapeFeatures { features, keys, descriptors, is_signed })
 }

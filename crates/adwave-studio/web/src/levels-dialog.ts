@@ -1,8 +1,8 @@
-/** The form in which levels, lengths or voices are chosen. */
+/** Dialog that chooses the levels: automatic, by number with voices, or by widths. */
 
 import { dialog } from './dialog';
 import { h } from './dom';
-import { short } from './lengths';
+import { formatNumber } from './lengths';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -20,7 +20,7 @@ export function openLevels(studio: Studio): void {
   const voices = h('input', { type: 'number', min: '1', max: '8', value: '1' });
   const lengths = h('input', {
     type: 'text',
-    value: shape.levels.map((l) => short(l.sigma).replace('−', '-')).join(', '),
+    value: shape.levels.map((l) => formatNumber(l.sigma).replace('−', '-')).join(', '),
   });
   const counts = h(
     'div',
@@ -64,7 +64,7 @@ export function openLevels(studio: Studio): void {
                         .filter((l) => l !== ''),
                     };
             box.close();
-            studio.session.setLevels(what).catch((e: Error) => studio.say(e.message, 'error'));
+            studio.session.setLevels(what).catch((e: Error) => studio.showMessage(e.message, 'error'));
           },
         },
         text.apply,

@@ -1,18 +1,18 @@
-/** How the shape is looked at: style, colors, features, before and after. */
+/** View panel: style, colors, features, camera, and the wipe between before and after. */
 
 import { coloring } from './coloring';
 import { check, h, iconButton, segments } from './dom';
-import { count, short } from './lengths';
+import { formatCount, formatNumber } from './lengths';
 import type { Feature } from './protocol';
 import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
 import type { Style } from './view';
 
-/** σ of features, in radii of their balls. */
+/** Radius of the ball of a feature, in σ. */
 const BALL = 0.7;
 
-export interface Look {
+export interface LookPanel {
   panel: HTMLElement;
   legend: HTMLElement;
   readouts: HTMLElement;
@@ -23,11 +23,9 @@ export interface Look {
   toggleSplit(): void;
 }
 
-export function look(studio: Studio, stage: Stage): Look {
+/** Creates the choice of shading. */
+function styleControl(studio: Studio) {
   const { view } = studio;
-  let features: Feature[] = [];
-
-  // Style.
   const styles: Style[] = ['shaded', 'matcap', 'flat', 'edges'];
   const setStyle = (style: Style) => {
     view.style = style;
@@ -45,9 +43,14 @@ export function look(studio: Studio, stage: Stage): Look {
   );
   studio.on('shape', () => setStyle(view.style));
 
-  const colors = coloring(studio);
+  const cycle = () => setStyle(styles[(styles.indexOf(view.style) + 1) % styles.length]!);
+  return { buttons: styleButtons, setStyle, cycle };
+}
 
-  // Features.
+/** Creates the switch for features, and the output for a clicked feature or vertex. */
+function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => string): HTMLElement[] {
+  const { view } = studio;
+  let features: Feature[] = [];
   const featureList = h('output', { class: 'feature', hidden: true });
   const setFeatures = (on: boolean) => {
     featureList.hidden = true;
@@ -60,13 +63,13 @@ export function look(studio: Studio, stage: Stage): Look {
     const { id } = studio.shape!;
     studio.api.features(id).then(
       (list) => {
-        // The answer takes a while: by now it may not be wanted, or the shape another one.
+        // The request takes a while; meanwhile features may have been turned off or another shape opened.
         if (!featureBox.querySelector('input')!.checked || studio.shape?.id !== id) return;
         features = list;
         view.showFeatures(list, BALL);
-        studio.say(text.nFeatures(list.length));
+        studio.showMessage(text.nFeatures(list.length));
       },
-      (e: Error) => studio.say(e.message, 'error'),
+      (e: Error) => studio.showMessage(e.message, 'error'),
     );
   };
   const featureBox = check(text.features, false, setFeatures);
@@ -75,7 +78,7 @@ export function look(studio: Studio, stage: Stage): Look {
     featureBox.querySelector('input')!.checked = false;
     featureList.hidden = true;
   });
-  stage.clicked = (answer, x, y) => {
+  stage.onClick = (answer, x, y) => {
     let best: Feature | null = null;
     let least = 18;
     for (const f of features) {
@@ -89,7 +92,7 @@ export function look(studio: Studio, stage: Stage): Look {
     if (best) {
       const { vertex, sigma, strength, level } = best;
       featureList.replaceChildren(
-        h('span', {}, text.feature(vertex, short(sigma), short(strength), level)),
+        h('span', {}, text.feature(vertex, formatNumber(sigma), formatNumber(strength), level)),
         h(
           'button',
           {
@@ -99,7 +102,7 @@ export function look(studio: Studio, stage: Stage): Look {
                 ball: { center: { vertex }, radius: sigma },
               }),
           },
-          text.actHere,
+          text.layerHere,
         ),
       );
       featureList.hidden = false;
@@ -108,11 +111,14 @@ export function look(studio: Studio, stage: Stage): Look {
     featureList.hidden = true;
     if (!answer.hit) return;
     const v = answer.hit.vertex;
-    featureList.textContent = `${text.vertex(v)}${colors.valueAt(v)}`;
+    featureList.textContent = `${text.vertex(v)}${valueAt(v)}`;
     featureList.hidden = false;
   };
+  return [featureBox, featureList];
+}
 
-  // Camera.
+/** Creates the buttons for standard views, and the settings of the camera. */
+function cameraControls({ view }: Studio): HTMLElement[] {
   const cameraRow = h(
     'div',
     { class: 'row' },
@@ -124,7 +130,7 @@ export function look(studio: Studio, stage: Stage): Look {
           onclick: () => {
             view.camera.look(name);
             view.camera.frame();
-            view.touch();
+            view.markMoving();
           },
         },
         label,
@@ -132,7 +138,7 @@ export function look(studio: Studio, stage: Stage): Look {
     ),
     iconButton('frame', text.frame, () => {
       view.camera.frame();
-      view.touch();
+      view.markMoving();
     }),
   );
   const turning = segments(
@@ -146,7 +152,7 @@ export function look(studio: Studio, stage: Stage): Look {
       view.camera.trackball = t === 'trackball';
       turning.set(t);
       if (t === 'turntable') view.camera.level();
-      view.touch();
+      view.markMoving();
     },
   );
   const upright = segments<'y' | 'z'>(
@@ -160,11 +166,18 @@ export function look(studio: Studio, stage: Stage): Look {
       view.camera.up = up;
       upright.set(up);
       view.camera.start();
-      view.touch();
+      view.markMoving();
     },
   );
+  return [
+    cameraRow,
+    h('details', {}, h('summary', {}, text.camera), h('div', { class: 'stack' }, turning, upright)),
+  ];
+}
 
-  // Before and after.
+/** Creates the divider of the wipe between before and after. */
+function wipe(studio: Studio): { divider: HTMLElement; toggleSplit: () => void } {
+  const { view } = studio;
   const divider = h('div', {
     class: 'divider',
     hidden: true,
@@ -180,7 +193,7 @@ export function look(studio: Studio, stage: Stage): Look {
     view.split = Math.min(0.98, Math.max(0.02, at));
     divider.style.left = `${100 * view.split}%`;
     divider.setAttribute('aria-valuenow', String(Math.round(100 * view.split)));
-    view.touch();
+    view.markMoving();
   };
   divider.addEventListener('pointerdown', (e) => divider.setPointerCapture(e.pointerId));
   divider.addEventListener('pointermove', (e) => {
@@ -196,11 +209,11 @@ export function look(studio: Studio, stage: Stage): Look {
     place((view.split ?? 0.5) + step);
   });
   studio.on('compared', () => {
-    const { compared } = studio;
-    labels[0]!.textContent = compared ? text.compareShort[compared.method] : text.beforeShort;
-    labels[1]!.textContent = compared ? text.thisEdit : text.afterShort;
+    const { comparison } = studio;
+    labels[0]!.textContent = comparison ? text.compareShort[comparison.method] : text.beforeShort;
+    labels[1]!.textContent = comparison ? text.thisEdit : text.afterShort;
     studio.updateTint();
-    if (compared && view.split === null) toggleSplit();
+    if (comparison && view.split === null) toggleSplit();
   });
   const toggleSplit = () => {
     if (view.split === null) place(0.5);
@@ -209,18 +222,21 @@ export function look(studio: Studio, stage: Stage): Look {
     view.request();
     studio.emit('before');
   };
+  return { divider, toggleSplit };
+}
 
-  // Numbers that are always in sight.
+/** Creates the readouts that are always visible. */
+function createReadouts(studio: Studio): HTMLElement {
   const readouts = h('dl', { class: 'readouts', 'aria-live': 'off' });
   function read(): void {
     const shape = studio.shape;
     if (!shape) return;
-    const { moved } = studio;
+    const { displacement: moved } = studio;
     const pair = (name: string, value: string) => h('div', {}, h('dt', {}, name), h('dd', {}, value));
-    const percent = (x: number) => ` (${short((100 * x) / shape.diagonal, 2)} %)`;
-    const items = [pair(text.vertices, count(shape.n_vertices))];
-    items.push(pair(text.greatest, moved ? short(moved.greatest) + percent(moved.greatest) : '0'));
-    items.push(pair(text.rms, moved ? short(moved.rms) : '0'));
+    const percent = (x: number) => ` (${formatNumber((100 * x) / shape.diagonal, 2)} %)`;
+    const items = [pair(text.vertices, formatCount(shape.n_vertices))];
+    items.push(pair(text.greatest, moved ? formatNumber(moved.greatest) + percent(moved.greatest) : '0'));
+    items.push(pair(text.rms, moved ? formatNumber(moved.rms) : '0'));
     const volume = moved?.volume ?? (shape.volume === null ? null : [shape.volume, shape.volume]);
     if (volume) {
       const [a, b] = volume as [number, number];
@@ -229,32 +245,36 @@ export function look(studio: Studio, stage: Stage): Look {
       items.push(
         pair(
           text.volume,
-          `${short(a, 4)} → ${short(b, 4)} (${sign}${Math.abs(change) < 0.005 ? '0' : short(change, 2)} %)`,
+          `${formatNumber(a, 4)} → ${formatNumber(b, 4)} (${sign}${Math.abs(change) < 0.005 ? '0' : formatNumber(change, 2)} %)`,
         ),
       );
     }
     readouts.replaceChildren(...items);
   }
   studio.on(['shape', 'moved'], read);
+  return readouts;
+}
 
+export function lookPanel(studio: Studio, stage: Stage): LookPanel {
+  const style = styleControl(studio);
+  const colors = coloring(studio);
+  const { divider, toggleSplit } = wipe(studio);
   const panel = h(
     'section',
     { class: 'look-panel', id: 'look', 'aria-label': text.look },
     h('header', {}, h('h2', {}, text.look)),
-    styleButtons,
+    style.buttons,
     ...colors.controls,
-    featureBox,
-    featureList,
-    cameraRow,
-    h('details', {}, h('summary', {}, text.camera), h('div', { class: 'stack' }, turning, upright)),
+    ...featureControls(studio, stage, colors.valueAt),
+    ...cameraControls(studio),
   );
   return {
     panel,
     legend: colors.legend,
-    readouts,
+    readouts: createReadouts(studio),
     divider,
-    style: setStyle,
-    cycleStyle: () => setStyle(styles[(styles.indexOf(view.style) + 1) % styles.length]!),
+    style: style.setStyle,
+    cycleStyle: style.cycle,
     toggleChange: colors.toggleChange,
     toggleSplit,
   };

@@ -1,8 +1,8 @@
-/** The list of layers, and where the selected one acts. */
+/** List of layers, and the settings of the selected one. */
 
-import { describeRegion, regionChooser } from './areas';
 import { check, h, iconButton, select, slider } from './dom';
 import type { Along, Border, Region, VolumeRule } from './protocol';
+import { describeRegion, regionChooser } from './region-panel';
 import { type DocLayer, newKey } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
@@ -14,7 +14,7 @@ export function layersPanel(studio: Studio): HTMLElement {
 
   const remove = (key: number) => {
     if (studio.doc.layers.length === 1) {
-      studio.say(text.lastLayer);
+      studio.showMessage(text.lastLayer);
       return;
     }
     studio.history.commit({ ...studio.doc, layers: studio.doc.layers.filter((l) => l.key !== key) });
@@ -22,7 +22,7 @@ export function layersPanel(studio: Studio): HTMLElement {
 
   const duplicate = (layer: DocLayer) => {
     const i = studio.doc.layers.indexOf(layer);
-    const copy = { ...layer, key: newKey(), name: text.copyOf(layer.name || text.layerName(i + 1)) };
+    const copy = { ...layer, key: newKey(), name: text.copyName(layer.name || text.layerName(i + 1)) };
     studio.history.commit({ ...studio.doc, layers: studio.doc.layers.toSpliced(i + 1, 0, copy) });
     studio.select(copy.key);
   };
@@ -86,7 +86,7 @@ export function layersPanel(studio: Studio): HTMLElement {
     { min: 0, max: 100, step: 1, value: 100 },
     (v) => `${v} %`,
     (v, done) => {
-      studio.watch.sliderTouched();
+      studio.timings.startSliderTiming();
       studio.changeLayer({ opacity: v / 100 }, false);
       if (done) studio.history.end();
     },

@@ -1,25 +1,40 @@
 /**
- * A small server that speaks PROTOCOL.md, for trials of the page without the real one: a bumpy sphere of any size, whose
- * bands are waves along its normals. `node test/mock.mjs [VERTICES] [--port N] [--cloud]` prints the address.
+ * Mock server of PROTOCOL.md, to test the page without the real one: a bumpy sphere of any size, whose bands are waves
+ * along its normals.
  */
 
 import { readFile } from 'node:fs/promises';
-import { createServer } from 'node:http';
+import { createServer, type IncomingMessage, type Server, type ServerResponse } from 'node:http';
+import type { AddressInfo } from 'node:net';
 import { extname, join, normalize } from 'node:path';
-import { pathToFileURL } from 'node:url';
+import type { Edit, EditSummary, Layer, Shape } from '../../src/protocol';
 
 const POLICY =
   "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob: data:; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css' };
+const TYPES: Record<string, string> = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css' };
 const TOKEN = 'mock-token';
 
-/** A closed grid of rings between two poles, wavy along its normals: what each wave adds is a band. */
-export function bumpySphere(wanted, nLevels = 8) {
-  const rings = Math.max(3, Math.round(Math.sqrt(wanted / 2)));
-  const around = Math.max(4, Math.round((wanted - 2) / rings));
+interface MockBand {
+  level: number;
+  scale: number;
+  values: Int16Array;
+  sigma: number;
+}
+
+interface MockModel {
+  n: number;
+  positions: Float32Array;
+  triangles: Uint32Array;
+  bands: MockBand[];
+}
+
+/** Sphere of about `target` vertices with waves along its normals; each wave is a band. */
+function bumpySphere(target: number, nLevels: number): MockModel {
+  const rings = Math.max(3, Math.round(Math.sqrt(target / 2)));
+  const around = Math.max(4, Math.round((target - 2) / rings));
   const n = rings * around + 2;
   const sphere = new Float64Array(3 * n);
-  const at = (r, a) => 1 + r * around + (a % around);
+  const at = (r: number, a: number) => 1 + r * around + (a % around);
   for (let r = 0; r < rings; r++) {
     const theta = (Math.PI * (r + 1)) / (rings + 1);
     for (let a = 0; a < around; a++) {
@@ -45,21 +60,21 @@ export function bumpySphere(wanted, nLevels = 8) {
     }
   }
   const positions = Float32Array.from(sphere);
-  const bands = [];
+  const bands: MockBand[] = [];
   for (let j = 1; j <= nLevels; j++) {
     const frequency = 60 / 1.6 ** (j - 1);
     const amplitude = 0.006 * 1.45 ** (j - 1);
     const scale = amplitude / 32767;
     const values = new Int16Array(4 * n);
     for (let v = 0; v < n; v++) {
-      const [x, y, z] = sphere.subarray(3 * v, 3 * v + 3);
+      const [x, y, z] = [sphere[3 * v]!, sphere[3 * v + 1]!, sphere[3 * v + 2]!];
       const wave = Math.sin(frequency * x + j) * Math.sin(frequency * y + 2 * j) * Math.sin(frequency * z);
-      // Fine detail on one side only, so that places differ.
+      // Fine detail on one side only, so that spots differ.
       const w = wave * (j < 4 ? 0.5 + 0.5 * y : 1);
       for (let c = 0; c < 3; c++) {
-        const q = Math.round(32767 * w * sphere[3 * v + c]);
+        const q = Math.round(32767 * w * sphere[3 * v + c]!);
         values[4 * v + c] = q;
-        positions[3 * v + c] += q * scale;
+        positions[3 * v + c]! += q * scale;
       }
     }
     bands.push({ level: j, scale, values, sigma: 0.01 * 1.6 ** (j - 1) });
@@ -67,39 +82,57 @@ export function bumpySphere(wanted, nLevels = 8) {
   return { n, positions, triangles, bands };
 }
 
-function gainAt(layers, j) {
+function gainAt(layers: readonly Layer[], j: number): number {
   let gain = 1;
   for (const l of layers) if (l.on && !l.region) gain *= 1 + l.opacity * ((l.gains[j] ?? 1) - 1);
   return gain;
 }
 
-/** Regions are 1 everywhere here: good enough for trials of the page, whose own masks are what is looked at. */
-export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, levels = 8 } = {}) {
-  const model = bumpySphere(vertices, levels);
-  const name = cloud ? 'bumpy.pts' : 'bumpy.ply';
-  let edit = {
+export interface MockServer {
+  url: string;
+  server: Server;
+}
+
+export interface MockOptions {
+  nVertices: number;
+  /** Folder with the files of the page. */
+  dist: string;
+  isCloud?: boolean;
+  nLevels?: number;
+}
+
+/** Starts a mock server. It ignores regions, because the page computes its own masks. */
+export function startMockServer({
+  nVertices,
+  dist,
+  isCloud = false,
+  nLevels = 8,
+}: MockOptions): Promise<MockServer> {
+  const model = bumpySphere(nVertices, nLevels);
+  const name = isCloud ? 'bumpy.pts' : 'bumpy.ply';
+  let edit: Edit = {
     revision: 0,
-    layers: [{ name: '', on: true, opacity: 1, gains: Array(levels).fill(1), region: null }],
+    layers: [{ name: '', on: true, opacity: 1, gains: new Array<number>(nLevels).fill(1), region: null }],
     along: null,
     border: 'natural',
     volume: 'free',
   };
-  const shapes = [{ id: 1, name }];
-  const describe = (id) => ({
+  const shapes: { id: number; name: string | null }[] = [{ id: 1, name }];
+  const describe = (id: number): Shape => ({
     id,
     name: shapes.find((s) => s.id === id)?.name ?? name,
     format: 'PLY',
     formats: ['PLY', 'OBJ', 'STL'],
-    kind: cloud ? 'cloud' : 'mesh',
+    kind: isCloud ? 'cloud' : 'mesh',
     n_vertices: model.n,
-    n_triangles: cloud ? 0 : model.triangles.length / 3,
+    n_triangles: isCloud ? 0 : model.triangles.length / 3,
     center: [0, 0, 0],
     diagonal: 3.5,
     mean_length: 3.5 / Math.sqrt(model.n),
-    closed: !cloud,
-    volume: cloud ? null : 4.19,
+    closed: !isCloud,
+    volume: isCloud ? null : 4.19,
     components: 1,
-    notes: ['made by the mock server'],
+    notes: ['Created by the mock server.'],
     levels: model.bands.map((b) => ({
       level: b.level,
       steps: 2 ** (b.level - 1),
@@ -111,8 +144,8 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
       { name: 'saliency', label: 'saliency', unit: '', edited: true },
     ],
     presets: [
-      { name: 'smooth', gains: Array.from({ length: levels }, (_, j) => (j < 3 ? 0 : 1)) },
-      { name: 'enhance', gains: Array.from({ length: levels }, (_, j) => (j < 4 ? 2 : 1)) },
+      { name: 'smooth', gains: Array.from({ length: nLevels }, (_, j) => (j < 3 ? 0 : 1)) },
+      { name: 'enhance', gains: Array.from({ length: nLevels }, (_, j) => (j < 4 ? 2 : 1)) },
     ],
     resumed: edit.revision > 0,
   });
@@ -127,7 +160,7 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
     }
     return out;
   };
-  const moved = () => {
+  const summarize = (): EditSummary => {
     const a = model.positions;
     const b = edited();
     let most = 0;
@@ -141,17 +174,22 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
       revision: edit.revision,
       greatest: Math.sqrt(most),
       rms: Math.sqrt(sum / model.n),
-      volume: cloud ? null : [4.19, 4.19],
+      volume: isCloud ? null : [4.19, 4.19],
     };
   };
 
-  const bytes = (array) => Buffer.from(array.buffer, array.byteOffset, array.byteLength);
-  async function answer(request, response, url, body) {
-    const json = (value, status = 200) => {
+  const bytes = (array: ArrayBufferView) => Buffer.from(array.buffer, array.byteOffset, array.byteLength);
+  async function answer(
+    request: IncomingMessage,
+    response: ServerResponse,
+    url: URL,
+    body: string,
+  ): Promise<unknown> {
+    const json = (value: unknown, status = 200) => {
       response.writeHead(status, { 'Content-Type': 'application/json' });
       response.end(JSON.stringify(value));
     };
-    const raw = (array, headers = {}) => {
+    const raw = (array: ArrayBufferView, headers: Record<string, string> = {}) => {
       const b = bytes(array);
       response.writeHead(200, {
         'Content-Type': 'application/octet-stream',
@@ -161,7 +199,7 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
       response.end(b);
     };
     if (request.headers.authorization !== `Bearer ${TOKEN}`)
-      return json({ error: 'The token is wrong.' }, 401);
+      return json({ error: 'the token is wrong' }, 401);
     const [, , , id, what] = url.pathname.split('/');
     const { method } = request;
     if (!id) {
@@ -170,8 +208,7 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
       shapes.push(shape);
       return json(shape);
     }
-    if (!shapes.some((s) => s.id === Number(id)))
-      return json({ error: `No shape has the number ${id}.` }, 404);
+    if (!shapes.some((s) => s.id === Number(id))) return json({ error: `shape ${id} is not open` }, 404);
     switch (`${method} ${what ?? ''}`) {
       case 'GET ':
         return json(describe(Number(id)));
@@ -184,9 +221,9 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
       case 'GET positions':
         return raw(model.positions);
       case 'GET triangles':
-        return raw(cloud ? new Uint32Array(0) : model.triangles);
+        return raw(isCloud ? new Uint32Array(0) : model.triangles);
       case 'GET surface': {
-        // Every vertex is its own place.
+        // No vertices are welded.
         const places = Uint32Array.from({ length: model.n }, (_, v) => v);
         return raw(Buffer.concat([bytes(Float64Array.from(model.positions)), bytes(places)]));
       }
@@ -199,7 +236,8 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
           head.writeUInt32LE(band.level, 0);
           head.writeFloatLE(band.scale, 4);
           response.write(head);
-          if (!response.write(bytes(band.values))) await new Promise((done) => response.once('drain', done));
+          if (!response.write(bytes(band.values)))
+            await new Promise((resolve) => response.once('drain', resolve));
         }
         return response.end();
       }
@@ -209,7 +247,7 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
         const next = JSON.parse(body);
         if (next.revision <= edit.revision) return json(edit, 409);
         edit = next;
-        return json(moved());
+        return json(summarize());
       }
       case 'GET exact':
         return raw(edited());
@@ -218,9 +256,9 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
           new Uint8Array(model.n).map((_, v) => Math.round(127 + 127 * model.positions[3 * v + 1] * 0.9)),
         );
       case 'GET field': {
-        const which = url.searchParams.get('name');
+        const which = url.searchParams.get('name')!;
         const field = new Float32Array(model.n).map((_, v) => {
-          const b = model.bands[3].values;
+          const b = model.bands[3]!.values;
           const x = Math.hypot(b[4 * v], b[4 * v + 1], b[4 * v + 2]) / 32767;
           return which === 'saliency' ? x : x * Math.sign(model.positions[3 * v]);
         });
@@ -248,23 +286,23 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
         );
       case 'GET recipe':
         response.writeHead(200, { 'Content-Type': 'application/toml' });
-        return response.end(`levels = ${levels}\n# ${JSON.stringify(edit.layers)}\n`);
+        return response.end(`levels = ${nLevels}\n# ${JSON.stringify(edit.layers)}\n`);
       case 'PUT recipe':
         return json({ levels: describe(1).levels, edit });
       case 'POST save':
         return json({
           path: `/tmp/${JSON.parse(body).name ?? 'bumpy-edited.ply'}`,
-          notes: ['Nothing was written: this is the mock server.'],
+          notes: ['Nothing was written by the mock server.'],
         });
       case 'GET download':
         return raw(edited());
       default:
-        return json({ error: `There is no ${method} ${url.pathname}.` }, 404);
+        return json({ error: `not found: ${method} ${url.pathname}` }, 404);
     }
   }
 
   const server = createServer(async (request, response) => {
-    const url = new URL(request.url, 'http://localhost');
+    const url = new URL(request.url!, 'http://localhost');
     for (const [k, v] of Object.entries({
       'Content-Security-Policy': POLICY,
       'Cross-Origin-Opener-Policy': 'same-origin',
@@ -277,7 +315,7 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
     }
     try {
       if (url.pathname.startsWith('/api/')) {
-        const chunks = [];
+        const chunks: Buffer[] = [];
         for await (const chunk of request) chunks.push(chunk);
         await answer(request, response, url, Buffer.concat(chunks).toString());
         return;
@@ -287,22 +325,14 @@ export function mockServer({ vertices = 20_000, cloud = false, dist, port = 0, l
       response.writeHead(200, { 'Content-Type': TYPES[extname(path)] ?? 'application/octet-stream' });
       response.end(file);
     } catch (error) {
-      if (!response.headersSent) response.writeHead(error.code === 'ENOENT' ? 404 : 500);
+      if (!response.headersSent)
+        response.writeHead((error as NodeJS.ErrnoException).code === 'ENOENT' ? 404 : 500);
       response.end(String(error));
     }
   });
-  return new Promise((done) => {
-    server.listen(port, '127.0.0.1', () => {
-      done({ url: `http://127.0.0.1:${server.address().port}/#${TOKEN}`, server, n: model.n });
+  return new Promise((resolve) => {
+    server.listen(0, '127.0.0.1', () => {
+      resolve({ url: `http://127.0.0.1:${(server.address() as AddressInfo).port}/#${TOKEN}`, server });
     });
   });
-}
-
-if (import.meta.url === pathToFileURL(process.argv[1] ?? '').href) {
-  const args = process.argv.slice(2);
-  const port = args.includes('--port') ? Number(args[args.indexOf('--port') + 1]) : 0;
-  const vertices = Number(args.find((a, i) => /^\d+$/.test(a) && args[i - 1] !== '--port') ?? 20_000);
-  const dist = new URL('../dist', import.meta.url).pathname;
-  const { url, n } = await mockServer({ vertices, port, dist, cloud: args.includes('--cloud') });
-  console.log(`${url}   ${n} vertices`);
 }

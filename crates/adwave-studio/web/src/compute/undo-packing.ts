@@ -1,10 +1,10 @@
 /**
- * What undoes a stroke: the values of a mask before it at the vertices that it changed, packed. The vertices are taken in the order of
- * their places, which runs along a curve through space: a stroke is few runs of it, most of them with one value.
+ * Packed undo data of a stroke: the previous values of a mask at the vertices that it changed. Vertices are ordered along
+ * the server's space-filling curve, so that a stroke consists of few runs, most of them with one value.
  */
 
-/** Bytes that grow. */
-class Writer {
+/** Growing byte buffer with numbers of variable length. */
+class VarintWriter {
   private bytes = new Uint8Array(256);
   private size = 0;
 
@@ -17,7 +17,7 @@ class Writer {
     this.bytes[this.size++] = value;
   }
 
-  /** Seven bits a byte, the lowest first. */
+  /** Writes a number with seven bits per byte, lowest first. */
   number(value: number): void {
     let rest = value;
     for (; rest > 127; rest >>>= 7) this.byte((rest & 127) | 128);
@@ -29,7 +29,7 @@ class Writer {
   }
 }
 
-class Reader {
+class VarintReader {
   private at = 0;
   constructor(private readonly bytes: Uint8Array) {}
 
@@ -47,12 +47,12 @@ class Reader {
   }
 }
 
-/** Equal values from which on their number is written in place of them. */
+/** Shortest run of equal values that is written with its length. */
 const RUN = 3;
 
-/** Packs the values before a stroke at `ranks`, ascending: first the runs of ranks, then the runs of values. */
+/** Packs the previous values at `ranks`, ascending: first the runs of ranks, then the runs of values. */
 export function packBefore(ranks: Uint32Array, before: (i: number) => number): Uint8Array {
-  const out = new Writer();
+  const out = new VarintWriter();
   const n = ranks.length;
   let nRuns = 0;
   for (let i = 0; i < n; i++) if (i === 0 || ranks[i] !== ranks[i - 1]! + 1) nRuns++;
@@ -89,13 +89,13 @@ export function packBefore(ranks: Uint32Array, before: (i: number) => number): U
   return out.all;
 }
 
-/** Calls `see` with each rank and its value before the stroke. */
+/** Calls `see` with each rank and its previous value. */
 export function unpackBefore(packed: Uint8Array, see: (rank: number, value: number) => void): void {
-  const runs = new Reader(packed);
+  const runs = new VarintReader(packed);
   const n = runs.number();
   const lengths: number[] = [];
   for (let k = 0; k < 2 * n; k++) lengths.push(runs.number());
-  // What follows are the values.
+  // The values follow.
   let left = 0;
   let equal = false;
   let value = 0;

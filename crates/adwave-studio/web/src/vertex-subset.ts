@@ -1,13 +1,13 @@
 /**
- * A few of the vertices with all that they have, close together in memory: what a coarse set of triangles needs. Without it
- * the graphics would fetch every tenth vertex out of a dozen long arrays.
+ * Subset of the vertices, contiguous in memory, for a coarse set of triangles. Without it the GPU would fetch every tenth
+ * vertex out of a dozen long arrays.
  */
 
 import { BufferAttribute, BufferGeometry, type TypedArray } from 'three';
 
-export class Compact {
+export class VertexSubset {
   readonly geometry = new BufferGeometry();
-  /** The vertices, ascending. */
+  /** Indices of the vertices, ascending. */
   private readonly vertices: Uint32Array;
 
   constructor(triangles: Uint32Array, n: number) {
@@ -25,8 +25,8 @@ export class Compact {
     );
   }
 
-  /** Takes the values of these vertices from those of all. */
-  take(name: string, all: TypedArray, itemSize: number, normalized: boolean): void {
+  /** Copies the values of the subset from an array of all vertices. */
+  copyAttribute(name: string, all: TypedArray, itemSize: number, normalized: boolean): void {
     let attribute = this.geometry.getAttribute(name) as BufferAttribute | undefined;
     if (attribute?.array.constructor !== all.constructor) {
       const kind = all.constructor as new (size: number) => TypedArray;
@@ -41,13 +41,13 @@ export class Compact {
     attribute.needsUpdate = true;
   }
 
-  /** Takes the values of the vertices from `from` up to `to` only, of an attribute that is there. */
-  takeRange(name: string, all: TypedArray, from: number, to: number): void {
+  /** Copies only the vertices `from` up to `to` of an existing attribute. */
+  copyRange(name: string, all: TypedArray, from: number, to: number): void {
     const attribute = this.geometry.getAttribute(name) as BufferAttribute | undefined;
     if (!attribute) return;
     const { array, itemSize } = attribute;
-    const first = this.firstFrom(from);
-    const end = this.firstFrom(to);
+    const first = this.lowerBound(from);
+    const end = this.lowerBound(to);
     if (first === end) return;
     for (let i = first, k = itemSize * first; i < end; i++) {
       const at = itemSize * this.vertices[i]!;
@@ -57,8 +57,8 @@ export class Compact {
     attribute.needsUpdate = true;
   }
 
-  /** The place of the first vertex that is `v` or after it. */
-  private firstFrom(v: number): number {
+  /** Position of the first vertex that is not less than `v`. */
+  private lowerBound(v: number): number {
     let low = 0;
     let high = this.vertices.length;
     while (low < high) {
