@@ -24,7 +24,7 @@ fn csr<V: Element + Value>(py: Python<'_>, rows: CompressedRows<V>) -> PyResult<
     Ok((arrays::vector(py, data).into_any(), indices, arrays::vector(py, indptr).into_any()))
 }
 
-/// Which vertex of the shape each welded one is, where none are welded.
+/// Vertex of the shape of each welded vertex; `None` if some vertices were welded.
 fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
     if map.n_welded() < map.n_vertices() {
         return None;
@@ -36,7 +36,7 @@ fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
     Some(vertex_of)
 }
 
-/// Φ₁, in the order of the shape where no vertices are welded, else over the welded ones.
+/// Φ₁ in the order of the shape, or over the welded vertices if some were welded.
 #[pyfunction]
 fn diffusion_matrix<'py>(py: Python<'py>, prepared: &Bound<'py, Prepared>) -> PyResult<Csr<'py>> {
     let decomposer = &prepared.get().decomposer;
@@ -50,7 +50,7 @@ fn diffusion_matrix<'py>(py: Python<'py>, prepared: &Bound<'py, Prepared>) -> Py
     csr(py, rows)
 }
 
-/// Φ_j and Ψ_j of all levels.
+/// Matrices Φ_j and Ψ_j of all levels.
 #[pyfunction]
 #[pyo3(signature = (prepared, n_levels, drop_tolerance, max_bytes, progress=None))]
 fn basis_matrices<'py>(
