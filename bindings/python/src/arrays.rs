@@ -1,6 +1,6 @@
 //! Arrays to and from Python without a copy.
 
-use crate::error::value;
+use crate::error::value_error;
 use adwave_io::{Field, FieldValues};
 use numpy::ndarray::ArrayView2;
 use numpy::{
@@ -14,15 +14,15 @@ use pyo3::prelude::*;
 /// `as_slice` also accepts transposed arrays, whose numbers have another order, so the order is checked here.
 pub(crate) fn rows<'a, T: Element>(array: &'a PyReadonlyArray2<'_, T>, name: &str) -> PyResult<&'a [T]> {
     if !array.is_c_contiguous() {
-        return Err(value(format!("{name} must be C-contiguous; pass numpy.ascontiguousarray({name})")));
+        return Err(value_error(format!("{name} must be C-contiguous; pass numpy.ascontiguousarray({name})")));
     }
-    array.as_slice().map_err(|e| value(format!("{name}: {e}")))
+    array.as_slice().map_err(|e| value_error(format!("{name}: {e}")))
 }
 
 /// Points of a C-contiguous n × 3 array.
 pub(crate) fn points<'a>(array: &'a PyReadonlyArray2<'_, f64>, name: &str) -> PyResult<&'a [[f64; 3]]> {
     if array.shape()[1] != 3 {
-        return Err(value(format!("{name} must have three columns, got shape {:?}", array.shape())));
+        return Err(value_error(format!("{name} must have three columns, got shape {:?}", array.shape())));
     }
     Ok(rows(array, name)?.as_chunks().0)
 }
@@ -69,7 +69,7 @@ pub(crate) unsafe fn view<'py, T: Element>(
     n_columns: usize,
 ) -> PyResult<Bound<'py, PyArray2<T>>> {
     let view = ArrayView2::from_shape((values.len() / n_columns, n_columns), values)
-        .map_err(|e| value(e.to_string()))?;
+        .map_err(|e| value_error(e.to_string()))?;
     // SAFETY: the caller promises that the numbers stay in place while `owner` lives, and the array holds `owner`.
     let array = unsafe { PyArray2::borrow_from_array(&view, owner) };
     array.call_method1("setflags", (false,))?;
@@ -100,21 +100,21 @@ pub(crate) fn field<'py>(py: Python<'py>, field: &Field) -> PyResult<Bound<'py, 
 /// A field from a C-contiguous array of one or two dimensions, in one of the ten number types.
 pub(crate) fn to_field(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Field> {
     fn values<T: Element + Copy>(array: &Bound<'_, PyArrayDyn<T>>) -> PyResult<Vec<T>> {
-        Ok(array.try_readonly().map_err(|e| value(e.to_string()))?.as_slice()?.to_vec())
+        Ok(array.try_readonly().map_err(|e| value_error(e.to_string()))?.as_slice()?.to_vec())
     }
     macro_rules! first_that_fits {
         ($($type:ty => $kind:ident),*) => {
             $(if let Ok(array) = array.cast::<PyArrayDyn<$type>>() {
                 if !array.is_c_contiguous() {
-                    return Err(value(format!("field {name} must be C-contiguous")));
+                    return Err(value_error(format!("field {name} must be C-contiguous")));
                 }
                 let d = if array.ndim() == 2 { array.shape()[1] } else { 1 };
-                return Field::try_new(name, d, FieldValues::$kind(values(array)?)).map_err(|e| value(e.to_string()));
+                return Field::try_new(name, d, FieldValues::$kind(values(array)?)).map_err(|e| value_error(e.to_string()));
             })*
         };
     }
     first_that_fits!(
         f64 => F64, f32 => F32, u8 => U8, i32 => I32, i64 => I64, u16 => U16, u32 => U32, i16 => I16, i8 => I8, u64 => U64
     );
-    Err(value(format!("field {name} must be numbers of 8 to 64 bits")))
+    Err(value_error(format!("field {name} must be numbers of 8 to 64 bits")))
 }

@@ -130,18 +130,18 @@ pub(crate) fn run<T: Send, E: ClassifiedError + Send>(
     let outcome = if n_vertices <= SMALL && report.is_none() {
         py.detach(|| guarded(work, Progress::none()))
     } else {
-        on_pool(py, report, work)?
+        run_in_pool(py, report, work)?
     };
     match outcome {
         Ok(Ok(value)) => Ok(value),
-        Ok(Err(error)) => Err(error::of(&error)),
+        Ok(Err(error)) => Err(error::to_exception(&error)),
         Err(panic) => Err(InternalError::new_err(format!(
             "internal error of adwave ({panic}); please report it with the input"
         ))),
     }
 }
 
-fn on_pool<T: Send, E: Send>(
+fn run_in_pool<T: Send, E: Send>(
     py: Python<'_>,
     report: Option<&Py<PyAny>>,
     work: impl FnOnce(Progress<'_>) -> Result<T, E> + Send,

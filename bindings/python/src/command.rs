@@ -65,5 +65,5 @@ fn preset_names() -> Vec<&'static str> {
 /// Raises `ValueError` if a text is not a region.
 #[pyfunction]
 fn check_region(region: &str) -> PyResult<()> {
-    parse_region(region).map(|_| ()).map_err(|e| error::value(format!("region: {e}")))
+    parse_region(region).map(|_| ()).map_err(|e| error::value_error(format!("region: {e}")))
 }

@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, value};
+use crate::error::{self, value_error};
 use crate::options::{self, BandsOptions};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::recipe::RecipeData;
@@ -37,7 +37,7 @@ fn gains(given: &Bound<'_, PyAny>, n_levels: usize) -> PyResult<Vec<f64>> {
         return options::preset_gains(&name, n_levels);
     }
     let gains: Vec<f64> = given.extract()?;
-    Gains::Gains(gains).resolve(n_levels).map_err(|e| error::of(&e))
+    Gains::Gains(gains).resolve(n_levels).map_err(|e| error::to_exception(&e))
 }
 
 /// Gains or the name of a preset, with a region's text, weights or nothing.
@@ -75,10 +75,10 @@ fn writable<'py>(
     n: usize,
     n_channels: usize,
 ) -> PyResult<PyReadwriteArray2<'py, f64>> {
-    let given = out.try_readwrite().map_err(|_| value("out: the array cannot be written to"))?;
+    let given = out.try_readwrite().map_err(|_| value_error("out: the array cannot be written to"))?;
     if given.shape() != [n, n_channels] || !given.is_c_contiguous() {
         let told = "give a C-contiguous array of float64 like the signal";
-        return Err(value(format!("out: shape {:?}; {told}", given.shape())));
+        return Err(value_error(format!("out: shape {:?}; {told}", given.shape())));
     }
     Ok(given)
 }
@@ -101,7 +101,7 @@ fn apply_bands<'py>(
     let n = map.n_vertices();
     let n_levels = bands.shape()[0].saturating_sub(1);
     if !bands.is_c_contiguous() || bands.shape()[1..] != [n, n_channels] || map.n_welded() < n {
-        return Err(value(format!("bands: shape {:?} is not that of the signal's bands", bands.shape())));
+        return Err(value_error(format!("bands: shape {:?} is not that of the signal's bands", bands.shape())));
     }
     let layers = weighted_layers(py, &layers, n_levels, &own.decomposer, own.shape.get())?;
     let sizes = (n_levels, n_channels);

@@ -15,7 +15,7 @@ create_exception!(
 );
 
 /// The exception for an error, by its kind.
-pub(crate) fn of(error: &impl ClassifiedError) -> PyErr {
+pub(crate) fn to_exception(error: &impl ClassifiedError) -> PyErr {
     let text = error.to_string();
     match error.kind() {
         ErrorKind::Input => PyValueError::new_err(text),
@@ -29,7 +29,7 @@ pub(crate) fn of(error: &impl ClassifiedError) -> PyErr {
 }
 
 /// A `ValueError`.
-pub(crate) fn value(text: impl Into<String>) -> PyErr {
+pub(crate) fn value_error(text: impl Into<String>) -> PyErr {
     PyValueError::new_err(text.into())
 }
 
@@ -39,7 +39,7 @@ pub(crate) type Stage<T> = Result<T, StageError>;
 /// An error of any type, reduced to its kind and message.
 #[derive(Debug)]
 pub(crate) struct StageError {
-    kind: adwave::ErrorKind,
+    kind: ErrorKind,
     text: String,
 }
 
@@ -52,7 +52,7 @@ impl std::fmt::Display for StageError {
 impl std::error::Error for StageError {}
 
 impl ClassifiedError for StageError {
-    fn kind(&self) -> adwave::ErrorKind {
+    fn kind(&self) -> ErrorKind {
         self.kind
     }
 }

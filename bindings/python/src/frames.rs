@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, Stage, stage, value};
+use crate::error::{self, Stage, stage, value_error};
 use crate::options::word;
 use crate::prepared::Prepared;
 use adwave::Progress;
@@ -102,7 +102,7 @@ impl FrameData {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (n, d) = (signal.shape()[0], signal.shape()[1]);
         if n != self.map.n_vertices() || d == 0 {
-            return Err(value(format!(
+            return Err(value_error(format!(
                 "signal: shape ({n}, {d}) for {} vertices; give one row for each",
                 self.map.n_vertices()
             )));
@@ -137,7 +137,7 @@ impl FrameData {
         let shape = coefficients.shape();
         let d = shape[2];
         if !coefficients.is_c_contiguous() || shape[..2] != [self.frame.kernels.len(), n] || d == 0 {
-            return Err(value(format!(
+            return Err(value_error(format!(
                 "coefficients: shape {shape:?}; this frame's are ({}, {n}, channels)",
                 self.frame.kernels.len()
             )));
@@ -229,9 +229,9 @@ impl MultiscaleData {
     fn analyze<'py>(&self, py: Python<'py>, signal: Vec<f64>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         if signal.len() != self.map.n_vertices() {
             let (n, got) = (self.map.n_vertices(), signal.len());
-            return Err(value(format!("signal: {got} values for {n} vertices")));
+            return Err(value_error(format!("signal: {got} values for {n} vertices")));
         }
-        let found = self.analyze_welded(&channel(&self.map, &signal, 1, 0)).map_err(|e| error::of(&e))?;
+        let found = self.analyze_welded(&channel(&self.map, &signal, 1, 0)).map_err(|e| error::to_exception(&e))?;
         let all = found.wavelets.into_iter().chain([found.scaling]);
         Ok(all.map(|values| arrays::vector(py, values).into_any()).collect())
     }
@@ -248,7 +248,7 @@ impl MultiscaleData {
             Basis::Orthogonal(basis) => basis.synthesize(&coefficients),
             Basis::Biorthogonal(basis) => basis.synthesize(&coefficients),
         };
-        let back = back.map_err(|e| error::of(&e))?;
+        let back = back.map_err(|e| error::to_exception(&e))?;
         Ok(arrays::vector(py, self.map.scatter(&back, 1)).into_any())
     }
 
@@ -256,7 +256,7 @@ impl MultiscaleData {
     fn functions<'py>(&self, py: Python<'py>, level: usize, kind: u8) -> PyResult<Bound<'py, PyAny>> {
         let n_levels = self.ranks().len() - 1;
         if level == 0 || level > n_levels {
-            return Err(value(format!("level must be in 1..={n_levels}, got {level}")));
+            return Err(value_error(format!("level must be in 1..={n_levels}, got {level}")));
         }
         let functions = match (&self.basis, kind) {
             (Basis::Orthogonal(basis), 1) => basis.wavelets(level),

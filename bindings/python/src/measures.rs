@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, StageError, stage, value};
+use crate::error::{self, StageError, stage, value_error};
 use crate::options::{BandsOptions, CREASES, RESPONSES, WEIGHTINGS, word};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
@@ -50,7 +50,7 @@ impl SaliencyOptions {
         };
         let params =
             SaliencyParams { skip: self.skip.unwrap_or(params.skip), border_sigmas: self.border, ..params };
-        params.check().map_err(|e| error::of(&e))?;
+        params.check().map_err(|e| error::to_exception(&e))?;
         Ok(params)
     }
 
@@ -110,7 +110,7 @@ fn saliency_map<'py>(
     let (mut found, levels, sides) = run(py, decomposer.n_vertices(), progress.as_ref(), work)?;
     if let Some(axis) = up {
         let Some(points) = decomposer.geometry().shape().points() else {
-            return Err(value("up: a graph has no heights"));
+            return Err(value_error("up: a graph has no heights"));
         };
         let heights: Vec<f64> = points.iter().map(|p| p[axis]).collect();
         found.map = with_height(&found.map, &heights);
@@ -149,7 +149,7 @@ impl FeatureOptions {
             border_sigmas: self.border,
             best: threshold.best,
         };
-        params.check().map_err(|e| error::of(&e))?;
+        params.check().map_err(|e| error::to_exception(&e))?;
         Ok(params)
     }
 }

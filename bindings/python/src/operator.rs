@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, value};
+use crate::error::{self, value_error};
 use crate::prepared::Prepared;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows, Value, basis};
@@ -19,7 +19,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 type Csr<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 fn csr<V: Element + Value>(py: Python<'_>, rows: CompressedRows<V>) -> PyResult<Csr<'_>> {
-    let (indptr, indices, data) = rows.into_scipy().map_err(|e| value(e.to_string()))?;
+    let (indptr, indices, data) = rows.into_scipy().map_err(|e| value_error(e.to_string()))?;
     let indices = arrays::vector(py, indices).into_any();
     Ok((arrays::vector(py, data).into_any(), indices, arrays::vector(py, indptr).into_any()))
 }
@@ -62,7 +62,7 @@ fn basis_matrices<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<Csr<'py>>, Vec<Csr<'py>>)> {
     let decomposer = &prepared.get().decomposer;
-    let schedule = Schedule::dyadic(n_levels).map_err(|e| error::of(&e))?;
+    let schedule = Schedule::dyadic(n_levels).map_err(|e| error::to_exception(&e))?;
     let mut params = BasisParams::new(schedule);
     if let Some(tolerance) = drop_tolerance {
         params = params.with_drop_tolerance(tolerance);

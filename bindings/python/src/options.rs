@@ -1,6 +1,6 @@
 //! Options as they come from the Python classes, and their words as the enums of the crates.
 
-use crate::error::{self, value};
+use crate::error::{self, value_error};
 use adwave::bands::{FWHM, Schedule};
 use adwave::denoise::Creases;
 use adwave::features::Response;
@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> PyResult<T> {
     known.iter().find(|(name, _)| *name == given).map(|(_, found)| *found).ok_or_else(|| {
         let names: Vec<String> = known.iter().map(|(name, _)| format!("'{name}'")).collect();
-        value(format!("{option} must be one of {}, got '{given}'", names.join(", ")))
+        value_error(format!("{option} must be one of {}, got '{given}'", names.join(", ")))
     })
 }
 
@@ -86,10 +86,10 @@ impl OperatorOptions {
             params = params.with_weld(if weld { WeldMode::EqualPositions } else { WeldMode::Off });
         }
         if let Some(rings) = self.rings {
-            params = params.with_rings(at_least_one("rings", rings)?);
+            params = params.with_rings(parse_positive("rings", rings)?);
         }
         if let Some(neighbors) = self.neighbors {
-            params = params.with_neighbors(at_least_one("neighbors", neighbors)?);
+            params = params.with_neighbors(parse_positive("neighbors", neighbors)?);
         }
         if let Some(directed) = self.directed {
             params = params.with_cloud_graph(if directed { CloudGraph::Directed } else { CloudGraph::Union });
@@ -104,7 +104,7 @@ impl OperatorOptions {
             params = params.with_keep_creases(keep);
         }
         if params.density_invariant && params.cloud_graph == CloudGraph::Directed {
-            return Err(value("density_invariant steps both ways; leave out directed"));
+            return Err(value_error("density_invariant steps both ways; leave out directed"));
         }
         Ok(params)
     }
@@ -121,14 +121,14 @@ fn with_area(params: OperatorParams, name: &str) -> PyResult<OperatorParams> {
     }
     let names: Vec<&str> =
         MESH_AREAS.iter().map(|(n, _)| *n).chain(CLOUD_AREAS.iter().map(|(n, _)| *n)).collect();
-    Err(value(format!("area must be one of {}, got '{name}'", find(&names))))
+    Err(value_error(format!("area must be one of {}, got '{name}'", find(&names))))
 }
 
-fn at_least_one(name: &str, n: i64) -> PyResult<usize> {
+fn parse_positive(name: &str, n: i64) -> PyResult<usize> {
     usize::try_from(n)
         .ok()
         .filter(|&n| n > 0)
-        .ok_or_else(|| value(format!("{name} must be at least 1, got {n}")))
+        .ok_or_else(|| value_error(format!("{name} must be at least 1, got {n}")))
 }
 
 /// A signal with its levels and the accuracy of its bands. No signal stands for the coordinates.
@@ -169,7 +169,7 @@ impl LevelOptions<'_> {
             Self::Octaves { n_levels, voices } => Schedule::voices(*n_levels, *voices),
             Self::Count(n) => Schedule::dyadic(*n),
         };
-        schedule.map_err(|e| error::of(&e))
+        schedule.map_err(|e| error::to_exception(&e))
     }
 }
 
@@ -204,5 +204,5 @@ pub(crate) fn length(given: &Bound<'_, PyAny>) -> PyResult<Length> {
         return Ok(Length::Units(units));
     }
     let text: String = given.extract()?;
-    text.parse().map_err(|e| value(format!("{e}")))
+    text.parse().map_err(|e| value_error(format!("{e}")))
 }

@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::value;
+use crate::error::value_error;
 use crate::shape::ShapeData;
 use adwave::shape::{Shape, triangulate};
 use adwave_io::Format;
@@ -24,10 +24,10 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 #[pyfunction]
 fn encode_png<'py>(py: Python<'py>, array: PyReadonlyArray3<'py, u8>) -> PyResult<Bound<'py, PyBytes>> {
     let &[height, width, 4] = array.shape() else {
-        return Err(value("array must have four bytes for each pixel"));
+        return Err(value_error("array must have four bytes for each pixel"));
     };
     if !array.is_c_contiguous() {
-        return Err(value("array must be C-contiguous"));
+        return Err(value_error("array must be C-contiguous"));
     }
     let bytes = array.as_slice()?;
     let png = run(py, usize::MAX, None, |_| {
@@ -75,7 +75,7 @@ impl PictureOptions<'_> {
         let color_map = match &self.color_map {
             Some(name) => Some(ColorMap::from_name(name).ok_or_else(|| {
                 let names: Vec<&str> = ColorMap::names().collect();
-                value(format!("color_map must be one of {}, got '{name}'", names.join(", ")))
+                value_error(format!("color_map must be one of {}, got '{name}'", names.join(", ")))
             })?),
             None => None,
         };
@@ -96,7 +96,7 @@ impl PictureOptions<'_> {
         Ok(RenderParams {
             width: self.width,
             height: self.height,
-            view: self.view.parse::<View>().map_err(|e| value(e.to_string()))?,
+            view: self.view.parse::<View>().map_err(|e| value_error(e.to_string()))?,
             up,
             projection: if self.orthographic { Projection::Orthographic } else { default.projection },
             framing: Framing { zoom: self.zoom, focus: self.focus },
@@ -126,7 +126,7 @@ fn render_picture<'py>(
     };
     let paint = options.paint()?;
     let up = match &options.up {
-        Some(up) => up.parse::<Up>().map_err(|e| value(e.to_string()))?,
+        Some(up) => up.parse::<Up>().map_err(|e| value_error(e.to_string()))?,
         None if matches!(
             content.file.format(),
             Some(Format::Las | Format::Laz | Format::Ept | Format::Gifti | Format::FreeSurfer)

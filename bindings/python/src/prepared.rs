@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, value};
+use crate::error::{self, value_error};
 use crate::options::{BandsOptions, ConstraintOptions, LevelOptions, OperatorOptions};
 use crate::region::region_weights;
 use crate::shape::ShapeData;
@@ -40,13 +40,13 @@ impl Prepared {
         let Some(array) = given else {
             return match self.decomposer.geometry().shape().points() {
                 Some(points) => Ok(SignalValues { values: points.as_flattened(), n_channels: 3 }),
-                None => Err(value("signal: a graph has no coordinates; give one value for each vertex")),
+                None => Err(value_error("signal: a graph has no coordinates; give one value for each vertex")),
             };
         };
         let [n, d] = [array.shape()[0], array.shape()[1]];
         let n_vertices = self.decomposer.n_vertices();
         if n != n_vertices || d == 0 {
-            return Err(value(format!(
+            return Err(value_error(format!(
                 "signal must have one row for each of {n_vertices} vertices, got shape ({n}, {d})"
             )));
         }
@@ -68,7 +68,7 @@ impl Prepared {
 
 /// Levels of these numbers of steps.
 pub(crate) fn schedule(steps: &[f64]) -> PyResult<Schedule> {
-    Schedule::real(steps.to_vec()).map_err(|e| error::of(&e))
+    Schedule::real(steps.to_vec()).map_err(|e| error::to_exception(&e))
 }
 
 #[pymethods]
@@ -90,7 +90,7 @@ impl Prepared {
         Ok(Self { decomposer, normals, shape })
     }
 
-    /// The same without some vertices.
+    /// The shape without some vertices.
     fn with_mask(&self, py: Python<'_>, flags: PyReadonlyArray1<'_, bool>) -> PyResult<Self> {
         let flags = flags.as_slice()?;
         let decomposer = run(py, flags.len(), None, |_| self.decomposer.masked(flags))?;
@@ -148,7 +148,7 @@ impl Prepared {
         (self.decomposer.diagonal(), self.decomposer.mean_length(), self.decomposer.diffusion().step_length())
     }
 
-    /// Whether the diffusion is reversible.
+    /// Tells whether the diffusion is reversible.
     fn is_reversible(&self) -> bool {
         self.decomposer.diffusion().is_reversible()
     }

@@ -19,7 +19,7 @@ pub(crate) struct RecipeData {
 impl RecipeData {
     #[new]
     fn new(text: &str) -> PyResult<Self> {
-        Ok(Self { recipe: parse_recipe(text).map_err(|e| error::of(&e))? })
+        Ok(Self { recipe: parse_recipe(text).map_err(|e| error::to_exception(&e))? })
     }
 
     /// The recipe as text.

@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{Stage, StageError, stage, value};
+use crate::error::{Stage, StageError, stage, value_error};
 use crate::options::length;
 use crate::prepared::Prepared;
 use crate::shape::ShapeData;
@@ -70,7 +70,7 @@ fn simplify<'py>(
                     faces: &found.faces,
                     corners: &found.corners,
                 };
-                let file = content.file.subset(&subset).map_err(|e| value(e.to_string()))?;
+                let file = content.file.subset(&subset).map_err(|e| value_error(e.to_string()))?;
                 (file, Some(found.kept), found.deviation)
             }
         }
@@ -82,10 +82,10 @@ fn simplify<'py>(
             };
             let found = run(py, usize::MAX, progress.as_ref(), |p| simplify_cloud(cloud, target, p))?;
             let subset = Subset { vertices: &found.kept, ..Subset::default() };
-            let file = content.file.subset(&subset).map_err(|e| value(e.to_string()))?;
+            let file = content.file.subset(&subset).map_err(|e| value_error(e.to_string()))?;
             (file, Some(found.kept), found.deviation)
         }
-        Shape::Graph(_) => return Err(value("a graph has no surface; give a mesh or a cloud")),
+        Shape::Graph(_) => return Err(value_error("a graph has no surface; give a mesh or a cloud")),
     };
     let kept = kept.map(|kept| arrays::vector(py, kept).into_any());
     Ok((content.with_file(file), kept, deviation.greatest(), deviation.rms()))
@@ -196,7 +196,7 @@ fn distances<'py>(
     let limit = limit.map_or(f64::INFINITY, |limit| limit.in_units(walk.diagonal()));
     let (Some(own), Some(surface)) = (Surface::new(walk.geometry()), Surface::new(b.decomposer.geometry()))
     else {
-        return Err(value("a graph has no surface; give meshes or clouds"));
+        return Err(value_error("a graph has no surface; give meshes or clouds"));
     };
     let work = |p: Progress<'_>| -> Stage<_> {
         let mut motion = Motion::default();

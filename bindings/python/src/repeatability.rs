@@ -1,7 +1,7 @@
 //! Shapes changed on purpose, and the features that are found again.
 
 use crate::call::run;
-use crate::error::{Stage, stage, value};
+use crate::error::{Stage, stage, value_error};
 use crate::prepared::Prepared;
 use crate::shape::ShapeData;
 use adwave::features::Feature;
@@ -28,7 +28,7 @@ pub(crate) struct ChangeData {
 
 /// Features as structs, from their columns.
 fn features(columns: &Bound<'_, PyDict>) -> PyResult<Vec<Feature>> {
-    let get = |name: &str| columns.get_item(name)?.ok_or_else(|| value(format!("features: no {name}")));
+    let get = |name: &str| columns.get_item(name)?.ok_or_else(|| value_error(format!("features: no {name}")));
     let vertex: PyReadonlyArray1<'_, i64> = get("vertex")?.extract()?;
     let position: PyReadonlyArray2<'_, f64> = get("position")?.extract()?;
     let level: PyReadonlyArray1<'_, i32> = get("level")?.extract()?;
@@ -74,7 +74,7 @@ impl ChangeData {
             "other-vertices" => None,
             _ => {
                 let known = "'noise', 'rotation', 'scaling', 'resampling', 'other-vertices'";
-                return Err(value(format!("change must be one of {known}, got '{kind}'")));
+                return Err(value_error(format!("change must be one of {known}, got '{kind}'")));
             }
         };
         let changed = run(py, usize::MAX, None, |p| -> Stage<Option<Changed>> {
@@ -87,7 +87,7 @@ impl ChangeData {
                 _ => Ok(None),
             }
         })?;
-        let changed = changed.ok_or_else(|| value("change 'other-vertices' needs a mesh"))?;
+        let changed = changed.ok_or_else(|| value_error("change 'other-vertices' needs a mesh"))?;
         let file = match &changed.shape {
             Shape::Mesh(mesh) => ShapeFile::from_mesh(mesh.points().to_vec(), mesh.faces().clone()),
             other => ShapeFile::from_cloud(other.points().unwrap_or_default().to_vec()),
@@ -126,7 +126,7 @@ impl ChangeData {
         sigmas: f64,
     ) -> PyResult<RepeatedFeatures> {
         if !(sigmas.is_finite() && sigmas > 0.0) {
-            return Err(value(format!("within must be a finite number above 0, got {sigmas}")));
+            return Err(value_error(format!("within must be a finite number above 0, got {sigmas}")));
         }
         let decomposer = &reference.get().decomposer;
         let (before, after) = (features(before)?, features(after)?);

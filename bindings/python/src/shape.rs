@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::value;
+use crate::error::value_error;
 use crate::options::{KINDS, word};
 use adwave::Decomposer;
 use adwave::sample::{NoiseSigma, Sample, SampleError};
@@ -27,8 +27,8 @@ pub(crate) struct ShapeData {
     shape: OnceLock<Shape>,
 }
 
-fn value_error(error: ShapeFileError) -> PyErr {
-    value(error.to_string())
+fn file_error(error: ShapeFileError) -> PyErr {
+    value_error(error.to_string())
 }
 
 impl ShapeData {
@@ -67,7 +67,7 @@ fn parse_format(format: Option<&str>) -> PyResult<Option<Format>> {
         return Ok(Some(format));
     }
     let names: Vec<&str> = Format::all().map(Format::name).collect();
-    Err(value(format!("format must be one of {}, got '{name}'", names.join(", "))))
+    Err(value_error(format!("format must be one of {}, got '{name}'", names.join(", "))))
 }
 
 /// Part of a file to read.
@@ -123,10 +123,10 @@ impl ShapeData {
         let corners = corners.as_slice()?;
         let faces = match offsets {
             Some(offsets) => Polygons::from_parts(offsets.as_slice()?.to_vec(), corners.to_vec())
-                .ok_or_else(|| value("faces: offsets must ascend from 0 to the number of corners"))?,
+                .ok_or_else(|| value_error("faces: offsets must ascend from 0 to the number of corners"))?,
             None if corners.len().is_multiple_of(3) => Polygons::from_triangles(corners.as_chunks().0),
             None => {
-                return Err(value(format!(
+                return Err(value_error(format!(
                     "faces: the number of corners must be a multiple of 3, got {}",
                     corners.len()
                 )));
@@ -146,7 +146,7 @@ impl ShapeData {
     ) -> PyResult<Self> {
         let (rows, columns) = (rows.as_slice()?, columns.as_slice()?);
         if rows.len() != columns.len() {
-            return Err(value(format!(
+            return Err(value_error(format!(
                 "edges must have as many rows as columns, got {} and {}",
                 rows.len(),
                 columns.len()
@@ -265,13 +265,13 @@ impl ShapeData {
 
     fn with_points(&self, points: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let mut file = self.file.clone();
-        file.set_points(arrays::points(&points, "points")?.to_vec()).map_err(value_error)?;
+        file.set_points(arrays::points(&points, "points")?.to_vec()).map_err(file_error)?;
         Ok(self.with_file(file))
     }
 
     fn with_field(&self, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Self> {
         let mut file = self.file.clone();
-        file.add_vertex_field(arrays::to_field(name, values)?).map_err(value_error)?;
+        file.add_vertex_field(arrays::to_field(name, values)?).map_err(file_error)?;
         Ok(self.with_file(file))
     }
 
@@ -280,13 +280,13 @@ impl ShapeData {
         let n_channels = values.shape()[1];
         let values = arrays::rows(&values, "values")?.to_vec();
         let mut file = self.file.clone();
-        file.add_vertex_field(written_signal(&file, name, n_channels, values)).map_err(value_error)?;
+        file.add_vertex_field(written_signal(&file, name, n_channels, values)).map_err(file_error)?;
         Ok(self.with_file(file))
     }
 
     fn with_face_field(&self, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Self> {
         let mut file = self.file.clone();
-        file.add_face_field(arrays::to_field(name, values)?).map_err(value_error)?;
+        file.add_face_field(arrays::to_field(name, values)?).map_err(file_error)?;
         Ok(self.with_file(file))
     }
 
@@ -310,7 +310,7 @@ impl ShapeData {
     }
 
     fn to_bytes<'py>(&self, py: Python<'py>, format: &str) -> PyResult<Bound<'py, PyBytes>> {
-        let Some(format) = parse_format(Some(format))? else { return Err(value("format must be given")) };
+        let Some(format) = parse_format(Some(format))? else { return Err(value_error("format must be given")) };
         let write = |p: adwave::Progress<'_>| {
             let mut bytes = Vec::new();
             write_bytes_with(&self.file, format, &mut bytes, p).map(|_| bytes)

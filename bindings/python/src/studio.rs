@@ -68,6 +68,6 @@ fn studio<'py>(
     }
     let finished = outcome
         .map_err(|_| error::InternalError::new_err("internal error of the studio; please report it"))?
-        .map_err(|e| error::of(&e))?;
+        .map_err(|e| error::to_exception(&e))?;
     Ok((finished.recipe, crate::arrays::point_rows(py, finished.points)?.into_any()))
 }

@@ -256,7 +256,7 @@ def test_diffusion_wavelets_go_there_and_back(biorthogonal: bool) -> None:
     level = len(wavelets.ranks) - 1
     phi, dual = wavelets.scaling_functions(level), wavelets.duals(level)
     assert phi.shape == (wavelets.ranks[-1], 60) and np.allclose(dual @ phi.T, np.eye(len(phi)), atol=1e-4)
-    with pytest.raises(ValueError, match="level must be in 1..=.*, got 99"):
+    with pytest.raises(ValueError, match=r"level must be in 1..=.*, got 99"):
         wavelets.wavelets(99)
 
 

@@ -41,7 +41,9 @@ def test_worker_processes_give_the_bytes_of_one_process(cloud: Path, tmp_path: P
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        folder = adwave.dask.plan(cloud, tmp_path / "many", gains=[0, 1, 1, 0.5], fields=Fields(magnitudes=[2, 4]), tiles=8)
+        folder = adwave.dask.plan(
+            cloud, tmp_path / "many", gains=[0, 1, 1, 0.5], fields=Fields(magnitudes=[2, 4]), tiles=8
+        )
         paths = adwave.dask.run(folder, client)
         assert [Path(path).read_bytes() for path in paths] == tiles(tmp_path / "one")
         # Done already: nothing is written again.

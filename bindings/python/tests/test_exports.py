@@ -57,7 +57,7 @@ def public_callables() -> Iterator[tuple[str, Any]]:
                 if "__init__" in vars(value) or "__init__" in vars(own[-1]):
                     yield f"{module.__name__}.{name}", value
                 for base in own:
-                    for method, function in vars(base).items():
+                    for method in vars(base):
                         if not method.startswith("_") and callable(getattr(value, method)):
                             yield f"{module.__name__}.{name}.{method}", getattr(value, method)
             elif callable(value):

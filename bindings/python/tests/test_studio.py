@@ -32,7 +32,9 @@ def asking(address: str) -> Callable[[str, str, Any], Any]:
     return ask
 
 
-def while_it_runs(work: Callable[[Callable[[str, str, Any], Any]], None], monkeypatch: pytest.MonkeyPatch) -> aw.StudioResult:
+def while_it_runs(
+    work: Callable[[Callable[[str, str, Any], Any]], None], monkeypatch: pytest.MonkeyPatch
+) -> aw.StudioResult:
     """Result of the studio while `work` runs instead of the browser that it opens."""
     pages: queue.Queue[str] = queue.Queue()
     monkeypatch.setattr(webbrowser, "open", pages.put)

@@ -51,7 +51,7 @@ _MODULES = ("baselines", "dask", "sklearn", "torch")
 
 _MODULE_OF = {name: module for module, names in _EXPORTS.items() for name in names}
 
-__all__ = sorted([*_MODULE_OF, "baselines"])
+__all__ = sorted([*_MODULE_OF, "baselines"])  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> object:

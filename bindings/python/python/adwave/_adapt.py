@@ -94,7 +94,7 @@ class Parts:
 
 
 def is_path(shape: object) -> TypeGuard[str | os.PathLike[str]]:
-    """Whether `shape` names a file: a `str` or a path object."""
+    """Tells whether `shape` names a file: a `str` or a path object."""
     return isinstance(shape, (str, os.PathLike))
 
 
@@ -213,7 +213,7 @@ def with_results(
 
 
 def _find(shape: object, faces: object) -> Found:
-    """What the caller has: told by its library, as a pair, as an array, or by the names of its attributes."""
+    """Content of a shape, recognized by its library, as a pair, as an array, or by the names of its attributes."""
     if is_path(shape):
         raise TypeError(f"shape: {os.fspath(shape)!r} is a path; read it first, with adwave.read")
     if (library := library_of(shape)) is not None:
@@ -258,7 +258,7 @@ def _parts_from(found: Found) -> Parts:
 
 
 def _own_fields(fields: Mapping[str, object], n_rows: int) -> dict[str, Array]:
-    """The values that came along with an object, without those that are none: texts, matrices, metadata."""
+    """Fields of an object, without texts, matrices and metadata."""
     kept: dict[str, Array] = {}
     for name, values in fields.items():
         try:
@@ -269,7 +269,7 @@ def _own_fields(fields: Mapping[str, object], n_rows: int) -> dict[str, Array]:
 
 
 def _pair_of(shape: object) -> tuple[Any, Any] | None:
-    """(points, faces), told from two points by the first having rows of its own."""
+    """Points and faces of a pair; None for other sequences, such as two points, whose first element has no rows."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         return None
     first, second = shape

@@ -32,7 +32,7 @@ _NORMALS = ("normal", "normals")
 
 @dataclass(slots=True)
 class _Results:
-    """What is to be put into a new object; `is_fresh` where nothing of the old one fits any more."""
+    """Content of a new object; `is_fresh` if nothing of the old object fits it."""
 
     points: Array | None
     fields: dict[str, Array]

@@ -141,7 +141,8 @@ class Split:
         if (along, border) not in self._turns:
             size = self._decomposer.diagonal or 1.0
             columns = [
-                (self._constrain(self._before + size * axis, along, border, "free") - self._before) for axis in np.eye(3)
+                (self._constrain(self._before + size * axis, along, border, "free") - self._before)
+                for axis in np.eye(3)
             ]
             self._turns = {(along, border): np.stack(columns, axis=2) / size}
         return self._turns[along, border]

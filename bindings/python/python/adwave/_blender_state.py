@@ -1,4 +1,4 @@
-"""What Blender keeps of a mesh that is split: gains, region and options, in the mesh itself; and how they move its points."""
+"""State of a split mesh in Blender: gains, region and options, stored in the mesh, and their effect on its points."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -49,7 +49,7 @@ def is_split(mesh: Any) -> bool:
 
 
 def is_ours(mesh: Any) -> bool:
-    """Whether faces and points are those that the sliders left."""
+    """Tells whether faces and points are those that the sliders left."""
     state = mesh.adwave
     return own.connections(mesh) == state.connections and own.checksum(own.points_of(mesh)) == state.written
 
@@ -112,7 +112,7 @@ def show(mesh: Any, context: Any, report: Report | None = None) -> None:
 
 
 def changed(self: Any, context: Any) -> None:
-    """What moving a slider calls."""
+    """Update the points after a slider was moved."""
     mesh = self.id_data
     if _quiet or not is_split(mesh):
         return
@@ -166,7 +166,7 @@ class AdwaveBand(bpy.types.PropertyGroup):
 
 
 class AdwaveState(bpy.types.PropertyGroup):
-    """What the panel shows of a mesh; it is saved and undone with it."""
+    """Properties of a mesh in the panel, which are saved and undone with it."""
 
     bands: CollectionProperty(type=AdwaveBand)
     levels: IntProperty(

@@ -92,7 +92,7 @@ def installed_wheel() -> tuple[str, bytes]:
 
 
 def _of_wheel(file: PurePosixPath) -> bool:
-    """Whether a file was in the wheel, and not made when it was installed."""
+    """Tells whether a file was in the wheel, and not made when it was installed."""
     made = ("INSTALLER", "REQUESTED", "direct_url.json")
     return ".." not in file.parts and "__pycache__" not in file.parts and file.name not in made
 

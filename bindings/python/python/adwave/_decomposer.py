@@ -28,7 +28,7 @@ class Layer:
     gains : sequence of float, or str
         g_1 … g_J from fine to coarse: 0 drops a band, 1 keeps it, 2 doubles it. Or the name of a preset:
         ``'suppress'`` (or ``'smooth'``), ``'suppress-paper'``, ``'enhance'``, ``'band1'``, ``'band2'``.
-    where : str or (n,) array-like, optional
+    where : str or (n,) array_like, optional
         A region in its text form, or a weight for each vertex; everywhere by default.
 
     Examples
@@ -56,10 +56,10 @@ class Decomposer(PreparedShape):
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `Shape`.
-    operator : {'walk', 'surface'} or Operator
-        How signals are smoothed: the paper's lazy random walk, or heat on the surface, whose widths hardly depend on the
+    operator : str or Operator
+        How signals are smoothed: ``'walk'``, the paper's lazy random walk, or ``'surface'``, heat, whose widths hardly depend on the
         mesh; `Operator` has further options.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
@@ -97,7 +97,7 @@ class Decomposer(PreparedShape):
 
         Parameters
         ----------
-        signal : str or (n,) or (n, channels) array-like, optional
+        signal : str or (n,) or (n, channels) array_like, optional
             The coordinates by default.
         levels : int, Widths, Steps or Octaves, optional
             By default until a level is 2 % of the diagonal wide.
@@ -213,7 +213,7 @@ class Bands:
 
         Parameters
         ----------
-        weights : (n,) array-like, optional
+        weights : (n,) array_like, optional
             a(x); by default the areas of the vertices.
         """
         a = self.decomposer.areas if weights is None else np.asarray(weights, dtype=np.float64)
@@ -231,7 +231,7 @@ class Bands:
         ----------
         gains : sequence of float, str, or one or more Layer
             One gain for each band from fine to coarse, or the name of a preset. The gains of several layers multiply.
-        where : str or (n,) array-like, optional
+        where : str or (n,) array_like, optional
             A region in its text form, or a weight for each vertex (bool or any number); everywhere by default.
         out : array, optional
             A C-contiguous float64 array of the signal's shape that receives the result and is returned.
@@ -267,7 +267,7 @@ class Bands:
         return self.decomposer.shape.with_points(points)
 
     def _has_plain_vertices(self) -> bool:
-        """Whether no vertices are welded or masked: then an edit needs these bands alone."""
+        """Tells whether no vertices are welded or masked: then an edit needs these bands alone."""
         if self._is_plain is None:
             welded = self.decomposer.vertex_map()
             n_welded = int(welded.max()) + 1 if len(welded) else 0

@@ -79,7 +79,7 @@ class PreparedShape:
         return self._mask
 
     def with_mask(self: _Prepared, mask: ArrayLike) -> _Prepared:
-        """The same shape without some vertices: the diffusion goes around them, and their bands are NaN.
+        """Shape without some vertices: the diffusion goes around them, and their bands are NaN.
 
         Signals with NaN are masked there without this.
 
@@ -164,7 +164,7 @@ class PreparedShape:
 
         Parameters
         ----------
-        signal : str or array-like
+        signal : str or array_like
             Signal as in `adwave.decompose`.
         factors : (J,) sequence of float
             Factor of each band, from fine to coarse.
@@ -264,7 +264,7 @@ class PreparedShape:
 
         Parameters
         ----------
-        signal : str or array-like
+        signal : str or array_like
             Signal as in `adwave.decompose`.
         steps : float, optional
             Number of steps, an integer or not.
@@ -303,7 +303,7 @@ class PreparedShape:
 
         Parameters
         ----------
-        signal : (n,) or (n, channels) array-like
+        signal : (n,) or (n, channels) array_like
             g.
         steps : float
             Number of steps.
@@ -377,8 +377,6 @@ class PreparedShape:
         return _restore, (type(self), self.shape, self._options, self._mask)
 
 
-def _restore(
-    kind: type[_Prepared], shape: Shape, options: Operator, mask: NDArray[np.bool_] | None
-) -> _Prepared:
+def _restore(kind: type[_Prepared], shape: Shape, options: Operator, mask: NDArray[np.bool_] | None) -> _Prepared:
     prepared = kind(shape, operator=options)
     return prepared if mask is None else prepared.with_mask(mask)

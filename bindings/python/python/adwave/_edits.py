@@ -33,9 +33,9 @@ def decompose(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or (n,) or (n, channels) array-like, optional
+    signal : str or (n,) or (n, channels) array_like, optional
         The coordinates by default, a signal by its name (see `signal`), or numbers at the vertices. Vertices where it is
         NaN are masked: the diffusion goes around them.
     levels : int, Widths, Steps or Octaves, optional
@@ -43,7 +43,7 @@ def decompose(
         model units or ``aw.Widths(rms=["1%", "2%"])`` of the diagonal; numbers of steps, ``aw.Steps([1, 2.5, 8])``; or
         several levels for each doubling, ``aw.Octaves(6, voices=2)``. By default dyadic levels until one is 2 % of the
         diagonal wide.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         How the diffusion is built. By default the walk, and heat on the surface if `levels` are widths.
     accuracy : float
         Largest error of a band relative to the band, 1e-13 to 0.1.
@@ -131,21 +131,21 @@ def filter(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     gains : sequence of float, str, or one or more Layer
         A gain for each band from fine to coarse: 0 drops a band, 1 keeps it, 2 doubles it. Or a preset by its name:
         ``'smooth'`` (or ``'suppress'``) drops all bands but the last, which it doubles, so that limbs and volume are
         preserved (with one level it drops that band); ``'suppress-paper'`` drops all bands, which shrinks limbs;
         ``'enhance'``, ``'band1'``, ``'band2'``. Or several edits as `Layer`.
-    where : str or (n,) array-like, optional
+    where : str or (n,) array_like, optional
         A region in its text form (``"ball:vertex=120,radius=10%"``; see `Decomposer.region`), or a weight for each
         vertex; everywhere by default.
-    signal : str or array-like
+    signal : str or array_like
         What is changed: ``'coords'``, ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the vertices.
     levels : int, Widths, Steps or Octaves, optional
         As in `decompose`; by default one level for each gain.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `decompose`.
     constraints : Constraints, optional
         How vertices may move if the coordinates are changed.
@@ -279,9 +279,9 @@ def denoise(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or (n,) or (n, channels) array-like, optional
+    signal : str or (n,) or (n, channels) array_like, optional
         A signal instead of the shape.
     strength : float
         Factor of the noise: below 1 more careful, above 1 more thorough.
@@ -289,7 +289,7 @@ def denoise(
         Whether sharp edges are preserved: as the estimated risk prefers, always, or never.
     noise : float, optional
         Standard deviation of the noise along the normals in model units, if it is known.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `decompose`; for a shape only ``aw.Operator(weld=…)``.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).

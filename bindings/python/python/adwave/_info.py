@@ -16,7 +16,7 @@ from adwave._shape import Path, as_shape
 
 
 class Info(Mapping[str, Any]):
-    """What a shape consists of and what is unusual about it: a mapping that prints as a table.
+    """Facts about a shape: its parts and its irregularities. A mapping that prints as a table.
 
     Examples
     --------
@@ -65,9 +65,9 @@ def info(shape: object, *, operator: OperatorLike = None) -> Info:
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `decompose`.
 
     Returns
@@ -92,7 +92,7 @@ def region(shape: object, region: str) -> NDArray[np.float64]:
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     region : str
         A region in its text form; see `Decomposer.region`.
@@ -117,14 +117,14 @@ def signal(shape: object, name: str, *, texture: Path | None = None) -> NDArray[
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `Shape`.
     name : str
         ``'coords'``, ``'x'``, ``'y'``, ``'z'``, ``'normals'``, ``'mean-curvature'``, ``'gaussian-curvature'``,
         ``'shape-index'``, ``'density'`` (of a cloud), ``'degree'`` (of a graph), ``'luminance'``, ``'lightness'``,
         ``'texture'``, ``'texture-luminance'``, ``'texture-lightness'``, a field of the shape, or a file .npy, .dmat,
         .csv or .gii.
-    texture : path-like, optional
+    texture : path_like, optional
         Picture of the texture, instead of the one that the materials name.
 
     Returns
@@ -176,7 +176,7 @@ def memory_needed(shape: object, *, levels: int = 8, channels: int = 3) -> dict[
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     levels : int
         Number of levels.
@@ -203,9 +203,9 @@ def report(shape: object, path: Path) -> None:
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `Shape`.
-    path : path-like
+    path : path_like
         The page, ``.html``.
 
     Raises

@@ -130,9 +130,9 @@ def saliency(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or array-like, optional
+    signal : str or array_like, optional
         As in `decompose`.
     weighting : str
         ``'signed'``: 1/mean times how unevenly the level is spread, with the sign. ``'paper'``: (max − mean)² for each
@@ -142,7 +142,7 @@ def saliency(
         Signs, levels to skip, borders, height.
     levels : int, Widths, Steps or Octaves, optional
         As in `decompose`; by default until one is 16 % of the diagonal wide.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `decompose`.
     accuracy : float
         As in `decompose`.
@@ -259,7 +259,7 @@ class FeatureOptions:
 
 @dataclass(frozen=True)
 class FeatureThreshold:
-    """Which features are kept, as the extension takes it."""
+    """Threshold and number of features, as the extension takes them."""
 
     theta: float
     best: Union[int, None]
@@ -281,9 +281,9 @@ def features(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or array-like, optional
+    signal : str or array_like, optional
         As in `decompose`.
     theta : float
         Smallest response of a feature, in multiples of the mean response of its level.
@@ -293,7 +293,7 @@ def features(
         Response, refinement, borders, descriptors.
     levels : int, Widths, Steps or Octaves, optional
         As in `decompose`; by default until one is 4 % of the diagonal wide.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `decompose`.
     accuracy : float
         As in `decompose`.
@@ -337,13 +337,13 @@ def gaze_scores(
 
     Parameters
     ----------
-    map : (n,) array-like
+    map : (n,) array_like
         Saliency of each vertex.
-    fixations : (n,) array-like
+    fixations : (n,) array_like
         Seconds, or counts, that people looked at each vertex; NaN where nobody could.
     threshold : float
         A vertex with more than this counts as looked at.
-    points : (n, 3) array-like, optional
+    points : (n, 3) array_like, optional
         Positions, to remove from ``partial_correlation`` what the distance from the center explains.
 
     Returns

@@ -114,7 +114,7 @@ LevelsLike = Union[int, Widths, Steps, Octaves, None]
 """Levels: a number of dyadic levels, `Widths`, `Steps` or `Octaves`; None for as many as the shape asks for."""
 
 
-def check_levels(levels: object) -> LevelsLike:
+def check_levels(levels: Any) -> LevelsLike:
     """Levels as one of the accepted types.
 
     Raises
@@ -135,7 +135,7 @@ def check_levels(levels: object) -> LevelsLike:
 
 @dataclass(frozen=True)
 class Operator:
-    """How the diffusion operator Φ₁ is built. Options that are None take the library's default.
+    """Options of the diffusion operator Φ₁. Those that are None take the library's default.
 
     Parameters
     ----------
@@ -176,13 +176,13 @@ class Operator:
     keep_creases: Union[bool, None] = None
 
     def with_default_kind(self, kind: OperatorKind) -> Operator:
-        """The same options, of this kind if none was given."""
+        """Options with this kind if none was given."""
         from dataclasses import replace
 
         return self if self.kind is not None else replace(self, kind=kind)
 
     def needs_walk(self) -> bool:
-        """Whether an option is given that only the walk has."""
+        """Tells whether an option is given that only the walk has."""
         return any(v is not None for v in (self.rings, self.directed, self.area, self.density_invariant))
 
 
@@ -209,7 +209,7 @@ def as_operator(operator: object) -> Operator:
 
 @dataclass(frozen=True, kw_only=True)
 class Constraints:
-    """How vertices may move when the coordinates are filtered.
+    """Constraints on the motion of vertices when the coordinates are filtered.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ class Picture:
 
         Parameters
         ----------
-        array : (height, width, 3 or 4) array-like of uint8
+        array : (height, width, 3 or 4) array_like of uint8
             Red, green, blue and perhaps alpha.
         """
         given = np.asarray(array)
@@ -80,7 +80,7 @@ class Picture:
 
         Parameters
         ----------
-        path : path-like
+        path : path_like
             The file, ``.png``.
         """
         with open(os.fspath(path), "wb") as file:
@@ -103,7 +103,7 @@ class Picture:
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """From where a picture is taken.
+    """View of a picture.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class Camera:
         Axis that points up; guessed by default.
     zoom : float
         Magnification relative to the view that shows the whole shape.
-    focus : (3,) array-like, optional
+    focus : (3,) array_like, optional
         Point in the middle of the picture, in model units; the center of the shape by default.
     orthographic : bool
         Use a parallel projection.
@@ -136,7 +136,7 @@ class Camera:
 
 @dataclass(frozen=True, kw_only=True)
 class ColorScale:
-    """How values become colors.
+    """Mapping of values to colors.
 
     Parameters
     ----------
@@ -179,16 +179,16 @@ def render(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape with positions; see `Shape`.
-    values : str or (n,) array-like, optional
+    values : str or (n,) array_like, optional
         A number for each vertex, or the name of a signal; gray where NaN.
-    colors : (n, 3) array-like of uint8 or of numbers from 0 to 1, optional
+    colors : (n, 3) array_like of uint8 or of numbers from 0 to 1, optional
         A color for each vertex, instead of values.
     scale : ColorScale, optional
-        How values become colors.
+        Mapping of values to colors.
     camera : Camera, optional
-        From where the picture is taken.
+        View of the picture.
     size : (int, int)
         Width and height in pixels.
     background : (int, int, int), optional
@@ -221,7 +221,8 @@ def render(
         label = values if isinstance(values, str) else ""
     view = camera.view if isinstance(camera.view, str) else ",".join(str(float(angle)) for angle in camera.view)
     focus = None if camera.focus is None else tuple(np.asarray(camera.focus, dtype=np.float64).tolist())
-    marks = _feature_balls(balls) if isinstance(balls, np.ndarray) and balls.dtype.names else balls
+    given: Any = balls
+    marks = _feature_balls(given) if isinstance(given, np.ndarray) and given.dtype.names else given
     request = PictureRequest(
         width=int(size[0]),
         height=int(size[1]),

@@ -65,7 +65,7 @@ class Recipe:
 
         Parameters
         ----------
-        shape : shape-like
+        shape : shape_like
             Anything that is a shape; see `Shape`.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
@@ -96,7 +96,7 @@ class Recipe:
 
         Parameters
         ----------
-        path : path-like
+        path : path_like
             The file, usually ``.toml``.
         """
         self._data.write(os.fspath(path))
@@ -126,7 +126,7 @@ class Recipe:
             As in `filter`.
         signal : str
             Name of the signal that is changed.
-        operator : {'walk', 'surface'}, optional
+        operator : str, optional
             As in `filter`.
         constraints : Constraints, optional
             As in `filter`.
@@ -202,7 +202,7 @@ def read_recipe(path: Path) -> Recipe:
 
     Parameters
     ----------
-    path : path-like
+    path : path_like
         A file as the command writes it with ``--save-recipe``.
 
     Raises

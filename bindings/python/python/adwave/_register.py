@@ -79,7 +79,7 @@ def simplify(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a mesh or a cloud; see `Shape`.
     error : float or str, optional
         Largest distance, in model units or as a share of the diagonal such as ``"0.1%"``; the result has as few vertices
@@ -179,7 +179,7 @@ def match(
 
     Parameters
     ----------
-    first, second : shape-like
+    first, second : shape_like
         Anything that is a mesh or a cloud (see `Shape`), or `Decomposer` objects.
     theta : float
         Smallest response of a feature, in multiples of the mean response of its level.
@@ -187,7 +187,7 @@ def match(
         Largest distance of a pair, in rms widths of its level.
     scaled : bool
         Whether one shape may be larger than the other, for example in other units.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `decompose`; heat on the surface by default.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
@@ -268,7 +268,7 @@ def distances(
 
     Parameters
     ----------
-    first, second : shape-like
+    first, second : shape_like
         Anything that is a mesh or a cloud (see `Shape`), or `Decomposer` objects.
     align : bool
         Fit the second to the first before, by a rigid motion.

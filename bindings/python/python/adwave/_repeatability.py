@@ -38,7 +38,7 @@ class ChangedShape:
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a mesh or a cloud (see `adwave.Shape`), or an `adwave.Decomposer`.
     kind : {'noise', 'rotation', 'scaling', 'resampling', 'other-vertices'}
         Noise along the normals; a random rotation about the origin; every coordinate multiplied by a factor; four times
@@ -47,7 +47,7 @@ class ChangedShape:
         Standard deviation of the noise in mean edges, or the factor of the scaling.
     seed : int
         The same seed gives the same change.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `decompose`.
 
     Examples
@@ -80,7 +80,7 @@ class ChangedShape:
 
         Parameters
         ----------
-        points : (k, 3) array-like
+        points : (k, 3) array_like
             Points of the changed shape.
 
         Returns
@@ -163,7 +163,7 @@ def repeatability(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a mesh or a cloud (see `adwave.Shape`), or an `adwave.Decomposer`.
     signal : str
         Signal of the features: one that is computed from the shape alone.
@@ -177,7 +177,7 @@ def repeatability(
         As in `adwave.features`; only response and border are used.
     levels : int or Widths, optional
         As in `adwave.features`.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `adwave.decompose`.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
@@ -237,12 +237,11 @@ class _Study:
 
     def changes(self, trials: Trials) -> list[tuple[str, ChangeKind, float, int]]:
         """Name, kind, amount and number of runs of each change."""
-        kinds: list[tuple[str, ChangeKind, float, int]] = [(f"noise {p:g}", "noise", p, trials.runs) for p in trials.noise]
-        kinds += [
-            ("rotation", "rotation", 1.0, trials.runs),
-            ("scaling", "scaling", 7.3, 1),
-            ("resampling", "resampling", 1.0, 1),
-        ]
+        kinds: list[tuple[str, ChangeKind, float, int]] = []
+        kinds.extend((f"noise {p:g}", "noise", p, trials.runs) for p in trials.noise)
+        kinds.append(("rotation", "rotation", 1.0, trials.runs))
+        kinds.append(("scaling", "scaling", 7.3, 1))
+        kinds.append(("resampling", "resampling", 1.0, 1))
         if self.decomposer.shape.kind == "mesh":
             kinds.append(("other-vertices", "other-vertices", 1.0, trials.runs))
         return kinds
@@ -283,7 +282,9 @@ class _Study:
                 n = sum(n_features for n_features, _ in counts.values())
                 share = sum(n_again for _, n_again in counts.values()) / n if n else math.nan
                 rows.append((name, share, n_right / n_found if n_found else math.nan, chance))
-                per_level.extend((name, at, float(self.widths[at - 1]), *counts[at]) for at in sorted(counts))
+                per_level.extend(
+                    (name, at, float(self.widths[at - 1]), counts[at][0], counts[at][1]) for at in sorted(counts)
+                )
         return Repeatability(np.array(rows, dtype=_CHANGE), np.array(per_level, dtype=_LEVEL), reference)
 
 

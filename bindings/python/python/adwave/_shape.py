@@ -59,11 +59,11 @@ class Shape:
 
     Parameters
     ----------
-    points : shape-like
+    points : shape_like
         Anything that is a shape: an array of points (n × 3, any type and order; n × 2 has z = 0), a pair
         ``(points, faces)``, a path, a sparse matrix of weights (a graph), or an object of trimesh, PyVista, meshio,
         Open3D or networkx.
-    faces : array-like, optional
+    faces : array_like, optional
         Corners of the faces, counted from 0: m × k, or a list of polygons of any length. Without faces, points are a
         cloud.
     fields : mapping, optional
@@ -196,11 +196,11 @@ class Shape:
         return self.fields[name]
 
     def with_points(self, points: ArrayLike) -> Shape:
-        """The same shape at other positions.
+        """Shape with the same faces and fields at other positions.
 
         Parameters
         ----------
-        points : (n, 3) array-like
+        points : (n, 3) array_like
             One row for each vertex, in the same order, in model units.
 
         Examples
@@ -216,13 +216,13 @@ class Shape:
         return Shape._from_data(self._data.with_points(points))
 
     def with_field(self, name: str, values: ArrayLike) -> Shape:
-        """The same shape with values at its vertices; a field of the same name is replaced.
+        """Shape with values at its vertices; a field of the same name is replaced.
 
         Parameters
         ----------
         name : str
             Name of the field.
-        values : (n,) or (n, channels) array-like
+        values : (n,) or (n, channels) array_like
             Values, whose number type is preserved.
 
         Examples
@@ -235,7 +235,7 @@ class Shape:
         return Shape._from_data(self._data.with_field(name, _field_values(values, self.n_vertices, name)))
 
     def with_fields(self, fields: Mapping[str, ArrayLike]) -> Shape:
-        """The same shape with several fields; see `with_field`.
+        """Shape with several fields; see `with_field`.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ class Shape:
 
         Parameters
         ----------
-        path : path-like
+        path : path_like
             File whose extension chooses the format; ``.gz`` after it compresses.
         format : str, optional
             Name of a format, whatever the extension.
@@ -349,7 +349,7 @@ class Shape:
         ----------
         name : str
             Name of the signal.
-        texture : path-like, optional
+        texture : path_like, optional
             Picture of the texture, instead of the one that the materials name.
         """
         values = self._data.signal(name, None if texture is None else os.fspath(texture))
@@ -425,9 +425,9 @@ def as_shape(shape: object, faces: object = None) -> Shape:
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `Shape`.
-    faces : array-like, optional
+    faces : array_like, optional
         Faces, if `shape` is an array of points.
 
     Raises
@@ -450,7 +450,9 @@ def _bounds(box: ArrayLike) -> tuple[list[float], list[float]]:
     """Least and greatest coordinates of a box of six numbers, or of four, which leave z free."""
     numbers = np.asarray(box, dtype=float).ravel().tolist()
     if len(numbers) not in (4, 6):
-        raise ValueError(f"box: must be xmin, ymin, zmin, xmax, ymax, zmax, or four numbers without z, got {len(numbers)} numbers")
+        raise ValueError(
+            f"box: must be xmin, ymin, zmin, xmax, ymax, zmax, or four numbers without z, got {len(numbers)} numbers"
+        )
     half = len(numbers) // 2
     low, high = numbers[:half], numbers[half:]
     return (low, high) if half == 3 else ([*low, -np.inf], [*high, np.inf])
@@ -472,11 +474,11 @@ def read(
 
     Parameters
     ----------
-    path : path-like
+    path : path_like
         The file.
     kind : {'mesh', 'cloud', 'graph'}, optional
         Kind that the file is treated as.
-    box : array-like, optional
+    box : array_like, optional
         Read only the points in this closed box, in model units: (xmin, ymin, zmin, xmax, ymax, zmax), or
         (xmin, ymin, xmax, ymax). For LAS, LAZ, COPC and EPT (``ept.json``); of the last two only the nodes that meet the
         box are read.
@@ -575,9 +577,9 @@ def graph(n_vertices: int, edges: ArrayLike, weights: ArrayLike | None = None) -
     ----------
     n_vertices : int
         Number of nodes.
-    edges : (e, 2) array-like
+    edges : (e, 2) array_like
         Nodes at both ends, counted from 0.
-    weights : (e,) array-like, optional
+    weights : (e,) array_like, optional
         Positive weights; 1 by default.
 
     Raises

@@ -42,7 +42,7 @@ def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> Studio
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a mesh or a cloud; see `Shape`.
     port : int
         Port of the server; 0 for any free one. For a notebook on another machine forward it:

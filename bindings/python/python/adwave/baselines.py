@@ -45,7 +45,7 @@ def harmonics(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
     k : int
         Number of eigenvalues.
@@ -86,7 +86,7 @@ def heat_kernel_signature(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
     k : int
         Number of eigenfunctions.
@@ -124,7 +124,7 @@ def wave_kernel_signature(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
     k : int
         Number of eigenfunctions.
@@ -155,14 +155,12 @@ def wave_kernel_signature(
         return _native.signature(as_shape(shape)._data, "wave", k, scales, report)
 
 
-def lee_saliency(
-    shape: object, *, progress: ProgressLike = None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def lee_saliency(shape: object, *, progress: ProgressLike = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Saliency of a mesh by differences of Gaussians of its mean curvature, on five scales.
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a mesh; see `adwave.Shape`.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
@@ -212,9 +210,9 @@ def taubin(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
-    signal : str or array-like, optional
+    signal : str or array_like, optional
         As in `adwave.decompose`; the coordinates by default.
     lam, mu : float
         Factors λ > 0 and μ < −λ of the two steps.
@@ -253,9 +251,9 @@ def differential_coordinates(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
-    signal : str or array-like, optional
+    signal : str or array_like, optional
         As in `adwave.decompose`; the coordinates by default.
     weights : {'uniform', 'cotangent'}
         Weights of the mean.
@@ -297,13 +295,13 @@ def from_differential_coordinates(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
-    coordinates : (n, channels) or (n,) array-like
+    coordinates : (n, channels) or (n,) array_like
         Differential coordinates δ.
-    anchors : (k,) array-like of int
+    anchors : (k,) array_like of int
         Vertices with a target; at least one of each component.
-    targets : (k, channels) or (k,) array-like
+    targets : (k, channels) or (k,) array_like
         Values of the signal at the anchors.
     anchor_weight : float
         Weight w of an anchor, relative to 1 for a differential coordinate.
@@ -390,11 +388,11 @@ def feature_map(
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a mesh; see `adwave.Shape`.
     times : sequence of float
         Times t in squared model units: f is smoothed over about ``√(2t)``.
-    signal : str or (n,) array-like
+    signal : str or (n,) array_like
         Function f.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
@@ -425,7 +423,7 @@ class GraphWavelets:
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `adwave.Shape`), or an `adwave.Decomposer` whose diffusion is reversible.
     kernels : int
         Number of kernels, with the low pass.
@@ -433,7 +431,7 @@ class GraphWavelets:
         Family of the kernels; those of Meyer and itersine are tight frames.
     accuracy : float
         Largest error of a kernel's polynomial.
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `adwave.decompose`.
 
     References
@@ -518,7 +516,7 @@ class DiffusionWavelets:
 
     Parameters
     ----------
-    shape : shape-like
+    shape : shape_like
         Anything that is a shape (see `adwave.Shape`), or an `adwave.Decomposer` whose diffusion is reversible.
     levels : int
         Largest number of levels; there are fewer if the rank falls to 1.
@@ -528,7 +526,7 @@ class DiffusionWavelets:
         Remainder of a column that counts as zero.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
-    operator : {'walk', 'surface'} or Operator, optional
+    operator : str or Operator, optional
         As in `adwave.decompose`.
 
     References

@@ -243,7 +243,7 @@ class AdwaveDenoise(_OnMesh):
 
 
 class AdwaveSaliency(_OnMesh):
-    """Where the surface stands out (red) or is hollow (blue), as an attribute of numbers and one of colors"""
+    """Show convex (red) and concave (blue) parts of the surface, as an attribute of numbers and one of colors"""
 
     bl_idname = "adwave.saliency"
     bl_label = "Saliency"

@@ -147,7 +147,11 @@ def plan(
     if denoise:
         chosen = denoise if isinstance(denoise, Denoising) else Denoising()
         words.append("--denoise")
-        options += [("--strength", float(chosen.strength)), ("--creases", chosen.creases), ("--noise-sigma", chosen.noise)]
+        options += [
+            ("--strength", float(chosen.strength)),
+            ("--creases", chosen.creases),
+            ("--noise-sigma", chosen.noise),
+        ]
     for option, value in options:
         if value is not None:
             words += [option, str(value)]

@@ -35,7 +35,7 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
     ----------
     levels : int, Widths or Steps
         Levels as in `adwave.decompose`; their number must not depend on the shape.
-    operator : {'walk', 'surface'} or Operator
+    operator : str or Operator
         As in `adwave.Decomposer`. For shapes of different meshings take ``aw.Widths(...)`` with ``'surface'``.
 
     Examples
@@ -47,15 +47,15 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
     """
 
     def __init__(self, levels: LevelsLike = 6, operator: OperatorLike = "walk") -> None:
-        self.levels = levels
-        self.operator = operator
+        self.levels: LevelsLike = levels
+        self.operator: OperatorLike = operator
 
     def fit(self, shapes: Sequence[object], y: Any = None) -> WaveletFeatures:
         """Note the number of features; nothing is learned.
 
         Parameters
         ----------
-        shapes : sequence of shape-like
+        shapes : sequence of shape_like
             Shapes, which are not used.
         y : None
             Not used.
@@ -68,7 +68,7 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
 
         Parameters
         ----------
-        shapes : sequence of shape-like
+        shapes : sequence of shape_like
             Anything that is a shape; see `adwave.Shape`.
 
         Returns
