@@ -52,7 +52,7 @@ class Found:
 
 
 def library_of(x: object) -> str | None:
-    """The library whose shapes have a reader of their own, or None."""
+    """Name of the library of `x`, if it has a reader here, or None."""
     if isinstance(x, np.ndarray):
         return None
     for cls in type(x).__mro__:
@@ -81,7 +81,7 @@ def read(x: Any, library: str) -> Found:
 
 
 def has_shape_names(x: object) -> bool:
-    """Tells whether `x` has attributes that are called like vertices or points."""
+    """Tells whether `x` has attributes named like vertices or points."""
     return any(hasattr(x, vertices) for vertices, _ in _SHAPE_NAMES)
 
 
@@ -125,7 +125,7 @@ def _read_trimesh(x: Any) -> Found:
 
 
 def only_geometry(scene: Any) -> tuple[str, Any, Array]:
-    """The one geometry of a trimesh scene: its name, itself, and the matrix that places it."""
+    """The only geometry of a trimesh scene: its name, the geometry, and its placement matrix."""
     nodes = list(scene.graph.nodes_geometry)
     if len(nodes) != 1:
         raise TypeError(
@@ -303,7 +303,7 @@ def _read_scipy(x: Any) -> Found:
 
 
 def axes_of(x: Any) -> list[Any]:
-    """The columns x, y and z, or x and y, of a data frame; none where it has no columns of these names."""
+    """Columns x, y and z, or x and y, of a data frame; None if it has no columns of these names."""
     by_name = {str(column).lower(): column for column in x.columns}
     return [by_name[axis] for axis in "xyz" if axis in by_name] if {"x", "y"} <= by_name.keys() else []
 
