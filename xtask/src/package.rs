@@ -62,7 +62,7 @@ pub(crate) fn docs() -> Outcome {
     run(Command::new(&python)
         .current_dir(package().join("docs"))
         .env("NO_MKDOCS_2_WARNING", "1")
-        .args(["-m", "mkdocs", "build", "--strict", "--quiet", "--clean", "--site-dir"])
+        .args(["-m", "mkdocs", "build", "--strict", "--clean", "--site-dir"])
         .arg(&site))?;
     println!("{}", site.join("index.html").display());
     Ok(())
