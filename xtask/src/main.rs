@@ -24,9 +24,6 @@ usage: cargo xtask COMMAND
             broken input for every reader and parser; what breaks is saved below target/fuzz
   wheel     build the Python package as target/wheels/adwave-….whl, for every Python from 3.10 on
   docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
-  package-check
-            check the Python package as it would be published: metadata, licenses, manylinux tag, and that the source
-            distribution builds without a network
   python [--wheel]
             test the Python package from Python: its tests, the examples of its documentation and its types; of the wheel, or
             else of what the tests have built
@@ -47,8 +44,9 @@ usage: cargo xtask COMMAND
             run a fixed list of commands with an older build of adwave and with this one, and compare the bytes of every file
   notices   write the notices and licenses of all that the program contains
   package-check
-            what the registries check before a release: `cargo publish` of all crates, the Python package and its metadata;
-            skips with a reason what is not installed
+            what the registries check before a release: `cargo publish` of all crates; metadata, licenses and manylinux tag
+            of the Python package, and that its source distribution builds without a network; skips with a reason what is
+            not installed
   style [FOLDER]
             print every violation of the countable rules of style, below a folder of the repository
   bench-meshings [--models DIR] [--only PART]
@@ -71,7 +69,6 @@ fn main() -> ExitCode {
         ["oracle-baselines"] => oracle_baselines(),
         ["wheel"] => package::wheel().map(|_| ()),
         ["docs"] => package::docs(),
-        ["package-check"] => package::check_release(),
         ["bench-python", ref rest @ ..] => package::bench(rest),
         ["studio-test"] => studio_test(),
         ["python", ref rest @ ..] => package::test_package(rest),

@@ -18,7 +18,8 @@ pub(crate) fn wheel() -> Result<PathBuf, String> {
     let out = target().join("wheels");
     // An older wheel must not be taken for the new one.
     let _ = std::fs::remove_dir_all(&out);
-    let words = ["build", "--profile", "wheel", "--locked", "--compatibility", "pypi"];
+    let words =
+        ["build", "--profile", "wheel", "--locked", "--compatibility", "pypi", "--compression-level", "9"];
     maturin(&python, &words, &out)?;
     let wheel = only_file(&out, "whl")?;
     let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();

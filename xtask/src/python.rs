@@ -19,7 +19,8 @@ pub(crate) fn environment(name: &str) -> Result<PathBuf, String> {
 
 /// The Python of an environment `target/python-NAME` with the packages of a list.
 pub(crate) fn environment_from(list: &Path, name: &str) -> Result<PathBuf, String> {
-    let packages = std::fs::read_to_string(list).map_err(|e| format!("cannot read {}: {e}", list.display()))?;
+    let packages =
+        std::fs::read_to_string(list).map_err(|e| format!("cannot read {}: {e}", list.display()))?;
     let folder = target().join(format!("python-{name}"));
     let python = folder.join("bin/python");
     let stamp = folder.join("installed.txt");

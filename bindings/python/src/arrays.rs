@@ -14,7 +14,9 @@ use pyo3::prelude::*;
 /// `as_slice` also accepts transposed arrays, whose numbers have another order, so the order is checked here.
 pub(crate) fn rows<'a, T: Element>(array: &'a PyReadonlyArray2<'_, T>, name: &str) -> PyResult<&'a [T]> {
     if !array.is_c_contiguous() {
-        return Err(value_error(format!("{name} must be C-contiguous; pass numpy.ascontiguousarray({name})")));
+        return Err(value_error(format!(
+            "{name} must be C-contiguous; pass numpy.ascontiguousarray({name})"
+        )));
     }
     array.as_slice().map_err(|e| value_error(format!("{name}: {e}")))
 }

@@ -101,7 +101,10 @@ fn apply_bands<'py>(
     let n = map.n_vertices();
     let n_levels = bands.shape()[0].saturating_sub(1);
     if !bands.is_c_contiguous() || bands.shape()[1..] != [n, n_channels] || map.n_welded() < n {
-        return Err(value_error(format!("bands: shape {:?} is not that of the signal's bands", bands.shape())));
+        return Err(value_error(format!(
+            "bands: shape {:?} is not that of the signal's bands",
+            bands.shape()
+        )));
     }
     let layers = weighted_layers(py, &layers, n_levels, &own.decomposer, own.shape.get())?;
     let sizes = (n_levels, n_channels);

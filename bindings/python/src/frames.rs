@@ -231,7 +231,8 @@ impl MultiscaleData {
             let (n, got) = (self.map.n_vertices(), signal.len());
             return Err(value_error(format!("signal: {got} values for {n} vertices")));
         }
-        let found = self.analyze_welded(&channel(&self.map, &signal, 1, 0)).map_err(|e| error::to_exception(&e))?;
+        let found =
+            self.analyze_welded(&channel(&self.map, &signal, 1, 0)).map_err(|e| error::to_exception(&e))?;
         let all = found.wavelets.into_iter().chain([found.scaling]);
         Ok(all.map(|values| arrays::vector(py, values).into_any()).collect())
     }

@@ -40,7 +40,9 @@ impl Prepared {
         let Some(array) = given else {
             return match self.decomposer.geometry().shape().points() {
                 Some(points) => Ok(SignalValues { values: points.as_flattened(), n_channels: 3 }),
-                None => Err(value_error("signal: a graph has no coordinates; give one value for each vertex")),
+                None => {
+                    Err(value_error("signal: a graph has no coordinates; give one value for each vertex"))
+                }
             };
         };
         let [n, d] = [array.shape()[0], array.shape()[1]];

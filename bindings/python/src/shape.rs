@@ -310,7 +310,9 @@ impl ShapeData {
     }
 
     fn to_bytes<'py>(&self, py: Python<'py>, format: &str) -> PyResult<Bound<'py, PyBytes>> {
-        let Some(format) = parse_format(Some(format))? else { return Err(value_error("format must be given")) };
+        let Some(format) = parse_format(Some(format))? else {
+            return Err(value_error("format must be given"));
+        };
         let write = |p: adwave::Progress<'_>| {
             let mut bytes = Vec::new();
             write_bytes_with(&self.file, format, &mut bytes, p).map(|_| bytes)
