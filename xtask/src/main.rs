@@ -23,6 +23,7 @@ usage: cargo xtask COMMAND
   fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N] [--file FILE]
             broken input for every reader and parser; what breaks is saved below target/fuzz
   wheel     build the Python package as target/wheels/adwave-….whl, for every Python from 3.10 on
+  docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
   python [--wheel]
             test the Python package from Python: its tests, the examples of its documentation and its types; of the wheel, or
             else of what the tests have built
@@ -43,8 +44,9 @@ usage: cargo xtask COMMAND
             run a fixed list of commands with an older build of adwave and with this one, and compare the bytes of every file
   notices   write the notices and licenses of all that the program contains
   package-check
-            what the registries check before a release: `cargo publish` of all crates, the Python package and its metadata;
-            skips with a reason what is not installed
+            what the registries check before a release: `cargo publish` of all crates; metadata, licenses and manylinux tag
+            of the Python package, and that its source distribution builds without a network; skips with a reason what is
+            not installed
   style [FOLDER]
             print every violation of the countable rules of style, below a folder of the repository
   bench-meshings [--models DIR] [--only PART]
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
         ["wheel"] => package::wheel().map(|_| ()),
+        ["docs"] => package::docs(),
         ["bench-python", ref rest @ ..] => package::bench(rest),
         ["studio-test"] => studio_test(),
         ["python", ref rest @ ..] => package::test_package(rest),
@@ -204,7 +207,7 @@ fn compare_with_scipy(adwave: &Path, folder: &str, vertices: [usize; 5], data: O
         let arguments = ["sample", name, "--vertices", &vertices, "--quiet", "-o"].map(OsStr::new);
         run(Command::new(adwave).args(arguments).arg(out))?;
     }
-    let python = python::environment(&root(), "oracle")?;
+    let python = python::environment("oracle")?;
     println!("> python {}", root().join("benches/oracle/oracle.py").display());
     let mut command = Command::new(python);
     command.arg(root().join("benches/oracle/oracle.py")).arg(adwave).arg(&samples);
@@ -218,7 +221,7 @@ fn oracle_baselines() -> Outcome {
     let build =
         ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers", "--bin", "oracle_values"];
     cargo(&build, &[])?;
-    let python = python::environment(&root(), "baselines")?;
+    let python = python::environment("baselines")?;
     run(Command::new(python)
         .arg(root().join("benches/baselines/oracle.py"))
         .arg(target().join("release/oracle_values"))

@@ -1,6 +1,6 @@
 //! `cargo xtask package-check`: the checks of a release that need no account, for the crates and for the Python package.
 
-use crate::{Outcome, cargo, notices};
+use crate::{Outcome, cargo, notices, package};
 use std::process::Command;
 
 /// Runs every check that can run here and prints a reason for each that cannot.
@@ -26,5 +26,5 @@ pub(crate) fn check() -> Outcome {
     } else {
         println!("the public interfaces were not compared: cargo-semver-checks is not installed");
     }
-    Ok(())
+    package::check_release()
 }

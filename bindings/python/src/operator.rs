@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, value};
+use crate::error::{self, value_error};
 use crate::prepared::Prepared;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows, Value, basis};
@@ -19,12 +19,12 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 type Csr<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 fn csr<V: Element + Value>(py: Python<'_>, rows: CompressedRows<V>) -> PyResult<Csr<'_>> {
-    let (indptr, indices, data) = rows.into_scipy().map_err(|e| value(e.to_string()))?;
+    let (indptr, indices, data) = rows.into_scipy().map_err(|e| value_error(e.to_string()))?;
     let indices = arrays::vector(py, indices).into_any();
     Ok((arrays::vector(py, data).into_any(), indices, arrays::vector(py, indptr).into_any()))
 }
 
-/// Which vertex of the shape each welded one is, where none are welded.
+/// Vertex of the shape of each welded vertex; `None` if some vertices were welded.
 fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
     if map.n_welded() < map.n_vertices() {
         return None;
@@ -36,7 +36,7 @@ fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
     Some(vertex_of)
 }
 
-/// Φ₁, in the order of the shape where no vertices are welded, else over the welded ones.
+/// Φ₁ in the order of the shape, or over the welded vertices if some were welded.
 #[pyfunction]
 fn diffusion_matrix<'py>(py: Python<'py>, prepared: &Bound<'py, Prepared>) -> PyResult<Csr<'py>> {
     let decomposer = &prepared.get().decomposer;
@@ -50,7 +50,7 @@ fn diffusion_matrix<'py>(py: Python<'py>, prepared: &Bound<'py, Prepared>) -> Py
     csr(py, rows)
 }
 
-/// Φ_j and Ψ_j of all levels.
+/// Matrices Φ_j and Ψ_j of all levels.
 #[pyfunction]
 #[pyo3(signature = (prepared, n_levels, drop_tolerance, max_bytes, progress=None))]
 fn basis_matrices<'py>(
@@ -62,7 +62,7 @@ fn basis_matrices<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<Csr<'py>>, Vec<Csr<'py>>)> {
     let decomposer = &prepared.get().decomposer;
-    let schedule = Schedule::dyadic(n_levels).map_err(|e| error::of(&e))?;
+    let schedule = Schedule::dyadic(n_levels).map_err(|e| error::to_exception(&e))?;
     let mut params = BasisParams::new(schedule);
     if let Some(tolerance) = drop_tolerance {
         params = params.with_drop_tolerance(tolerance);
