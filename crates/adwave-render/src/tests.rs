@@ -162,7 +162,10 @@ fn what_cannot_be_drawn_is_refused_by_name() {
     assert!(error(&clay(&points[..2], &[[0, 1, 2]]), &small()).contains("corner 2"));
     assert!(error(&clay(&[], &[]), &small()).contains("no points"));
     assert!(error(&clay(&points[..2], &[]), &small().with_size(0, 9)).contains("0x9"));
-    assert!(error(&clay(&points[..2], &[]), &small().with_size(60_000, 9)).contains("pixels per side, got 60000x9"));
+    assert!(
+        error(&clay(&points[..2], &[]), &small().with_size(60_000, 9))
+            .contains("pixels per side, got 60000x9")
+    );
     let ball = Ball { center: [0.0; 3], radius: 0.0, color: [0; 3] };
     assert!(
         render(&clay(&points[..2], &[]), &[ball], &small(), Progress::none())
