@@ -84,13 +84,13 @@ impl<'a> Faces<'a> {
 
     /// Areas, centroids and normals of the faces at the given positions.
     pub(super) fn measure(&self, points: &[Vector]) -> FaceGeometry {
-        let filter_at = |t: &[u32; 3]| {
+        let geometry_of_triangle = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| points[v as usize]);
             let doubled = cross(&subtract(&b, &a), &subtract(&c, &a));
             let centroid: Vector = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
             (0.5 * norm(&doubled), (centroid, unit(&doubled).unwrap_or_default()))
         };
-        let (areas, (centroids, normals)) = self.triangles.par_iter().map(of).unzip();
+        let (areas, (centroids, normals)) = self.triangles.par_iter().map(geometry_of_triangle).unzip();
         FaceGeometry { areas, centroids, normals }
     }
 
@@ -122,7 +122,7 @@ impl<'a> Faces<'a> {
         centroids: &[Vector],
         neighbors: &FaceLists,
     ) -> FaceLists {
-        let filter_at = |f: usize| {
+        let faces_around = |f: usize| {
             let (mut inside, mut seen, mut next) = (vec![f as u32], vec![f as u32], 0);
             while next < inside.len() && inside.len() < MAX_WITHIN {
                 for &g in neighbors.list(inside[next] as usize) {
@@ -139,7 +139,7 @@ impl<'a> Faces<'a> {
             inside.truncate(MAX_WITHIN);
             inside
         };
-        FaceLists::new((0..self.len()).into_par_iter().map(of).collect())
+        FaceLists::new((0..self.len()).into_par_iter().map(faces_around).collect())
     }
 
     /// Pairs of faces across each edge; an edge with more than two faces pairs each face with the next by index.
@@ -216,5 +216,5 @@ pub(super) fn filter_normals(
         }
         unit(&sum).unwrap_or(normals[f])
     };
-    (0..neighbors.len()).into_par_iter().map(of).collect()
+    (0..neighbors.len()).into_par_iter().map(filter_at).collect()
 }
