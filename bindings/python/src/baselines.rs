@@ -12,7 +12,7 @@ use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
 use adwave_baselines::lee::lee_saliency;
 use adwave_baselines::linalg::EigenParams;
 use adwave_baselines::signature::{heat_kernel_signature, heat_times, wave_kernel_signature};
-use adwave_baselines::taubin::lambda_mu;
+use adwave_baselines::taubin::{LambdaMu, lambda_mu};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -128,7 +128,13 @@ fn taubin<'py>(
     let values = arrays::rows(&signal, "signal")?;
     let smoothed = run(py, ALWAYS_ON_POOL, None, |_| -> Stage<Vec<f64>> {
         let k = stage(Differential::new(own, weights))?;
-        stage(lambda_mu(&k, values, n_channels, (options.lam, options.mu), options.iterations))
+        stage(lambda_mu(
+            &k,
+            values,
+            n_channels,
+            LambdaMu { lambda: options.lam, mu: options.mu },
+            options.iterations,
+        ))
     })?;
     Ok(arrays::matrix(py, smoothed, n_channels)?.into_any())
 }

@@ -31,7 +31,7 @@ fn encode_png<'py>(py: Python<'py>, array: PyReadonlyArray3<'py, u8>) -> PyResul
     }
     let bytes = array.as_slice()?;
     let png = run(py, usize::MAX, None, |_| {
-        let mut picture = Picture::filled(width as u32, height as u32, [0; 4])?;
+        let mut picture = Picture::blank(width as u32, height as u32, [0; 4])?;
         picture.rgba.copy_from_slice(bytes);
         picture.png()
     })?;

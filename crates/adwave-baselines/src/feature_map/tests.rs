@@ -47,7 +47,7 @@ fn a_monkey_saddle_counts_twice() {
         points.push([angle.cos(), angle.sin(), 0.0]);
         triangles.push([0, 1 + i, 1 + (i + 1) % 12]);
     }
-    // Re z³, turned so that no value on the ring is 0.
+    // Re z³, rotated so that no value on the ring is 0.
     let f: Vec<f64> = points
         .iter()
         .map(|p| if p[0] == 0.0 && p[1] == 0.0 { 0.0 } else { (3.0 * p[1].atan2(p[0]) + 0.4).cos() })
@@ -85,7 +85,7 @@ fn harmonics_of_the_sphere_decay_as_their_eigenvalue_says() {
     let time = 0.3 * radius * radius;
     let level = &feature_map(&shape, &signal, &[time], Progress::none()).unwrap()[0];
     let expected = (-2.0 * 0.3_f64).exp();
-    // z is the eigenfunction of λ = 2/r², up to the mesh's error.
+    // z is the eigenfunction of λ = 2/r², up to the discretization error of the mesh.
     for (s, f) in level.smoothed.iter().zip(&signal) {
         assert!((s - expected * f).abs() < 0.01 * radius, "{s} {f}");
     }

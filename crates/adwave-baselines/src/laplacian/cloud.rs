@@ -1,4 +1,4 @@
-//! The Laplacian of a point cloud by the heat kernel.
+//! Laplacian of a point cloud from the heat kernel.
 
 use adwave::operator::LocalOperator;
 use adwave::vector::{dot, subtract};
@@ -8,8 +8,9 @@ const PLANE: f64 = 4.0;
 
 /// Weights `c·A(x)A(y)exp(−‖x−y‖²/4t)` between neighbors, and masses A (`belkin2009`).
 ///
-/// There c is 1/4πt² and all points are neighbors. With the nearest alone the kernel is cut off, so c is chosen such that
-/// `Δ|x − p|² = 4` holds at p, as in a plane, for the median point. A point by itself has the mass 1.
+/// In the paper c is 1/4πt² and all points are neighbors. With the nearest neighbors alone the kernel is cut off, so
+/// c is chosen such that `Δ|x − p|² = 4` holds at the median point p, as in a plane. An isolated point has the mass
+/// 1.
 pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
     let mut mass = operator.areas().to_vec();
     let four_t = 4.0 * operator.time();

@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_shaded_picture_lies_on_the_ground_of_each_mode() {
-        let picture = Picture::filled(8, 8, [200, 0, 0, 0]).unwrap();
+        let picture = Picture::blank(8, 8, [200, 0, 0, 0]).unwrap();
         let Source::Inside { light, dark } = Image::shaded(&picture).unwrap().source else {
             panic!("it is inside");
         };
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn files_beside_the_page_tell_their_size() {
-        let png = Picture::filled(7, 5, [1, 2, 3, 255]).unwrap().png().unwrap();
+        let png = Picture::blank(7, 5, [1, 2, 3, 255]).unwrap().png().unwrap();
         let size = |kind, bytes: &[u8]| {
             let image = Image::beside("a".to_owned(), kind, bytes);
             (image.width, image.height)

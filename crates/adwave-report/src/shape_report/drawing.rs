@@ -249,7 +249,7 @@ impl<'a> Studio<'a> {
             .zip(frames)
             .map(|(picture, f)| {
                 let picture =
-                    picture.cropped(0, rows.start, SIDE, rows.len() as u32).map_err(|e| e.to_string())?;
+                    picture.crop(0, rows.start, SIDE, rows.len() as u32).map_err(|e| e.to_string())?;
                 Ok(Figure {
                     image: Image::shaded(&picture).map_err(|e| e.to_string())?,
                     alt: f.alt.clone(),
@@ -403,16 +403,16 @@ mod tests {
 
     #[test]
     fn rows_that_are_empty_everywhere_are_cut_off() {
-        let mut picture = Picture::filled(SIDE, SIDE, [0; 4]).unwrap();
+        let mut picture = Picture::blank(SIDE, SIDE, [0; 4]).unwrap();
         assert_eq!(used_rows(std::slice::from_ref(&picture)), 0..SIDE);
-        picture.place(&Picture::filled(1, 1, [9, 9, 9, 255]).unwrap(), 3, 100);
-        let other = Picture::filled(SIDE, SIDE, [0; 4]).unwrap();
+        picture.place(&Picture::blank(1, 1, [9, 9, 9, 255]).unwrap(), 3, 100);
+        let other = Picture::blank(SIDE, SIDE, [0; 4]).unwrap();
         let rows = used_rows(&[other.clone(), picture.clone()]);
         assert!(
             rows.contains(&100) && (MIN_HEIGHT - 1..=MIN_HEIGHT).contains(&(rows.len() as u32)),
             "{rows:?}"
         );
-        picture.place(&Picture::filled(1, 1, [9, 9, 9, 255]).unwrap(), 3, 500);
+        picture.place(&Picture::blank(1, 1, [9, 9, 9, 255]).unwrap(), 3, 500);
         assert_eq!(used_rows(&[picture, other]), 100 - MARGIN..501 + MARGIN);
     }
 

@@ -1,4 +1,4 @@
-//! Rows of numbers, one per point: XYZ, TXT, PTS, PWN, CSV.
+//! Rows of numbers, one row per point: XYZ, TXT, PTS, PWN, CSV.
 
 pub(crate) mod meaning;
 pub(crate) mod read;

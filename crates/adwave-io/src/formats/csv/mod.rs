@@ -1,4 +1,4 @@
-//! Tables of comma-separated values: fields read from them, and the one place that writes their text.
+//! Tables of comma-separated values: reading of fields, and the formatting of all tables.
 
 pub(crate) mod read;
 pub(crate) mod write;

@@ -1,6 +1,6 @@
 //! Gmsh MSH, versions 2 and 4, text and binary.
 //!
-//! An own reader: `mshio` (0.4) reads version 4.1 alone and no fields, and stops at the first section that it does not know;
+//! The reader is our own: `mshio` (0.4) reads only version 4.1 without fields and stops at the first unknown section;
 //! `gmsh-sys` needs the program itself.
 
 pub(crate) mod elements;

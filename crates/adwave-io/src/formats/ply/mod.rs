@@ -1,4 +1,4 @@
-//! PLY, text and binary in both byte orders: header, rows, reading, writing from scratch, and the original updated.
+//! PLY, text and binary in both byte orders: header, rows, reader, writer, and update of an original.
 
 pub(crate) mod body;
 pub(crate) mod fixed;

@@ -1,6 +1,6 @@
-//! What several comparisons share.
+//! Functions shared by several comparisons.
 
-use super::{Comparison, Outcome, Row, Subject};
+use super::{Comparison, ComparisonInput, Outcome, Row};
 use adwave::bands::{Bands, Wavelets};
 use adwave::measure::rms;
 use std::time::Instant;
@@ -9,27 +9,27 @@ pub(super) fn row(quantity: &str, adwave: impl Into<Option<f64>>, other: impl In
     Row { quantity: quantity.to_owned(), adwave: adwave.into(), other: other.into() }
 }
 
-/// The largest difference of two signals in any channel.
+/// Largest absolute difference of two signals over all vertices and channels.
 pub(super) fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// The largest Euclidean norm, over the channels of a vertex, of the difference of two signals; as `rms` takes it.
+/// Largest Euclidean norm of the difference of two signals at a vertex, taken over its channels as in `rms`.
 pub(super) fn largest_distance(a: &[f64], b: &[f64], n_channels: usize) -> f64 {
     let rows = a.chunks_exact(n_channels).zip(b.chunks_exact(n_channels));
     let squares = rows.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>());
     squares.fold(0.0, f64::max).sqrt()
 }
 
-/// Both smoothed signals, against the signal and against each other.
+/// Compares both smoothed signals with the original and with each other.
 pub(super) fn smoothing(
-    subject: &Subject<'_>,
+    input: &ComparisonInput<'_>,
     task: String,
     ours: &[f64],
     theirs: Vec<f64>,
     mut rows: Vec<Row>,
 ) -> Comparison {
-    let (f, d) = (subject.signal, subject.n_channels);
+    let (f, d) = (input.signal, input.n_channels);
     rows.push(row("rms change of the signal", rms(f, ours, d), rms(f, &theirs, d)));
     rows.push(row(
         "largest change of the signal at a vertex",
@@ -41,24 +41,24 @@ pub(super) fn smoothing(
     Comparison { task, rows, adwave: outcome(ours.to_vec()), other: outcome(theirs) }
 }
 
-/// `S_f(J) + Σ W_f(j)`, and how long it takes.
-pub(super) fn put_together(bands: &Bands) -> (Vec<f64>, f64) {
+/// Reconstructs `S_f(J) + Σ W_f(j)`; also returns the seconds it takes.
+pub(super) fn reconstruct(bands: &Bands) -> (Vec<f64>, f64) {
     let start = Instant::now();
     let sum = bands.reconstruct();
     (sum, start.elapsed().as_secs_f64())
 }
 
-/// The norms of the wavelets, for saliency and features.
-pub(super) fn norms(subject: &Subject<'_>, bands: &Bands) -> Wavelets {
-    bands.to_wavelets(subject.walk.geometry().vertex_map()).into_norms()
+/// Norms of the wavelets, as saliency and features need them.
+pub(super) fn norms(input: &ComparisonInput<'_>, bands: &Bands) -> Wavelets {
+    bands.to_wavelets(input.decomposer.geometry().vertex_map()).into_norms()
 }
 
-/// One channel of a signal.
+/// Extracts channel `c` of a signal.
 pub(super) fn channel(f: &[f64], n_channels: usize, c: usize) -> Vec<f64> {
     f.iter().skip(c).step_by(n_channels).copied().collect()
 }
 
-/// Channels side by side.
+/// Interleaves the channels, vertex by vertex.
 pub(super) fn interleave(channels: &[Vec<f64>]) -> Vec<f64> {
     let n = channels.first().map_or(0, Vec::len);
     (0..n).flat_map(|x| channels.iter().map(move |c| c[x])).collect()
