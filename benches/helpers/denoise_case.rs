@@ -44,7 +44,7 @@ fn result(step: &str, parameters: &[String], shape: &Shape, mesh: &Mesh) -> Outc
     let prepared = || PreparedGeometry::new(shape, WeldMode::default(), none);
     Ok(match (step, parameters) {
         ("noise", [kind, sigma, seed]) => {
-            let kind = Noise::by_name(kind).ok_or_else(|| format!("no noise is called {kind}"))?;
+            let kind = Noise::from_name(kind).ok_or_else(|| format!("no noise is called {kind}"))?;
             kind.added(mesh, sigma.parse()?, seed.parse()?)
         }
         ("bilateral", [sigma_s, normals, vertices]) => {

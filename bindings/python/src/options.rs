@@ -4,7 +4,7 @@ use crate::error::value;
 use adwave::denoise::Creases;
 use adwave::features::Response;
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
-use adwave::positions::{Along, Borders, Volume};
+use adwave::positions::{Borders, MoveDirection, Volume};
 use adwave::region::Length;
 use adwave::saliency::Weighting;
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
@@ -22,13 +22,13 @@ pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> P
 
 pub(crate) const KINDS: &[(&str, ShapeKind)] =
     &[("mesh", ShapeKind::Mesh), ("cloud", ShapeKind::Cloud), ("graph", ShapeKind::Graph)];
-pub(crate) const ALONG: &[(&str, Along)] = &[
-    ("free", Along::Free),
-    ("normal", Along::Normal),
-    ("surface", Along::Surface),
-    ("x", Along::X),
-    ("y", Along::Y),
-    ("z", Along::Z),
+pub(crate) const ALONG: &[(&str, MoveDirection)] = &[
+    ("free", MoveDirection::Free),
+    ("normal", MoveDirection::Normal),
+    ("surface", MoveDirection::Surface),
+    ("x", MoveDirection::X),
+    ("y", MoveDirection::Y),
+    ("z", MoveDirection::Z),
 ];
 pub(crate) const BORDERS: &[(&str, Borders)] =
     &[("natural", Borders::Natural), ("keep", Borders::Keep), ("free", Borders::Free)];

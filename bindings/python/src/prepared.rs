@@ -7,7 +7,7 @@ use crate::error::{self, value};
 use crate::options::{ALONG, BORDERS, VOLUME, length, operator, word};
 use crate::shape::ShapeData;
 use adwave::bands::{BandsParams, FWHM, Schedule, Transform};
-use adwave::positions::{PositionParams, settle};
+use adwave::positions::{PositionParams, constrain_positions};
 use adwave::region::{Length, RegionWeights, parse_region};
 use adwave::shape::{Shape, bounding_box};
 use adwave::{BandsRequest, Cancelled, Decomposer, Progress};
@@ -187,7 +187,8 @@ impl Prepared {
         let divisor = if fwhm.is_some() { FWHM } else { 1.0 };
         if let Some(widths) = lengths.or(fwhm) {
             let widths: Vec<Length> = widths.iter().map(length).collect::<PyResult<_>>()?;
-            let sigma: Vec<f64> = widths.iter().map(|width| width.in_units(diagonal) / divisor).collect();
+            let sigma: Vec<f64> =
+                widths.iter().map(|width| width.to_model_units(diagonal) / divisor).collect();
             let schedule = Schedule::lengths(&sigma, step).map_err(|e| error::of(&e))?;
             return Ok((schedule.steps().to_vec(), "the widths asked for".to_owned()));
         }
@@ -291,7 +292,9 @@ impl Prepared {
             volume: word("volume", volume, VOLUME)?,
         };
         let n = before.len();
-        let points = run(py, n, progress.as_ref(), |p| settle(&self.decomposer, before, after, &params, p))?;
+        let points = run(py, n, progress.as_ref(), |p| {
+            constrain_positions(&self.decomposer, before, after, &params, p)
+        })?;
         Ok(arrays::point_rows(py, points)?.into_any())
     }
 

@@ -63,9 +63,10 @@ pub(crate) fn compare(
         )));
     }
     let original = session.points();
-    let walk = Differential::from_walk(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
+    let differential =
+        Differential::from_walk(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
     let roughness = |points: &[[f64; 3]]| -> Result<f64, Refused> {
-        let away = walk.coordinates(points.as_flattened(), 3).map_err(|e| Refused::of(&e))?;
+        let away = differential.coordinates(points.as_flattened(), 3).map_err(|e| Refused::of(&e))?;
         Ok((away.iter().map(|c| c * c).sum::<f64>() / n.max(1) as f64).sqrt())
     };
     let (before, wanted) = (roughness(original)?, roughness(edited)?);
@@ -83,7 +84,7 @@ pub(crate) fn compare(
             let narrow = (1.0 - frequency / 2.0).acos();
             let degree = (8.0 / narrow).ceil().clamp(10.0, MOST_PRODUCTS) as usize;
             let filter = WindowedSinc::half_gain(frequency, degree).map_err(|e| Refused::of(&e))?;
-            let filtered = filter.apply(&walk, signal, 3).map_err(|e| Refused::of(&e))?;
+            let filtered = filter.apply(&differential, signal, 3).map_err(|e| Refused::of(&e))?;
             Ok((filtered, json!({"degree": degree, "frequency": frequency})))
         })?,
         Method::Harmonics => {

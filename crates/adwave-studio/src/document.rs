@@ -3,7 +3,7 @@
 use crate::answer::Refused;
 use adwave::filter::{Gains, Layer};
 use adwave::operator::OperatorKind;
-use adwave::positions::{Along, Borders, PositionParams, Volume};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Region;
 use adwave_io::{Levels, Recipe};
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ pub struct Document {
     pub layers: Vec<DocumentLayer>,
     /// In which directions vertices move.
     #[serde(default)]
-    pub along: Option<Along>,
+    pub along: Option<MoveDirection>,
     /// What becomes of open borders.
     #[serde(default)]
     pub border: Borders,
@@ -87,7 +87,7 @@ impl Document {
 
     /// Whether more is asked of new positions than that bands are summed; a cloud moves along its normals unasked.
     pub(crate) fn has_rules(&self, is_cloud: bool) -> bool {
-        let is_free = self.along.map_or(!is_cloud, |along| along == Along::Free);
+        let is_free = self.along.map_or(!is_cloud, |along| along == MoveDirection::Free);
         !(is_free && self.border == Borders::default() && self.volume == Volume::default())
     }
 

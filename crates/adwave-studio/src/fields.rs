@@ -5,7 +5,7 @@ use crate::prepared::Prepared;
 use crate::session::Session;
 use adwave::Progress;
 use adwave::features::{FeatureParams, features};
-use adwave::saliency::drawn_saliency;
+use adwave::saliency::saliency_f32;
 use adwave::shape::Shape;
 use adwave::signal::SurfaceSignal;
 use adwave_io::{SignalSource, named_signal, region_field};
@@ -114,9 +114,10 @@ fn salient(session: &Session, prepared: &Prepared) -> Result<Vec<f32>, Refused> 
     let request = decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule).accuracy(SHOWN);
     let found = prepared.outward(&session.opened.file)?;
     let has_outside = found.info.has_outside();
-    let wavelets = if has_outside { request.along_at_once(&found.normals) } else { request.norms() };
+    let wavelets =
+        if has_outside { request.along_normals_in_one_pass(&found.normals) } else { request.norms() };
     let wavelets = wavelets.map_err(|e| Refused::of(&e))?;
-    drawn_saliency(decomposer, &wavelets, Progress::none()).map_err(|e| Refused::of(&e))
+    saliency_f32(decomposer, &wavelets, Progress::none()).map_err(|e| Refused::of(&e))
 }
 
 /// The features of the edited positions.

@@ -6,7 +6,7 @@ use crate::document::Document;
 use adwave::bands::Schedule;
 use adwave::filter::{FilterError, WeightedLayer, displacement};
 use adwave::operator::{OperatorKind, OperatorParams};
-use adwave::positions::settle;
+use adwave::positions::constrain_positions;
 use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape, enclosed_volume};
 use adwave::signal::{OutwardNormals, outward_normals};
@@ -31,7 +31,7 @@ pub(crate) struct LevelsAsked {
 
 impl LevelsAsked {
     /// The same as a recipe says it.
-    fn of(&self, walk: &Decomposer) -> Result<Levels, Refused> {
+    fn of(&self, walk_decomposer: &Decomposer) -> Result<Levels, Refused> {
         Ok(match self {
             Self { lengths: Some(lengths), levels: None, voices: None } => Levels::Lengths(lengths.clone()),
             Self { lengths: Some(_), .. } => return Err(Refused::wrong("give either levels or lengths")),
@@ -41,7 +41,7 @@ impl LevelsAsked {
                 Levels::Steps(schedule.steps().to_vec())
             }
             Self { levels: Some(levels), .. } => Levels::Dyadic(*levels),
-            Self { .. } => Levels::Dyadic(default_levels(walk)),
+            Self { .. } => Levels::Dyadic(default_levels(walk_decomposer)),
         })
     }
 }
@@ -103,13 +103,16 @@ impl Prepared {
     /// With the levels that are asked for, and nothing edited.
     pub(crate) fn new(
         shape: &Shape,
-        walk: &Decomposer,
+        walk_decomposer: &Decomposer,
         levels: Levels,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
         let kind = operator_of(&levels);
-        let decomposer =
-            if kind == OperatorKind::Walk { walk.clone() } else { decomposer(shape, kind, progress)? };
+        let decomposer = if kind == OperatorKind::Walk {
+            walk_decomposer.clone()
+        } else {
+            decomposer(shape, kind, progress)?
+        };
         let schedule = schedule(&levels, &decomposer)?;
         let points = shape.points().unwrap_or_default();
         let request = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress);
@@ -130,20 +133,20 @@ impl Prepared {
     /// With as many levels as fit.
     pub(crate) fn with_default_levels(
         shape: &Shape,
-        walk: &Decomposer,
+        walk_decomposer: &Decomposer,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
-        Self::new(shape, walk, Levels::Dyadic(default_levels(walk)), progress)
+        Self::new(shape, walk_decomposer, Levels::Dyadic(default_levels(walk_decomposer)), progress)
     }
 
     /// With the levels that the page asks for.
     pub(crate) fn asked(
         shape: &Shape,
-        walk: &Decomposer,
+        walk_decomposer: &Decomposer,
         asked: &LevelsAsked,
         progress: Progress<'_>,
     ) -> Result<Self, Refused> {
-        Ok(Self::new(shape, walk, asked.of(walk)?, progress)?)
+        Ok(Self::new(shape, walk_decomposer, asked.of(walk_decomposer)?, progress)?)
     }
 
     /// What the shape consists of, counted once.
@@ -237,8 +240,9 @@ impl Prepared {
     /// Where the editor's layers move the vertices, and how far.
     fn moved(&self, document: &Document, before: &[[f64; 3]]) -> Result<(Vec<[f64; 3]>, Moved), Refused> {
         let edited = self.editor.edited().as_chunks().0.to_vec();
-        let points = settle(&self.decomposer, before, edited, &document.positions(), Progress::none())
-            .map_err(|e| Refused::of(&e))?;
+        let points =
+            constrain_positions(&self.decomposer, before, edited, &document.positions(), Progress::none())
+                .map_err(|e| Refused::of(&e))?;
         let far = displacement(before, &points);
         // The page has single precision.
         if !(far.max as f32).is_finite() {
@@ -286,7 +290,7 @@ fn schedule(levels: &Levels, decomposer: &Decomposer) -> Result<Schedule, Studio
         Levels::Steps(steps) => Schedule::real(steps.clone()),
         Levels::Lengths(lengths) => {
             let diagonal = decomposer.diagonal();
-            Schedule::lengths(&lengths.iter().map(|l| l.in_units(diagonal)).collect::<Vec<_>>(), step)
+            Schedule::lengths(&lengths.iter().map(|l| l.to_model_units(diagonal)).collect::<Vec<_>>(), step)
         }
     };
     schedule.map_err(|e| StudioError::of(&e))

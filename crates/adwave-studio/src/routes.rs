@@ -126,7 +126,7 @@ async fn triangles(State(studio): Shared, Path(id): Path<u64>) -> Response {
 async fn surface(State(studio): Shared, Path(id): Path<u64>) -> Response {
     of_shape(studio, id, |session| {
         let points = session.points();
-        let places = session.walk()?.geometry().vertex_map().as_slice();
+        let places = session.walk_decomposer()?.geometry().vertex_map().as_slice();
         let mut content = rows(points.len(), 24, |x, row| {
             for c in 0..3 {
                 row[8 * c..][..8].copy_from_slice(&points[x][c].to_le_bytes());
@@ -141,7 +141,8 @@ async fn surface(State(studio): Shared, Path(id): Path<u64>) -> Response {
 async fn levels(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
     of_shape(studio, id, move |session| {
         let asked: LevelsAsked = parsed(&body, "choice of levels")?;
-        let mut fresh = Prepared::asked(&session.opened.shape, session.walk()?, &asked, session.progress())?;
+        let mut fresh =
+            Prepared::asked(&session.opened.shape, session.walk_decomposer()?, &asked, session.progress())?;
         let mut prepared = session.prepared()?;
         // Gains are those of levels: of as many they are kept.
         let mut document = prepared.document.clone();
@@ -269,9 +270,9 @@ async fn open_recipe(State(studio): Shared, Path(id): Path<u64>, body: Bytes) ->
     of_shape(studio, id, move |session| {
         let text = std::str::from_utf8(&body).map_err(|_| Refused::wrong("the recipe is no text"))?;
         let recipe = parse_recipe(text).map_err(|e| Refused::of(&e))?;
-        let walk = session.walk()?;
+        let walk_decomposer = session.walk_decomposer()?;
         let levels = recipe.levels.clone();
-        let mut fresh = Prepared::new(&session.opened.shape, walk, levels, session.progress())?;
+        let mut fresh = Prepared::new(&session.opened.shape, walk_decomposer, levels, session.progress())?;
         if recipe.operator.is_some_and(|kind| kind != fresh.decomposer.operator_kind()) {
             let told = "the studio takes the surface's operator for levels by width and the walk for others; replay this one with `adwave filter --recipe`";
             return Err(Refused::wrong(told));

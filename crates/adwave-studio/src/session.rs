@@ -38,7 +38,7 @@ pub(crate) struct Session {
     pub(crate) folder: PathBuf,
     pub(crate) center: [f64; 3],
     pub(crate) triangles: Vec<[u32; 3]>,
-    walk: OnceLock<Result<Decomposer, Arc<StudioError>>>,
+    walk_decomposer: OnceLock<Result<Decomposer, Arc<StudioError>>>,
     prepared: OnceLock<Result<Mutex<Prepared>, Arc<StudioError>>>,
     turn: Mutex<()>,
     autosave: Option<Autosave>,
@@ -77,7 +77,7 @@ impl Session {
             folder,
             center,
             triangles,
-            walk: OnceLock::new(),
+            walk_decomposer: OnceLock::new(),
             prepared: OnceLock::new(),
             turn: Mutex::default(),
             autosave,
@@ -99,8 +99,8 @@ impl Session {
     }
 
     /// The shape with the diffusion that levels are counted in; the first who asks waits for it to be made.
-    pub(crate) fn walk(&self) -> Result<&Decomposer, Refused> {
-        let made = self.walk.get_or_init(|| {
+    pub(crate) fn walk_decomposer(&self) -> Result<&Decomposer, Refused> {
+        let made = self.walk_decomposer.get_or_init(|| {
             decomposer(&self.opened.shape, OperatorKind::Walk, self.progress()).map_err(Arc::new)
         });
         made.as_ref().map_err(|e| Refused::of(&**e))
@@ -108,13 +108,13 @@ impl Session {
 
     /// The bands, and the edit of the last visit; the first who asks waits for them.
     pub(crate) fn prepared(&self) -> Result<MutexGuard<'_, Prepared>, Refused> {
-        let walk = self.walk()?;
+        let walk_decomposer = self.walk_decomposer()?;
         let made = self.prepared.get_or_init(|| {
             let (shape, progress) = (&self.opened.shape, self.progress());
-            let fresh = || Prepared::with_default_levels(shape, walk, progress);
+            let fresh = || Prepared::with_default_levels(shape, walk_decomposer, progress);
             let kept = self.autosave.as_ref().and_then(Autosave::read);
             let resumed = kept.and_then(|(levels, document)| {
-                let mut prepared = Prepared::new(shape, walk, levels, progress).ok()?;
+                let mut prepared = Prepared::new(shape, walk_decomposer, levels, progress).ok()?;
                 prepared.edit(document, &self.opened.file).ok()?;
                 Some(prepared)
             });

@@ -18,7 +18,7 @@ pub(super) fn compare(
         return Err(CompareError::Channels(subject.n_channels));
     }
     let start = Instant::now();
-    let ours = features(subject.walk, &norms(subject, bands), &FeatureParams::default(), progress)?;
+    let ours = features(subject.decomposer, &norms(subject, bands), &FeatureParams::default(), progress)?;
     let found = start.elapsed().as_secs_f64();
     let times: Vec<f64> = bands.sigma[2..bands.n_levels()].iter().map(|s| s * s / 4.0).collect();
     let start = Instant::now();

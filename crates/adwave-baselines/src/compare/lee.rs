@@ -16,7 +16,7 @@ pub(super) fn compare(
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     let start = Instant::now();
-    let ours = saliency(subject.walk, &norms(subject, bands), &SaliencyParams::paper(), progress)?.map;
+    let ours = saliency(subject.decomposer, &norms(subject, bands), &SaliencyParams::paper(), progress)?.map;
     let mapped = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let theirs = lee_saliency(subject.shape, progress)?;

@@ -123,7 +123,7 @@ pub struct Subject<'a> {
     /// The shape.
     pub shape: &'a Shape,
     /// Its prepared geometry and diffusion operator.
-    pub walk: &'a Decomposer,
+    pub decomposer: &'a Decomposer,
     /// How long these took to make, seconds; `None` where that was not measured.
     pub prepare_seconds: Option<f64>,
     /// The levels of adwave.
@@ -149,7 +149,7 @@ pub fn compare(
 ) -> Result<Comparison, CompareError> {
     let start = Instant::now();
     let bands = subject
-        .walk
+        .decomposer
         .request(subject.signal, subject.n_channels, subject.schedule)
         .params(subject.params)
         .progress(progress)
@@ -178,17 +178,17 @@ mod tests {
 
     #[test]
     fn every_method_does_its_task_and_smoothing_agrees() {
-        let sample = Sample::by_name("torus", Some(700)).unwrap();
+        let sample = Sample::from_name("torus", Some(700)).unwrap();
         let points = sample.points.clone();
         let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap());
-        let walk = Decomposer::new(&shape);
+        let decomposer = Decomposer::new(&shape);
         let schedule = Schedule::dyadic(6).unwrap();
         let heights: Vec<f64> = points.iter().map(|p| p[2]).collect();
         let with = |method, signal: &[f64], n_channels| {
             let params = BandsParams::default();
             let subject = Subject {
                 shape: &shape,
-                walk: &walk,
+                decomposer: &decomposer,
                 prepare_seconds: Some(0.5),
                 schedule: &schedule,
                 params: &params,

@@ -21,7 +21,7 @@ pub(super) fn compare(
     if subject.shape.points().is_none_or(|points| points.as_flattened() != subject.signal) {
         return Err(CompareError::NotCoordinates);
     }
-    let geometry = subject.walk.geometry();
+    let geometry = subject.decomposer.geometry();
     let start = Instant::now();
     let theirs = match method {
         Method::Guided => guided_normals(geometry, &GuidedParams::default(), progress)?,

@@ -50,7 +50,7 @@ pub(super) fn put_together(bands: &Bands) -> (Vec<f64>, f64) {
 
 /// The norms of the wavelets, for saliency and features.
 pub(super) fn norms(subject: &Subject<'_>, bands: &Bands) -> Wavelets {
-    bands.to_wavelets(subject.walk.geometry().vertex_map()).into_norms()
+    bands.to_wavelets(subject.decomposer.geometry().vertex_map()).into_norms()
 }
 
 /// One channel of a signal.

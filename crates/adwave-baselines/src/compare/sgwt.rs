@@ -16,9 +16,9 @@ pub(super) fn compare(
     const ACCURACY: f64 = 1e-6;
     const SOLVED: f64 = 1e-10;
     let start = Instant::now();
-    let walk = subject.walk.diffusion();
-    let vertex_map = subject.walk.geometry().vertex_map();
-    let (laplacian, root) = normalized_laplacian(walk)?;
+    let diffusion = subject.decomposer.diffusion();
+    let vertex_map = subject.decomposer.geometry().vertex_map();
+    let (laplacian, root) = normalized_laplacian(diffusion)?;
     // I − Q has its spectrum in [0, 2].
     let kernels = Kernels::new(KernelFamily::Meyer, (bands.n_levels() + 1).max(3), 2.0)?;
     let frame = Frame::new(laplacian, kernels, ACCURACY)?;
@@ -61,7 +61,7 @@ pub(super) fn compare(
         row("lower frame bound", None, frame.bounds.0),
         row("upper frame bound", None, frame.bounds.1),
     ];
-    debug_assert_eq!(root.len(), walk.n_vertices());
+    debug_assert_eq!(root.len(), diffusion.n_vertices());
     // Fine to coarse, as adwave has them.
     let other = parts.iter().skip(1).rev().enumerate().map(|(k, part)| Outcome {
         name: format!("W{}", k + 1),

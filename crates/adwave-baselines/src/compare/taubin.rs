@@ -34,11 +34,14 @@ pub(super) fn compare(
     bands: &Bands,
     seconds: f64,
 ) -> Result<Comparison, CompareError> {
-    let (steps, semigroup) = (bands.steps[bands.n_levels()], subject.walk.diffusion().semigroup());
+    let (steps, semigroup) = (bands.steps[bands.n_levels()], subject.decomposer.diffusion().semigroup());
     let frequency = half(semigroup, steps);
     let degree = (8.0 / (1.0 - frequency / 2.0).acos()).ceil().clamp(10.0, 20_000.0) as usize;
     let start = Instant::now();
-    let k = Differential::from_walk(subject.walk.diffusion(), subject.walk.geometry().vertex_map().clone());
+    let k = Differential::from_walk(
+        subject.decomposer.diffusion(),
+        subject.decomposer.geometry().vertex_map().clone(),
+    );
     let filter = WindowedSinc::half_gain(frequency, degree)?;
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();

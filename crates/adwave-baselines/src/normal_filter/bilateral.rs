@@ -3,7 +3,7 @@
 use super::faces::{Faces, Lists, Measures, Widths, filtered, gaussian, mean_distance};
 use super::vertex_update::{Border, staying, updated};
 use super::{
-    FaceNeighbors, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
+    FaceNeighbors, NormalFilterError, check_iterations, check_positive, to_shape_order, unit_points,
 };
 use crate::linalg::conjugate_gradients;
 use adwave::Progress;
@@ -109,7 +109,7 @@ const MAX_CG_ITERATIONS: usize = 100_000;
 /// ```
 /// use adwave::{Progress, sample::{NoiseSigma, Sample}, shape::*};
 /// use adwave_baselines::normal_filter::{BilateralParams, bilateral_normals};
-/// let mut sphere = Sample::by_name("sphere", Some(500))?;
+/// let mut sphere = Sample::from_name("sphere", Some(500))?;
 /// sphere.add_noise(NoiseSigma::MeanEdge(0.1), 1)?;
 /// let shape = Shape::Mesh(Mesh::new(sphere.points.clone(), sphere.faces)?);
 /// let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none())?;
@@ -141,7 +141,7 @@ pub fn bilateral_normals(
         progress.check()?;
         points = updated(&faces, &points, &normals, &stays);
     }
-    Ok(in_shape_order(geometry, &points, unit))
+    Ok(to_shape_order(geometry, &points, unit))
 }
 
 fn local(
@@ -178,11 +178,11 @@ fn global(
                 gaussian(&centroids[f], &centroids[g], widths.space)
                     * gaussian(&normals[f], &normals[g], widths.range)
             };
-            neighbors.of(f).iter().map(weight).collect()
+            neighbors.row(f).iter().map(weight).collect()
         })
         .collect();
     let product = |x: &[f64], f: usize| -> f64 {
-        neighbors.of(f).iter().zip(&kernel[f]).map(|(&g, k)| k * x[g as usize]).sum()
+        neighbors.row(f).iter().zip(&kernel[f]).map(|(&g, k)| k * x[g as usize]).sum()
     };
     let inverse: Vec<f64> = (0..n)
         .into_par_iter()

@@ -102,7 +102,7 @@ impl<'a> Faces<'a> {
     fn neighbors_of(&self, f: usize, kind: FaceNeighbors) -> Vec<u32> {
         let corners = self.triangles[f];
         let mut found: Vec<u32> =
-            corners.iter().flat_map(|&v| self.at_vertex.of(v as usize)).copied().collect();
+            corners.iter().flat_map(|&v| self.at_vertex.row(v as usize)).copied().collect();
         found.sort_unstable();
         found.dedup();
         let shared = |g: u32| {
@@ -120,7 +120,7 @@ impl<'a> Faces<'a> {
         let of = |f: usize| {
             let (mut inside, mut seen, mut next) = (vec![f as u32], vec![f as u32], 0);
             while next < inside.len() && inside.len() < MAX_WITHIN {
-                for &g in neighbors.of(inside[next] as usize) {
+                for &g in neighbors.row(inside[next] as usize) {
                     if seen.contains(&g) {
                         continue;
                     }
@@ -201,7 +201,7 @@ pub(super) fn filtered(
 ) -> Vec<Vector> {
     let of = |f: usize| {
         let mut sum = [0.0; 3];
-        for &g in neighbors.of(f) {
+        for &g in neighbors.row(f) {
             let g = g as usize;
             let weight = measures.areas[g]
                 * gaussian(&measures.centroids[f], &measures.centroids[g], widths.space)

@@ -3,7 +3,7 @@
 use super::faces::{Faces, Lists, Measures, Widths, filtered, mean_distance};
 use super::vertex_update::{Border, staying, updated};
 use super::{
-    FaceNeighbors, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
+    FaceNeighbors, NormalFilterError, check_iterations, check_positive, to_shape_order, unit_points,
 };
 use adwave::Progress;
 use adwave::shape::PreparedGeometry;
@@ -108,7 +108,7 @@ pub fn guided_normals(
             points = updated(&faces, &points, &normals, &stays);
         }
     }
-    Ok(in_shape_order(geometry, &points, unit))
+    Ok(to_shape_order(geometry, &points, unit))
 }
 
 /// The patches of all faces.
@@ -130,7 +130,7 @@ impl Patches {
 
     /// The consistency of a face's patch, the smaller the better, and its mean normal.
     fn measure(&self, f: usize, measures: &Measures) -> (f64, Vector) {
-        let around = self.around.of(f);
+        let around = self.around.row(f);
         let distance =
             |g: u32, h: u32| norm(&subtract(&measures.normals[g as usize], &measures.normals[h as usize]));
         let members = || around.iter().copied().chain([f as u32]);
@@ -154,7 +154,7 @@ impl Patches {
         let all: Vec<(f64, Vector)> =
             (0..self.around.len()).into_par_iter().map(|f| self.measure(f, measures)).collect();
         let best = |f: usize| {
-            let patches = self.around.of(f).iter().copied().chain([f as u32]);
+            let patches = self.around.row(f).iter().copied().chain([f as u32]);
             let order = |&g: &u32, &h: &u32| all[g as usize].0.total_cmp(&all[h as usize].0).then(g.cmp(&h));
             patches.min_by(order).map_or(measures.normals[f], |g| all[g as usize].1)
         };

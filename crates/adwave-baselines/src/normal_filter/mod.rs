@@ -103,7 +103,7 @@ fn unit_points(geometry: &PreparedGeometry) -> (Vec<[f64; 3]>, f64) {
 }
 
 /// Positions of welded vertices in the order of the shape, in model units.
-fn in_shape_order(geometry: &PreparedGeometry, points: &[[f64; 3]], unit: f64) -> Vec<[f64; 3]> {
+fn to_shape_order(geometry: &PreparedGeometry, points: &[[f64; 3]], unit: f64) -> Vec<[f64; 3]> {
     let scaled: Vec<f64> = points.iter().flat_map(|p| p.map(|c| c * unit)).collect();
     geometry.vertex_map().scatter(&scaled, 3).as_chunks().0.to_vec()
 }

@@ -1,7 +1,7 @@
 //! The second step: vertices that follow normals of their faces.
 
 use super::faces::Faces;
-use super::{NormalFilterError, check_iterations, in_shape_order, unit_points};
+use super::{NormalFilterError, check_iterations, to_shape_order, unit_points};
 use adwave::Progress;
 use adwave::shape::PreparedGeometry;
 use adwave::vector::{Vector, add_scaled, dot, subtract};
@@ -56,7 +56,7 @@ pub fn update_vertices(
         progress.check()?;
         points = updated(&faces, &points, normals, &stays);
     }
-    Ok(in_shape_order(geometry, &points, unit))
+    Ok(to_shape_order(geometry, &points, unit))
 }
 
 /// Which vertices stay; empty where none does.
@@ -80,7 +80,7 @@ pub(super) fn updated(
             return p;
         }
         let (mut sum, mut count) = ([0.0; 3], 0.0);
-        for &f in faces.at_vertex.of(x) {
+        for &f in faces.at_vertex.row(x) {
             let n = &normals[f as usize];
             if *n == [0.0; 3] {
                 continue;
