@@ -24,13 +24,13 @@ pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> P
 
 pub(crate) const KINDS: &[(&str, ShapeKind)] =
     &[("mesh", ShapeKind::Mesh), ("cloud", ShapeKind::Cloud), ("graph", ShapeKind::Graph)];
-pub(crate) const ALONG: &[(&str, Along)] = &[
-    ("free", Along::Free),
-    ("normal", Along::Normal),
-    ("surface", Along::Surface),
-    ("x", Along::X),
-    ("y", Along::Y),
-    ("z", Along::Z),
+pub(crate) const ALONG: &[(&str, MoveDirection)] = &[
+    ("free", MoveDirection::Free),
+    ("normal", MoveDirection::Normal),
+    ("surface", MoveDirection::Surface),
+    ("x", MoveDirection::X),
+    ("y", MoveDirection::Y),
+    ("z", MoveDirection::Z),
 ];
 pub(crate) const BORDERS: &[(&str, Borders)] =
     &[("natural", Borders::Natural), ("keep", Borders::Keep), ("free", Borders::Free)];

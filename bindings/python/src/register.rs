@@ -154,9 +154,9 @@ fn motion_between(
 ) -> Stage<FeaturesAndMotion> {
     let (walk, other) = (&a.decomposer, &b.decomposer);
     let lengths = if scaled {
-        [stage(common_lengths(walk, walk))?, stage(common_lengths(other, other))?]
+        [stage(common_lengths(decomposer, decomposer))?, stage(common_lengths(other, other))?]
     } else {
-        let both = stage(common_lengths(walk, other))?;
+        let both = stage(common_lengths(decomposer, other))?;
         [both.clone(), both]
     };
     let describe = |side: &Prepared, lengths: &[f64]| -> Stage<ShapeFeatures> {
@@ -191,10 +191,11 @@ fn distances<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, bool, Bound<'py, PyAny>)> {
     let (a, b) = (first.get(), second.get());
-    let walk = &a.decomposer;
+    let decomposer = &a.decomposer;
     let limit = limit.as_ref().map(length).transpose()?;
-    let limit = limit.map_or(f64::INFINITY, |limit| limit.in_units(walk.diagonal()));
-    let (Some(own), Some(surface)) = (Surface::new(walk.geometry()), Surface::new(b.decomposer.geometry()))
+    let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.diagonal()));
+    let (Some(own), Some(surface)) =
+        (Surface::new(decomposer.geometry()), Surface::new(b.decomposer.geometry()))
     else {
         return Err(value_error("a graph has no surface; give meshes or clouds"));
     };
@@ -209,7 +210,8 @@ fn distances<'py>(
         let outward = stage(outward_normals(walk.geometry(), a.normals.as_deref(), p))?;
         // The first shape is moved to the second, instead of the second to the first.
         let back = motion.inverse();
-        let points: Vec<[f64; 3]> = walk.geometry().points().iter().map(|point| back.apply(point)).collect();
+        let points: Vec<[f64; 3]> =
+            decomposer.geometry().points().iter().map(|point| back.apply(point)).collect();
         let normals: Vec<[f64; 3]> = outward.normals.iter().map(|normal| back.turn(normal)).collect();
         let found = stage(signed_distances(&points, &normals, &surface, limit, p))?;
         let is_signed = outward.info.has_outside();

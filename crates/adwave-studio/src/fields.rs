@@ -5,7 +5,7 @@ use crate::response::{ApiError, ApiResult, bytes_response_with_header, encode_f3
 use crate::session::Session;
 use adwave::Progress;
 use adwave::features::{FeatureParams, features};
-use adwave::saliency::drawn_saliency;
+use adwave::saliency::saliency_f32;
 use adwave::shape::Shape;
 use adwave::signal::SurfaceSignal;
 use adwave_io::{SignalSource, named_signal, region_field};

@@ -6,7 +6,7 @@ use crate::response::{ApiError, encode_rows};
 use adwave::bands::Schedule;
 use adwave::filter::{FilterError, WeightedLayer, displacement};
 use adwave::operator::{OperatorKind, OperatorParams};
-use adwave::positions::settle;
+use adwave::positions::constrain_positions;
 use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape, enclosed_volume};
 use adwave::signal::{OutwardNormals, outward_normals};
@@ -43,7 +43,7 @@ impl LevelsRequest {
                 Levels::Steps(schedule.steps().to_vec())
             }
             Self { levels: Some(levels), .. } => Levels::Dyadic(*levels),
-            Self { .. } => Levels::Dyadic(default_levels(walk)),
+            Self { .. } => Levels::Dyadic(default_levels(walk_decomposer)),
         })
     }
 }
@@ -108,7 +108,7 @@ impl PreparedShape {
     /// Computes the bands of `levels`; the edit is empty.
     pub(crate) fn new(
         shape: &Shape,
-        walk: &Decomposer,
+        walk_decomposer: &Decomposer,
         levels: Levels,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
@@ -135,10 +135,10 @@ impl PreparedShape {
     /// Computes the bands of the default levels.
     pub(crate) fn with_default_levels(
         shape: &Shape,
-        walk: &Decomposer,
+        walk_decomposer: &Decomposer,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
-        Self::new(shape, walk, Levels::Dyadic(default_levels(walk)), progress)
+        Self::new(shape, walk_decomposer, Levels::Dyadic(default_levels(walk_decomposer)), progress)
     }
 
     /// Computes the bands of the levels that the page requests.
@@ -299,7 +299,7 @@ fn build_schedule(levels: &Levels, decomposer: &Decomposer) -> Result<Schedule, 
         Levels::Steps(steps) => Schedule::real(steps.clone()),
         Levels::Lengths(lengths) => {
             let diagonal = decomposer.diagonal();
-            Schedule::lengths(&lengths.iter().map(|l| l.in_units(diagonal)).collect::<Vec<_>>(), step)
+            Schedule::lengths(&lengths.iter().map(|l| l.to_model_units(diagonal)).collect::<Vec<_>>(), step)
         }
     };
     schedule.map_err(|e| StudioError::from_classified(&e))

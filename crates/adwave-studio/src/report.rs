@@ -71,7 +71,7 @@ pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile)
         format: &format,
         fields: &names,
         shape: &shape,
-        walk: &walk,
+        decomposer: &decomposer,
         signal: COORDS,
         values: points.as_flattened(),
         normals: normals.as_deref(),

@@ -39,17 +39,17 @@ pub(super) fn compare(
     method: Method,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
-    let (walk, vertex_map, d) =
+    let (diffusion, vertex_map, d) =
         (input.decomposer.diffusion(), input.decomposer.geometry().vertex_map(), input.n_channels);
     let params = MultiscaleParams::default().with_levels(bands.n_levels());
     let start = Instant::now();
     let (basis, ranks, defect, functions) = if method == Method::DiffusionWavelets {
-        let basis = DiffusionWavelets::new(walk, &params, progress)?;
+        let basis = DiffusionWavelets::new(diffusion, &params, progress)?;
         let last = basis.n_levels();
         let functions = basis.scaling_functions(last);
         (Basis::Orthogonal(basis.clone()), basis.ranks(), basis.orthogonality_defect(last), functions)
     } else {
-        let basis = BiorthogonalDiffusionWavelets::new(walk, &params, progress)?;
+        let basis = BiorthogonalDiffusionWavelets::new(diffusion, &params, progress)?;
         let last = basis.n_levels();
         let (defect, functions) = if last > 0 {
             (basis.biorthogonality_defect(last), basis.scaling_functions(last))
@@ -94,7 +94,11 @@ pub(super) fn compare(
         ),
     ];
     for (j, rank) in ranks.iter().enumerate() {
-        rows.push(row(&format!("scaling coefficients at level {j}"), walk.n_vertices() as f64, *rank as f64));
+        rows.push(row(
+            &format!("scaling coefficients at level {j}"),
+            diffusion.n_vertices() as f64,
+            *rank as f64,
+        ));
     }
     let outcome = |values| vec![Outcome { name: "coarse".to_owned(), n_channels: d, values }];
     Ok(Comparison {
