@@ -125,7 +125,7 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
         What `plan` gave.
     client : dask.distributed.Client
         Its workers do the jobs: several sort some of the points each, one merges these, then one for each tile finds neighbors, of a cloud
-        that is denoised one the sides of its normals, then one for each tile computes its bands or takes the noise off, and one its map,
+        that is denoised one the orientation of its normals, then one for each tile computes its bands or takes the noise off, and one its map,
         where there is to be one.
     threads : int
         Threads of each task: as many as a worker has for it.
@@ -166,8 +166,8 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     n_tiles = int(done("sort", range(1))[0]["n_tiles"])
     done("neighbors", range(n_tiles))
     status = _adwave(["tile", place, "status"])
-    if status["has_sides"]:
-        done("sides", range(n_tiles))
+    if status["has_orientation"]:
+        done("orientation", range(n_tiles))
     results = done("bands", range(n_tiles))
     if status["has_maps"]:
         results = done("maps", range(n_tiles))
