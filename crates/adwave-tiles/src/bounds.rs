@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box. The empty box has `min` above `max`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Bounds {
+pub(crate) struct BoundingBox {
     pub(crate) min: [f64; 3],
     pub(crate) max: [f64; 3],
 }
@@ -12,7 +12,7 @@ pub(crate) struct Bounds {
 /// Relative margin that covers the rounding of distances.
 const ROUNDING: f64 = 1e-9;
 
-impl Bounds {
+impl BoundingBox {
     pub(crate) const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
 
     pub(crate) fn from_point(position: [f64; 3]) -> Self {

@@ -131,7 +131,7 @@ pub(crate) struct NumberedName {
 
 impl NumberedName {
     pub(crate) fn path(&self, folder: &Path, number: u64) -> PathBuf {
-        let Self { prefix, n_digits, suffix } = self;
+        let Self { prefix, n_digits, suffix } = *self;
         folder.join(format!("{prefix}{number:0n_digits$}{suffix}"))
     }
 

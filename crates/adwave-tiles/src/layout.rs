@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::bytes::u32_at;
 
 /// Largest number of points of a job: vertices are indexed by 32-bit numbers.
@@ -110,7 +110,7 @@ impl MeshUnits {
     pub(crate) const RECORD_BYTES: usize = Self::POSITION_BYTES + 4;
 
     /// The unit for a mesh with this bounding box.
-    pub(crate) fn from_bounds(bounds: &Bounds) -> Self {
+    pub(crate) fn from_bounds(bounds: &BoundingBox) -> Self {
         let exponent = bounds.longest_side().log2().floor().clamp(-1000.0, 1000.0);
         let is_moderate = exponent.abs() <= MODERATE_EXPONENT || bounds.min == bounds.max;
         Self { unit: if is_moderate { 1.0 } else { exponent.exp2() } }

@@ -32,7 +32,7 @@ pub(crate) struct HaloLimits {
 ///
 /// A range of the curve can consist of several patches, which have a larger halo than one patch. If the tile exceeds the limits, it is
 /// split in halves, which are visited in the order of their blocks.
-pub(crate) fn for_each_tile_with_halo(
+pub(crate) fn visit_tiles_with_halo(
     blocks: &Blocks,
     neighbor_index: &NeighborIndex,
     interior: Range<usize>,

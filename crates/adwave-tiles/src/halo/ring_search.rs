@@ -6,7 +6,7 @@ use adwave::Progress;
 use rayon::prelude::*;
 
 use super::symmetrize::{DirectedEdge, cross_block_edges, symmetrize};
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::error::TilesError;
 use crate::index::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::index::neighbor_index::{NeighborIndex, NeighborRule};
@@ -139,13 +139,13 @@ impl<'a> RingSearch<'a> {
     fn referring_blocks(&self, block: usize) -> Result<Vec<usize>, TilesError> {
         let mut found = Vec::new();
         let balls = &self.neighbor_index.ball_bounds;
-        balls.for_each_intersecting(&self.blocks.bounds[block], &(0..0), &mut |other| found.push(other));
+        balls.visit_intersecting(&self.blocks.bounds[block], &(0..0), &mut |other| found.push(other));
         if found.len() > MANY_BLOCKS {
             // If the curve leaves the shape between two vertices, the box of their block spans the gap: examine the vertices one by one.
             found.clear();
             let mut last = usize::MAX;
             for position in self.blocks.read_positions(block)? {
-                balls.for_each_intersecting(&Bounds::from_point(position), &(0..0), &mut |other| {
+                balls.visit_intersecting(&BoundingBox::from_point(position), &(0..0), &mut |other| {
                     if other != last {
                         found.push(other);
                         last = other;

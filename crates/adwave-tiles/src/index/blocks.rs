@@ -7,7 +7,7 @@ use std::path::Path;
 use adwave::pages::zeros;
 use rayon::prelude::*;
 
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::bytes::ByteCursor;
 use crate::error::TilesError;
 use crate::files::{RandomAccessFile, write_atomic};
@@ -24,7 +24,7 @@ pub(crate) struct Blocks {
     /// Index of the first record of each block, then the total number of records.
     first_records: Vec<u64>,
     /// Bounding box of each block, in units of the layout.
-    pub(crate) bounds: Vec<Bounds>,
+    pub(crate) bounds: Vec<BoundingBox>,
     pub(crate) n_vertices: u64,
 }
 
@@ -35,7 +35,7 @@ const MAGIC: &[u8; 8] = b"adwblk01";
 pub(crate) struct BlockTableBuilder {
     layout: RecordLayout,
     first_records: Vec<u64>,
-    bounds: Vec<Bounds>,
+    bounds: Vec<BoundingBox>,
     n_records: u64,
     n_vertices: u64,
     /// Position bytes of the last record.
@@ -59,13 +59,13 @@ impl BlockTableBuilder {
         if self.last_position != position {
             if self.n_vertices.is_multiple_of(VERTICES_IN_A_BLOCK as u64) {
                 self.first_records.push(self.n_records);
-                self.bounds.push(Bounds::EMPTY);
+                self.bounds.push(BoundingBox::EMPTY);
             }
             self.n_vertices += 1;
             self.last_position.clear();
             self.last_position.extend_from_slice(position);
             if let Some(bounds) = self.bounds.last_mut() {
-                bounds.include(&Bounds::from_point(self.layout.position(record)));
+                bounds.include(&BoundingBox::from_point(self.layout.position(record)));
             }
         }
         self.n_records += 1;
@@ -99,7 +99,7 @@ impl Blocks {
         let (mut first_records, mut all_bounds) = (Vec::new(), Vec::new());
         for _ in 0..n_blocks {
             first_records.push(cursor.u64()?);
-            let mut bounds = Bounds::EMPTY;
+            let mut bounds = BoundingBox::EMPTY;
             for side in bounds.min.iter_mut().chain(&mut bounds.max) {
                 *side = cursor.f64()?;
             }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 
 /// Number of children of a node.
 const FAN_OUT: usize = 16;
@@ -11,24 +11,24 @@ const FAN_OUT: usize = 16;
 #[derive(Debug)]
 pub(crate) struct BoundsTree {
     /// The boxes, then the boxes of the nodes of each higher level, up to a single root.
-    levels: Vec<Vec<Bounds>>,
+    levels: Vec<Vec<BoundingBox>>,
 }
 
 impl BoundsTree {
-    pub(crate) fn new(boxes: Vec<Bounds>) -> Self {
+    pub(crate) fn new(boxes: Vec<BoundingBox>) -> Self {
         let mut levels = vec![boxes];
         while levels[levels.len() - 1].len() > 1 {
             let groups = levels[levels.len() - 1].chunks(FAN_OUT);
-            let next = groups.map(|group| Bounds::union(group.iter().copied())).collect();
+            let next = groups.map(|group| BoundingBox::union(group.iter().copied())).collect();
             levels.push(next);
         }
         Self { levels }
     }
 
     /// Calls `visit` with the index of each box that intersects `bounds` and is not in `excluded`, in ascending order.
-    pub(crate) fn for_each_intersecting(
+    pub(crate) fn visit_intersecting(
         &self,
-        bounds: &Bounds,
+        bounds: &BoundingBox,
         excluded: &Range<usize>,
         visit: &mut impl FnMut(usize),
     ) {
@@ -39,7 +39,7 @@ impl BoundsTree {
         &self,
         level: usize,
         first: usize,
-        bounds: &Bounds,
+        bounds: &BoundingBox,
         excluded: &Range<usize>,
         visit: &mut impl FnMut(usize),
     ) {
@@ -64,11 +64,11 @@ mod tests {
 
     #[test]
     fn the_tree_finds_the_boxes_that_a_linear_search_finds() {
-        let boxes: Vec<Bounds> = (0..1000_u32)
+        let boxes: Vec<BoundingBox> = (0..1000_u32)
             .map(|i| {
                 let at = |salt: u32| f64::from(i.wrapping_mul(2_654_435_761).rotate_left(salt) % 1000);
                 let min = [at(3), at(11), at(19)];
-                Bounds { min, max: min.map(|c| c + f64::from(i % 40)) }
+                BoundingBox { min, max: min.map(|c| c + f64::from(i % 40)) }
             })
             .collect();
         let tree = BoundsTree::new(boxes.clone());
@@ -77,7 +77,7 @@ mod tests {
             let expected: Vec<usize> =
                 (0..1000).filter(|i| !excluded.contains(i) && boxes[*i].intersects(&query)).collect();
             let mut found = Vec::new();
-            tree.for_each_intersecting(&query, &excluded, &mut |i| found.push(i));
+            tree.visit_intersecting(&query, &excluded, &mut |i| found.push(i));
             assert_eq!(found, expected);
         }
     }

@@ -27,11 +27,6 @@ impl NeighborLists {
         Self { measures: Vec::new(), offsets: vec![0], neighbors: Vec::new() }
     }
 
-    /// Number of lists.
-    pub(crate) fn len(&self) -> usize {
-        self.offsets.len() - 1
-    }
-
     /// Neighbors of the `i`-th vertex of the block.
     pub(crate) fn list(&self, i: usize) -> &[u32] {
         &self.neighbors[self.offsets[i] as usize..self.offsets[i + 1] as usize]

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::error::TilesError;
 use crate::index::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 
@@ -13,7 +13,7 @@ const VERTICES_IN_A_GROUP: usize = 64;
 /// Positions of a block, with a bounding box for each group of vertices.
 pub(crate) struct BlockPositions {
     positions: Vec<[f64; 3]>,
-    group_bounds: Vec<Bounds>,
+    group_bounds: Vec<BoundingBox>,
 }
 
 /// A vertex by its index, with its position.
@@ -25,7 +25,8 @@ pub(crate) struct IndexedPoint {
 
 impl BlockPositions {
     fn new(positions: Vec<[f64; 3]>) -> Self {
-        let bounds = |group: &[[f64; 3]]| Bounds::union(group.iter().map(|p| Bounds::from_point(*p)));
+        let bounds =
+            |group: &[[f64; 3]]| BoundingBox::union(group.iter().map(|p| BoundingBox::from_point(*p)));
         let group_bounds = positions.chunks(VERTICES_IN_A_GROUP).map(bounds).collect();
         Self { positions, group_bounds }
     }
@@ -33,11 +34,11 @@ impl BlockPositions {
     /// The points in groups whose boxes intersect `bounds`; `first_vertex` is the index of the first vertex of the block.
     pub(crate) fn points_near<'a>(
         &'a self,
-        bounds: &'a Bounds,
+        bounds: &'a BoundingBox,
         first_vertex: usize,
     ) -> impl Iterator<Item = IndexedPoint> + 'a {
         let groups = self.positions.chunks(VERTICES_IN_A_GROUP).enumerate();
-        groups.filter(|(group, _)| self.group_bounds[*group].intersects(bounds)).flat_map(
+        groups.filter(move |(group, _)| self.group_bounds[*group].intersects(bounds)).flat_map(
             move |(group, positions)| {
                 let vertices = first_vertex + group * VERTICES_IN_A_GROUP..;
                 vertices

@@ -77,7 +77,7 @@ pub fn run(job: &TilingJob, progress: Progress<'_>) -> Result<Summary, TilesErro
         progress.step((done.fetch_add(more, Ordering::Relaxed) + more).min(total), total)
     };
     let run_stage = |task: fn(usize) -> Task, run: &(dyn Fn(usize) -> Result<(), TilesError> + Sync)| {
-        for_each_tile(job, n_tiles, |tile| {
+        visit_tiles(job, n_tiles, |tile| {
             if !job.is_done(task(tile)) {
                 run(tile)?;
             }
@@ -104,7 +104,7 @@ pub fn run(job: &TilingJob, progress: Progress<'_>) -> Result<Summary, TilesErro
 }
 
 /// Calls `visit` for all tiles on the workers of the job. After an error, workers stop when their tile is done.
-fn for_each_tile(
+fn visit_tiles(
     job: &TilingJob,
     n_tiles: usize,
     visit: impl Fn(usize) -> Result<(), TilesError> + Sync,

@@ -108,7 +108,10 @@ impl TilingJob {
             all.extend(read_json::<Vec<StoredFeature>>(&self.folder.features(tile))?);
         }
         all.sort_by(|a, b| {
-            a.level.cmp(&b.level).then(b.response.total_cmp(&a.response)).then(a.place.cmp(&b.place))
+            a.level
+                .cmp(&b.level)
+                .then(b.response.total_cmp(&a.response))
+                .then(a.curve_index.cmp(&b.curve_index))
         });
         let feature = |stored: StoredFeature| Feature {
             vertex: stored.vertex as usize,

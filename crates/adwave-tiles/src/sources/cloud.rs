@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::input_shape::{InputFile, InputShape, input_error};
 use super::vertex_values::VertexValues;
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::error::TilesError;
 use crate::layout::{LasQuantization, RecordLayout, quantized_xyz, set_quantized_xyz};
 use crate::params::Params;
@@ -47,7 +47,7 @@ pub(crate) fn read_headers(paths: &[PathBuf]) -> Result<Option<InputShape>, Tile
         let shape = shape.get_or_insert_with(|| InputShape {
             files: Vec::new(),
             layout: RecordLayout::Las(quantization),
-            bounds: Bounds::EMPTY,
+            bounds: BoundingBox::EMPTY,
             n_points: 0,
             n_faces: 0,
         });
@@ -94,14 +94,21 @@ fn shift_from_first(
 }
 
 /// Bounding box of a header in multiples of the scale; all 32-bit coordinates if the header has none.
-fn quantized_bounds(bounds: Option<([f64; 3], [f64; 3])>, scale: [f64; 3], first_offset: [f64; 3]) -> Bounds {
+fn quantized_bounds(
+    bounds: Option<([f64; 3], [f64; 3])>,
+    scale: [f64; 3],
+    first_offset: [f64; 3],
+) -> BoundingBox {
     let (least, most) = (f64::from(i32::MIN), f64::from(i32::MAX));
     let steps = |c: usize, v: f64| ((v - first_offset[c]) / scale[c]).round().clamp(least, most);
     let (lo, hi) = bounds.map_or(([least; 3], [most; 3]), |(lo, hi)| {
         (std::array::from_fn(|c| steps(c, lo[c])), std::array::from_fn(|c| steps(c, hi[c])))
     });
     // A negative scale swaps the two.
-    Bounds { min: std::array::from_fn(|c| lo[c].min(hi[c])), max: std::array::from_fn(|c| lo[c].max(hi[c])) }
+    BoundingBox {
+        min: std::array::from_fn(|c| lo[c].min(hi[c])),
+        max: std::array::from_fn(|c| lo[c].max(hi[c])),
+    }
 }
 
 /// Returns a function that appends up to n of the next records of all files and returns their number, 0 at the end. The first

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::error::TilesError;
 use crate::layout::RecordLayout;
 
@@ -35,7 +35,7 @@ pub(crate) struct InputShape {
     pub(crate) layout: RecordLayout,
     /// Bounding box of all points, which decides their order and nothing else. For a cloud it comes from the headers, in multiples of
     /// the scale; for a mesh it is in model units.
-    pub(crate) bounds: Bounds,
+    pub(crate) bounds: BoundingBox,
     pub(crate) n_points: u64,
     /// Number of faces; 0 for a cloud.
     pub(crate) n_faces: u64,

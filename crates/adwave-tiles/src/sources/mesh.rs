@@ -10,7 +10,7 @@ use adwave_io::MeshReader;
 
 use super::input_shape::{InputFile, InputShape, input_error};
 use super::vertex_values::VertexValues;
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::error::TilesError;
 use crate::index::blocks::Blocks;
 use crate::layout::{MAX_POINTS, MeshUnits, RecordLayout, index_in_file, push_vertex_record};
@@ -37,7 +37,7 @@ pub(crate) fn read_header(paths: &[PathBuf], params: &Params) -> Result<InputSha
         ));
     }
     let bytes = std::fs::metadata(path).map_err(TilesError::io(path))?.len();
-    let mut bounds = Bounds::EMPTY;
+    let mut bounds = BoundingBox::EMPTY;
     let (mut n_points, mut points) = (0, Vec::new());
     while reader.vertices(&mut points)? {
         if points.is_empty() {
@@ -47,7 +47,7 @@ pub(crate) fn read_header(paths: &[PathBuf], params: &Params) -> Result<InputSha
         let cloud = PointCloud::new(std::mem::take(&mut points));
         let cloud = cloud.map_err(|e| error(&offset_vertex(e, n_points as usize).to_string()))?;
         if let Some((min, max)) = bounding_box(cloud.points()) {
-            bounds.include(&Bounds { min, max });
+            bounds.include(&BoundingBox { min, max });
         }
         n_points += n as u64;
         if n_points > MAX_POINTS {

@@ -13,7 +13,7 @@ use super::StageContext;
 use super::block_output::{BlockOutput, TileValues, block_range_in_tile};
 use super::totals::{BlockSums, StepSums};
 use crate::error::TilesError;
-use crate::halo::{TileWithHalo, for_each_tile_with_halo};
+use crate::halo::{TileWithHalo, visit_tiles_with_halo};
 
 /// Computes the blocks `interior` and passes their output to `write`, in order. Returns the sums of each block.
 pub(crate) fn compute_bands(
@@ -24,7 +24,7 @@ pub(crate) fn compute_bands(
 ) -> Result<Vec<BlockSums>, TilesError> {
     let StageContext { blocks, neighbor_index, limits, .. } = *context;
     let mut sums = Vec::with_capacity(interior.len());
-    for_each_tile_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, interior| {
+    visit_tiles_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, interior| {
         let values = tile_bands(context, tile, interior.clone(), progress)?;
         sums.extend(values.write_blocks(context, interior, progress, &mut write)?);
         Ok(())

@@ -13,7 +13,7 @@ use super::block_output::{BlockOutput, TileValues};
 use super::orientation::NormalOrientation;
 use super::totals::{BlockSums, StepSums};
 use crate::error::TilesError;
-use crate::halo::{TileWithHalo, for_each_tile_with_halo};
+use crate::halo::{TileWithHalo, visit_tiles_with_halo};
 use crate::index::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::index::face_lists::FaceFiles;
 use crate::index::interval_set::IntervalSet;
@@ -90,7 +90,7 @@ pub(crate) fn denoise_tile(
 ) -> Result<Vec<BlockSums>, TilesError> {
     let StageContext { blocks, neighbor_index, limits, .. } = *context;
     let mut sums = Vec::with_capacity(interior.len());
-    for_each_tile_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, interior| {
+    visit_tiles_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, interior| {
         // The search that collected the tile has freed its blocks.
         release_freed();
         let interior_range = tile.interior_range.clone();

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::StageContext;
 use super::maps::BandResults;
 use crate::error::TilesError;
-use crate::halo::{HaloLimits, TileWithHalo, for_each_tile_with_halo};
+use crate::halo::{HaloLimits, TileWithHalo, visit_tiles_with_halo};
 use crate::index::blocks::Blocks;
 use crate::layout::{RecordLayout, index_in_file};
 
@@ -23,7 +23,7 @@ const TIE_TOLERANCE: f64 = f32::EPSILON as f64;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StoredFeature {
     /// Vertex index along the curve.
-    pub(crate) place: usize,
+    pub(crate) curve_index: usize,
     /// For a mesh the index of the vertex in the file, for a cloud the index of the point in the order of the curve. If several have the
     /// same position, it is the first.
     pub(crate) vertex: u64,
@@ -51,7 +51,7 @@ pub(crate) fn find_features(
     let n_rings = if shape.is_mesh() { 2 } else { 1 };
     let limits = HaloLimits { n_rings, ..limits };
     let mut found = Vec::new();
-    for_each_tile_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, interior| {
+    visit_tiles_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, interior| {
         let search = FeatureSearch {
             neighbors: &tile.neighbors,
             norms: tile_norms(&tile, bands, scales.len())?,
@@ -73,7 +73,7 @@ pub(crate) fn find_features(
             }
             let names = output_indices(shape.layout, blocks, block)?;
             let stored = |&(i, level): &(usize, usize)| StoredFeature {
-                place: vertices.start + i,
+                curve_index: vertices.start + i,
                 vertex: names[i],
                 position: tile.points[start + i].map(|c| c * unit),
                 level,

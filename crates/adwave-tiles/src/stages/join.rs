@@ -121,7 +121,7 @@ impl MeshJoin<'_> {
                 (0..n_parts).map(|part| PART_NAME.path(self.folder, part as u64)).collect();
             let mut buckets = ScratchBuckets::create(paths.clone(), self.memory / 4)?;
             let part = |row: &[u8]| (u32_at(row, 0) as usize / vertices_per_part).min(n_parts - 1);
-            for_each_row(self.tiles, row_bytes, progress, |row| buckets.push(part(row), row))?;
+            visit_rows(self.tiles, row_bytes, progress, |row| buckets.push(part(row), row))?;
             buckets.finish()?;
             paths.into_iter().map(|path| vec![path]).collect()
         };
@@ -173,7 +173,7 @@ impl RowsInFileOrder {
         self.rows.resize(n * row_bytes, 0);
         let (first, rows) = (self.first, &mut self.rows);
         let mut n_rows = 0;
-        for_each_row(files, row_bytes, progress, |row| {
+        visit_rows(files, row_bytes, progress, |row| {
             let i = (u32_at(row, 0) as usize).checked_sub(first).filter(|&i| i < n);
             if let Some(i) = i {
                 rows[i * row_bytes..][..row_bytes].copy_from_slice(row);
@@ -190,7 +190,7 @@ impl RowsInFileOrder {
     }
 }
 
-fn for_each_row(
+fn visit_rows(
     files: &[PathBuf],
     row_bytes: usize,
     progress: Progress<'_>,

@@ -14,8 +14,10 @@ pub(crate) mod totals;
 use crate::halo::HaloLimits;
 use crate::index::blocks::Blocks;
 use crate::index::neighbor_index::NeighborIndex;
+use crate::layout::RecordLayout;
 use crate::params::Params;
 use crate::sources::input_shape::InputShape;
+use crate::sources::mesh::result_row_bytes;
 
 /// Number of blocks whose results are in memory together.
 const BLOCKS_AT_A_TIME: usize = 64;
@@ -39,8 +41,6 @@ impl StageContext<'_> {
 
 /// Bytes of an output row: an output record of a cloud, or a result row of a mesh.
 pub(crate) fn output_row_bytes(shape: &InputShape, params: &Params) -> usize {
-    use crate::layout::RecordLayout;
-    use crate::sources::mesh::result_row_bytes;
     match shape.layout {
         RecordLayout::Las(quantization) => quantization.record_bytes + params.field_bytes(),
         RecordLayout::Mesh(_) => result_row_bytes(params),

@@ -12,7 +12,7 @@ use adwave::pages::release_freed;
 use adwave::shape::{Neighborhoods, nearest_neighbors, nearest_of_one};
 use rayon::prelude::*;
 
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::error::TilesError;
 use crate::index::blocks::Blocks;
 use crate::index::bounds_tree::BoundsTree;
@@ -97,9 +97,9 @@ impl NearestSearch<'_> {
         } else {
             self.in_tile.radius[i] * (1.0 + TIE_TOLERANCE)
         };
-        let ball = Bounds::from_point(self.points[i]).expand_by(reach);
+        let ball = BoundingBox::from_point(self.points[i]).expand_by(reach);
         let mut other_blocks = Vec::new();
-        self.tree.for_each_intersecting(&ball, &self.interior, &mut |block| other_blocks.push(block));
+        self.tree.visit_intersecting(&ball, &self.interior, &mut |block| other_blocks.push(block));
         let vertex_index = |y: u32| (self.first_vertex + y as usize) as u32;
         let in_tile = self.in_tile.adjacency.of(i).iter();
         if other_blocks.is_empty() {
@@ -140,7 +140,7 @@ impl NearestSearch<'_> {
                 break;
             }
             let limit = (reach * (1.0 + TIE_TOLERANCE)).powi(2);
-            let ball = Bounds::from_point(position).expand_by(reach);
+            let ball = BoundingBox::from_point(position).expand_by(reach);
             let positions = self.cache.block(block)?;
             let near = positions.points_near(&ball, blocks.vertices(block).start);
             candidates.extend(near.filter(|point| squared_distance(point) <= limit));

@@ -15,7 +15,7 @@ use super::union_find::UnionFindParity;
 use crate::bytes::{ByteCursor, u32_at};
 use crate::error::TilesError;
 use crate::files::{RandomAccessFile, write_atomic};
-use crate::halo::{HaloLimits, TileWithHalo, for_each_tile_with_halo};
+use crate::halo::{HaloLimits, TileWithHalo, visit_tiles_with_halo};
 use crate::index::blocks::Blocks;
 use crate::index::neighbor_index::NeighborIndex;
 
@@ -50,7 +50,7 @@ pub(crate) fn write_pieces(
     let mut pieces = TilePieces::default();
     // An edge needs the normals of its ends, and a normal the positions of the neighbors.
     let limits = HaloLimits { n_rings: 2, ..limits };
-    for_each_tile_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, _| {
+    visit_tiles_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, _| {
         pieces.add_tile(&tile, neighbor_index, progress)
     })?;
     write_atomic(path, |out| {

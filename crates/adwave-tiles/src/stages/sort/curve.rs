@@ -2,7 +2,7 @@
 
 use adwave::shape::{HILBERT_BITS, hilbert};
 
-use crate::bounds::Bounds;
+use crate::bounds::BoundingBox;
 use crate::layout::{MeshUnits, quantized_xyz, vertex_coordinates};
 
 /// Cell along the curve, then position, so that equal positions are consecutive and nothing else ties.
@@ -28,7 +28,7 @@ pub(crate) struct HilbertCurve {
 const MAX_CELL: f64 = ((1_u32 << HILBERT_BITS) - 1) as f64;
 
 impl HilbertCurve {
-    pub(crate) fn from_bounds(bounds: &Bounds) -> Self {
+    pub(crate) fn from_bounds(bounds: &BoundingBox) -> Self {
         let extent = bounds.longest_side();
         Self { min: bounds.min, scale: if extent > 0.0 { MAX_CELL / extent } else { 0.0 } }
     }

@@ -60,7 +60,7 @@ impl FaceDistributor<'_> {
             let path = CORNERS_NAME.path(self.folder, pass as u64);
             let file = File::create(&path).map_err(TilesError::io(&path))?;
             let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
-            self.for_each_face(pass_range(pass - 1), resolved.take(), |face| {
+            self.visit_faces(pass_range(pass - 1), resolved.take(), |face| {
                 face.iter()
                     .try_for_each(|corner| out.write_all(&corner.to_le_bytes()))
                     .map_err(TilesError::io(&path))
@@ -74,13 +74,13 @@ impl FaceDistributor<'_> {
             tiles: Vec::new(),
             bytes: Vec::new(),
         };
-        self.for_each_face(pass_range(n_passes - 1), resolved, |face| writer.push(face))?;
+        self.visit_faces(pass_range(n_passes - 1), resolved, |face| writer.push(face))?;
         writer.buckets.finish()
     }
 
     /// Calls `visit` with the corners of every face as vertex indices, as far as they are `resolved` already or belong to the vertices
     /// `range` of the file.
-    fn for_each_face(
+    fn visit_faces(
         &self,
         range: Range<usize>,
         mut resolved: Option<CornerFile>,
