@@ -71,7 +71,7 @@ pub(crate) fn report(studio: &Studio, session: &Session, file: &ShapeFile) -> An
         format: &format,
         fields: &names,
         shape: &shape,
-        walk: &walk,
+        decomposer: &walk,
         signal: COORDS,
         values: points.as_flattened(),
         normals: normals.as_deref(),

@@ -5,9 +5,9 @@ use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave_baselines::line::line_case;
 use adwave_render::plot::{Chart, Sheet};
 
-/// The levels of the paper's figure.
+/// Levels of the figure in the paper.
 const LEVELS: [usize; 2] = [9, 10];
-/// A mean below this is zero to rounding.
+/// Largest mean that is zero up to rounding.
 const ZERO: f64 = 1e-9;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
@@ -83,7 +83,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     // Scaling functions above, wavelets below.
     sheet.charts = [0, 2, 4, 1, 3, 5].map(|k| sheet.charts[k].clone()).to_vec();
-    let outcome = Outcome::new(verdict).on(format!("a line of {N_POINTS} points")).charts(
+    let outcome = Outcome::new(verdict).add_shape(format!("a line of {N_POINTS} points")).charts(
         "fig02",
         "The functions that peak nearest to the middle. From left to right: DW, BDW, ADW; above scaling functions, below \
          wavelets.",

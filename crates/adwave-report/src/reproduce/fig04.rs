@@ -10,10 +10,10 @@ use adwave_render::plot::Chart;
 const LEVELS: [usize; 3] = [0, 3, 6];
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
-    let walk = Decomposer::new(&line()?);
+    let decomposer = Decomposer::new(&line()?);
     let f: Vec<f64> = (0..N_POINTS).map(function).collect();
     let schedule = Schedule::dyadic(LEVELS[2])?;
-    let bands = walk.request(&f, 1, &schedule).progress(context.progress).bands()?;
+    let bands = decomposer.request(&f, 1, &schedule).progress(context.progress).bands()?;
     let mut head = vec!["point".to_owned()];
     head.extend((0..=LEVELS[2]).map(|j| format!("S_f({j})")));
     head.extend((1..=LEVELS[2]).map(|j| format!("W_f({j})")));
@@ -48,7 +48,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         series,
     };
     Outcome::new(verdict)
-        .on(format!("a line of {N_POINTS} points"))
+        .add_shape(format!("a line of {N_POINTS} points"))
         .say(
             "A step, a hat and two waves are smoothed level by level; what a level takes away stands in its wavelet \
              coefficients. The paper shows W_f at j = 0, which eq. 5 does not define; level 1 stands in its place.",
@@ -58,7 +58,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .map(|outcome| outcome.table(table))
 }
 
-/// A slow wave with a fast one, a hat and a step on it.
+/// A slow wave plus a fast one, a hat and a step.
 fn function(x: usize) -> f64 {
     let t = x as f64 / N_POINTS as f64;
     let fast = if t < 0.35 { 0.25 * (50.0 * t).sin() } else { 0.0 };

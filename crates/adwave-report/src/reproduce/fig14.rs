@@ -1,7 +1,7 @@
 //! Fig. 14: four global filters.
 
-use super::draw::{Frame, Sheet};
-use super::numbers::{bands, positions, walk};
+use super::draw::{Sheet, SheetPanel};
+use super::numbers::{bands, decomposer, positions};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset};
@@ -13,9 +13,9 @@ use std::sync::Arc;
 
 /// As in Table 2 of the paper.
 const N_LEVELS: usize = 7;
-/// The coarsest bands lie at the edge of what a filter reaches: half of them is in S_f(J), which no filter changes.
+/// Number of coarsest bands that are ignored: half of their content is in S_f(J), which no filter changes.
 const N_EDGE: usize = 2;
-/// The titles of the columns.
+/// Titles and presets of the columns.
 const COLUMNS: [(&str, Preset); 4] = [
     ("suppression", Preset::SuppressPaper),
     ("enhancement", Preset::Enhance),
@@ -24,11 +24,11 @@ const COLUMNS: [(&str, Preset); 4] = [
 ];
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
-    let wanted: [(&[&str], &str, usize); 2] = [
+    let requests: [(&[&str], &str, usize); 2] = [
         (&["gargoyle", "armadillo", "skull"], "creature", 25_011),
         (&["buddha", "dinosaur", "bunny"], "plane", 25_003),
     ];
-    let models: Vec<Arc<Model>> = wanted
+    let models: Vec<Arc<Model>> = requests
         .iter()
         .map(|(names, sample, n)| context.model_or(names, sample, *n))
         .collect::<Result<_, _>>()?;
@@ -42,23 +42,23 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut sheet = Sheet::new(5).own_cameras();
     let (mut as_named, mut failed) = (Vec::new(), Vec::new());
     for model in &models {
-        let walk = walk(model);
-        // By the normals of a surface detail of every size counts as it is seen; in the coordinates the coarse bands are
-        // larger by far and reach into the fine ones.
+        let decomposer = decomposer(model);
+        // In the normals, details of every size count as they are seen; in the coordinates, the coarse bands are far larger and leak into
+        // the fine ones.
         let detail = |points: &[[f64; 3]]| -> Result<[f64; 2], FigureError> {
             let normals = vertex_normals(points, &model.triangles);
-            let split = bands(context, &walk, normals.as_flattened(), 3, N_LEVELS)?;
+            let split = bands(context, &decomposer, normals.as_flattened(), 3, N_LEVELS)?;
             let energy =
                 |levels: Range<usize>| levels.flat_map(|k| split.wavelet(k + 1)).map(|w| w * w).sum::<f64>();
             Ok([energy(0..n_fine), energy(n_fine..N_LEVELS - N_EDGE)])
         };
         let before = detail(model.points())?;
-        sheet.push(Frame::new(model, format!("original {}", model.name)));
+        sheet.push(SheetPanel::new(model, format!("original {}", model.name)));
         for (name, preset) in COLUMNS {
             let layers = [Layer { gains: Gains::Preset(preset), region: Region::Everywhere {} }];
             let edit = Edit::new(&layers);
             let params = BandsParams::default();
-            let after = walk
+            let after = decomposer
                 .request(model.coordinates(), 3, &schedule)
                 .params(&params)
                 .progress(context.progress)
@@ -78,7 +78,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             }
             let moved = 100.0 * rms(after.as_flattened(), model.coordinates(), 3) / diagonal(model.points());
             table.push([model.name.clone(), short.to_owned(), digits(fine), digits(other), digits(moved)]);
-            sheet.push(Frame::moved(model, after, name));
+            sheet.push(SheetPanel::with_points(model, after, name));
         }
     }
     let n = as_named.iter().filter(|&&holds| holds).count();
@@ -107,7 +107,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
              on one size of detail alone.",
         );
     for model in &models {
-        outcome = outcome.on(model.label());
+        outcome = outcome.add_shape(model.label());
     }
     Ok(outcome)
 }

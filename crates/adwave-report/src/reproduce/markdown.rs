@@ -1,25 +1,25 @@
-//! The page of all figures as Markdown with small pictures, for a repository.
+//! The page of all figures as Markdown with small pictures, for the documentation.
 
-use super::{Made, PictureFile, ReproduceError, Table, write};
+use super::{PictureFile, ReproduceError, ReproducedFigure, Table, write};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, imageops};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Pictures are no wider than this, in pixels.
-const WIDEST: u32 = 960;
-/// Nor do they have more pixels than this.
+/// Largest width of a picture in pixels.
+const MAX_WIDTH: u32 = 960;
+/// Largest number of pixels of a picture.
 const MAX_PIXELS: f64 = 560_000.0;
-/// A picture that is no larger as PNG stays one, in bytes: charts, which JPEG would blur.
+/// Largest size in bytes of a PNG that is kept: charts, which JPEG would blur.
 const MAX_PNG_BYTES: usize = 60_000;
-/// Quality of JPEG: shading without visible blocks.
+/// JPEG quality at which shading has no visible blocks.
 const QUALITY: u8 = 82;
-/// Tables with more rows are in the files only.
+/// Tables with more rows are only in the files.
 const MAX_ROWS: usize = 20;
 
-/// Writes the Markdown file, and its pictures to a folder beside it that is named after it.
-pub(super) fn write(path: &Path, made: &[Made]) -> Result<(), ReproduceError> {
+/// Writes the Markdown file, and its pictures to a folder next to it with the same name.
+pub(super) fn write(path: &Path, made: &[ReproducedFigure]) -> Result<(), ReproduceError> {
     let stem = path.file_stem().map_or_else(|| "paper".to_owned(), |s| s.to_string_lossy().to_lowercase());
     let folder = path.with_file_name(&stem);
     std::fs::create_dir_all(&folder).map_err(|e| write::failed(&folder, e))?;
@@ -38,14 +38,14 @@ pub(super) fn write(path: &Path, made: &[Made]) -> Result<(), ReproduceError> {
     write::bytes(path, text.as_bytes())
 }
 
-/// `## Figure 8: …`, what stands over each section.
+/// Heading of a section, such as `## Figure 8: …`.
 pub(super) fn heading(id: &str, title: &str) -> String {
     let number = |prefix: &str, word: &str| id.strip_prefix(prefix).map(|n| format!("{word} {n}"));
     let name = number("fig", "Figure").or_else(|| number("table", "Table")).unwrap_or_else(|| id.to_owned());
     format!("## {name}: {title}")
 }
 
-fn introduction(made: &[Made]) -> String {
+fn introduction(made: &[ReproducedFigure]) -> String {
     let mut text = String::from(
         "# The paper, reproduced\n\n\
          Every figure and table of Hou & Qin, *Admissible Diffusion Wavelets and Their Applications in Space-Frequency \
@@ -72,7 +72,7 @@ fn introduction(made: &[Made]) -> String {
     text
 }
 
-fn section(one: &Made, pictures: &[(String, &str)]) -> String {
+fn section(one: &ReproducedFigure, pictures: &[(String, &str)]) -> String {
     let outcome = &one.outcome;
     let mut text = format!("\n{}\n\n", heading(&outcome.id, &outcome.title));
     let shapes = outcome.shapes.join(", ");
@@ -112,18 +112,18 @@ fn rows(table: &Table) -> String {
     format!("\n{}:\n\n{}{}{body}", table.caption, line(&table.head), line(&rule))
 }
 
-/// A picture made small; nothing for an SVG, which has its PNG beside it.
+/// Reduces a picture; `None` for an SVG, which has a PNG of the same stem.
 fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(String, Vec<u8>)>> {
     let Some(stem) = picture.name.strip_suffix(".png") else { return Ok(None) };
     let name = if stem == folder { folder.to_owned() } else { format!("{folder}-{stem}") };
     let mut image = image::load_from_memory(&picture.bytes)?;
     let (width, height) = (f64::from(image.width()), f64::from(image.height()));
-    let scale = (f64::from(WIDEST) / width).min((MAX_PIXELS / (width * height)).sqrt());
+    let scale = (f64::from(MAX_WIDTH) / width).min((MAX_PIXELS / (width * height)).sqrt());
     if scale < 1.0 {
         let [width, height] = [width, height].map(|side| (scale * side).round().max(1.0) as u32);
         image = image.resize_exact(width, height, imageops::FilterType::Lanczos3);
     }
-    let image = on_white(&image);
+    let image = composite_on_white(&image);
     let mut png = Vec::new();
     image.write_with_encoder(PngEncoder::new_with_quality(
         &mut png,
@@ -138,8 +138,8 @@ fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(Stri
     Ok(Some((format!("{name}.jpg"), jpeg)))
 }
 
-/// Without transparency, which JPEG does not have.
-fn on_white(image: &DynamicImage) -> DynamicImage {
+/// Composites a picture on white, since JPEG has no transparency.
+fn composite_on_white(image: &DynamicImage) -> DynamicImage {
     let mut white = image::RgbaImage::from_pixel(image.width(), image.height(), image::Rgba([255; 4]));
     imageops::overlay(&mut white, &image.to_rgba8(), 0, 0);
     DynamicImage::ImageRgb8(DynamicImage::ImageRgba8(white).to_rgb8())

@@ -5,13 +5,13 @@ use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave_baselines::line::{LineCase, line_case};
 use adwave_baselines::multiscale::Downsampled;
 
-/// The levels that are measured.
+/// Levels that are measured.
 const LEVELS: [usize; 3] = [4, 9, 10];
-/// Orthogonal or biorthogonal to rounding.
+/// Largest defect of functions that are orthogonal or biorthogonal up to rounding.
 const ORTHOGONAL: f64 = 1e-8;
-/// A mean below this is zero to rounding.
+/// Largest mean that is zero up to rounding.
 const ZERO: f64 = 1e-9;
-/// A reconstruction within this is lossless.
+/// Largest error of a lossless reconstruction.
 const LOSSLESS: f64 = 1e-8;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
@@ -48,10 +48,10 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             c.steps.to_string(),
             c.count.to_string(),
             digits(c.defect),
-            kept(c, 0, |d| d.kept.len().to_string()),
-            kept(c, 0, |d| digits(d.defect)),
-            kept(c, 1, |d| d.kept.len().to_string()),
-            kept(c, 1, |d| digits(d.defect)),
+            downsampled(c, 0, |d| d.kept.len().to_string()),
+            downsampled(c, 0, |d| digits(d.defect)),
+            downsampled(c, 1, |d| d.kept.len().to_string()),
+            downsampled(c, 1, |d| digits(d.defect)),
             digits(c.scaling.support),
             digits(c.wavelet.support),
             digits(c.scaling.core),
@@ -94,7 +94,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     };
     let verdict = Verdict::from_parts(&claims.map(|c| c.1), sentence);
     Ok(Outcome::new(verdict)
-        .on(format!("a line of {N_POINTS} points"))
+        .add_shape(format!("a line of {N_POINTS} points"))
         .say(
             "A wavelet is admissible when Σ |F_ψ(k)|²/k of section 3.2 is finite, which asks for F_ψ(0) = 0. F are the \
              coefficients in the cosines of the line, its manifold harmonics, of the wavelet nearest to the middle, at unit \
@@ -111,12 +111,12 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(table))
 }
 
-/// A number about the scaling functions (0) or wavelets (1) that are kept by their rank.
-fn kept(case: &LineCase, which: usize, number: impl Fn(&Downsampled) -> String) -> String {
+/// Formats a number about the downsampled scaling functions (0) or wavelets (1).
+fn downsampled(case: &LineCase, which: usize, number: impl Fn(&Downsampled) -> String) -> String {
     case.downsampled.as_ref().map_or(String::new(), |d| number(&d[which]))
 }
 
-/// `Σ_{k≥1} |F(k)|²/k` and `|F(0)|²` for ψ of unit length, F its coefficients in the orthonormal cosines of the line.
+/// Computes `Σ_{k≥1} |F(k)|²/k` and `|F(0)|²` for a wavelet scaled to unit norm, where F are its coefficients in the orthonormal cosines of the line.
 fn admissibility(wavelet: &[f64]) -> [f64; 2] {
     let n = wavelet.len();
     let square: f64 = wavelet.iter().map(|v| v * v).sum();

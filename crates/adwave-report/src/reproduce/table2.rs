@@ -1,7 +1,7 @@
 //! Table 2: seconds for the twelve shapes of the paper.
 
-use super::charts::{logarithmic, named};
-use super::numbers::walk;
+use super::charts::{categories, logarithmic};
+use super::numbers::decomposer;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::features;
 use adwave::bands::Schedule;
@@ -51,21 +51,22 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let sample = if name == "sphere" { "sphere" } else { "creature" };
         let model = context.model_or(&[name], sample, n_vertices)?;
         let start = Instant::now();
-        let walk = walk(&model);
+        let decomposer = decomposer(&model);
         let prepared = start.elapsed().as_secs_f64();
         let params = BasisParams::new(Schedule::dyadic(n_levels)?);
         let start = Instant::now();
-        drop(basis_by_squaring(walk.diffusion(), &params, context.progress)?);
+        drop(basis_by_squaring(decomposer.diffusion(), &params, context.progress)?);
         let letter = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        drop(basis(walk.diffusion(), &params, context.progress)?);
+        drop(basis(decomposer.diffusion(), &params, context.progress)?);
         let fast = start.elapsed().as_secs_f64();
         let schedule = Schedule::dyadic(n_levels)?;
         let start = Instant::now();
-        let bands = walk.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
+        let bands =
+            decomposer.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
         let ours = prepared + start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let found = features(&walk, &bands, &FeatureParams::default());
+        let found = features(&decomposer, &bands, &FeatureParams::default());
         let finding = start.elapsed().as_secs_f64();
         ratios.push(paper / fast);
         letters.push(letter / fast);
@@ -113,11 +114,11 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     });
     let chart = Chart {
         title: "Seconds for all levels".to_owned(),
-        x: named("shape of the paper, or what stands for it", ROWS.iter().map(|row| row.0.to_owned())),
+        x: categories("shape of the paper, or what stands for it", ROWS.iter().map(|row| row.0.to_owned())),
         y: logarithmic("seconds"),
         series: series.collect(),
     };
-    let outcome = shapes.into_iter().fold(Outcome::new(verdict), Outcome::on);
+    let outcome = shapes.into_iter().fold(Outcome::new(verdict), Outcome::add_shape);
     Ok(outcome
         .say(
             "The paper's seconds are for the functions themselves, as sparse matrices. The bands of all levels need no \

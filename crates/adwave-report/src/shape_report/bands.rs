@@ -80,7 +80,7 @@ struct BandEnergies {
 
 impl BandEnergies {
     fn new(subject: &Subject<'_>) -> Self {
-        let (bands, areas) = (subject.bands, subject.walk.areas());
+        let (bands, areas) = (subject.bands, subject.decomposer.areas());
         let variance = |signal: &[f64]| weighted_variance(signal, bands.n_channels, &areas);
         Self {
             total: variance(subject.values),
@@ -117,7 +117,7 @@ fn summaries(subject: &Subject<'_>, energies: &BandEnergies) -> Vec<BandSummary>
     let constant = energies.total <= (1e-13 * size).powi(2);
     let all: f64 = energies.bands.iter().sum();
     let share = |energy: f64, of: f64| if constant { f64::NAN } else { energy / of };
-    let losses = detail_loss(bands, &subject.walk.areas());
+    let losses = detail_loss(bands, &subject.decomposer.areas());
     (1..=bands.n_levels())
         .map(|level| {
             let max = bands
@@ -260,7 +260,7 @@ fn energy_chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<F
 
 /// Chart of the standard deviation after each level; `None` for the shape itself, of which nearly everything remains.
 fn decay_chart(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
-    let (bands, areas) = (subject.bands, subject.walk.areas());
+    let (bands, areas) = (subject.bands, subject.decomposer.areas());
     let rms = |signal: &[f64]| weighted_variance(signal, bands.n_channels, &areas).sqrt();
     let left: Vec<f64> = bands.all_scaling().chunks_exact(subject.values.len()).map(rms).collect();
     let (first, last) = (left[0], left[bands.n_levels()]);

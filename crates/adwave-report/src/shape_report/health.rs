@@ -7,7 +7,7 @@ use adwave::operator::OperatorKind;
 use adwave::shape::{Health, Shape, bounding_box};
 
 pub(super) fn section(subject: &Subject<'_>) -> (Section, Health) {
-    let health = subject.walk.health();
+    let health = subject.decomposer.health();
     let mut section = Section::new("health", "Health");
     let irregularities = irregularities(subject, &health);
     section.push(Block::Verdict(verdict(subject, &health, &irregularities)));
@@ -24,7 +24,7 @@ fn fact(name: &str, value: impl Into<String>, meaning: &str) -> Fact {
 
 /// Irregularities that the shape has, with their counts and effects.
 fn irregularities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
-    let n_masked = subject.walk.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
+    let n_masked = subject.decomposer.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
     let counts = [
         (
             "Edges on a border",
@@ -109,11 +109,11 @@ fn verdict(subject: &Subject<'_>, health: &Health, irregularities: &[Fact]) -> V
 fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let mut list = counts(subject, health);
     list.extend(sizes(subject, health));
-    let diffusion = subject.walk.diffusion();
-    let (edge, step) = (subject.walk.mean_length(), diffusion.step_length());
+    let diffusion = subject.decomposer.diffusion();
+    let (edge, step) = (subject.decomposer.mean_length(), diffusion.step_length());
     let unit = subject.width_unit();
     if subject.shape.points().is_some() {
-        let kind = subject.walk.operator_kind();
+        let kind = subject.decomposer.operator_kind();
         let meaning = match (subject.shape, kind) {
             (Shape::Mesh(_), OperatorKind::Walk) => {
                 "Mean over the edges, and the width of the operator's kernel."
@@ -127,7 +127,7 @@ fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         let name = if let Shape::Mesh(_) = subject.shape { "Mean edge" } else { "Mean spacing" };
         list.push(fact(name, format!("{} {unit}", digits(edge)), meaning));
     }
-    let (name, meaning) = match subject.walk.operator_kind() {
+    let (name, meaning) = match subject.decomposer.operator_kind() {
         OperatorKind::Walk => ("walk", "A lazy random walk over the edges, as in the paper."),
         OperatorKind::Surface => {
             ("surface", "Heat diffusion on the surface; its widths hardly depend on the mesh.")
@@ -224,7 +224,7 @@ fn sizes(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         ));
         list.push(fact(
             "Diagonal",
-            format!("{} model units", digits(subject.walk.diagonal())),
+            format!("{} model units", digits(subject.decomposer.diagonal())),
             "Diagonal of the bounding box; percentages of lengths refer to it.",
         ));
     }

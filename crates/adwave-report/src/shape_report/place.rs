@@ -61,7 +61,7 @@ pub(super) struct Patch {
 
 /// Patches of welded vertices whose values exceed a threshold, the one with the largest sum first.
 pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> Vec<Patch> {
-    let neighbors = subject.walk.neighbors();
+    let neighbors = subject.decomposer.neighbors();
     let mut unvisited: Vec<bool> = values.iter().map(|&v| v > threshold).collect();
     let mut found = Vec::new();
     for first in 0..values.len() {
@@ -91,6 +91,6 @@ pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> 
 
 /// First vertex of the shape that belongs to a welded vertex.
 pub(super) fn vertex_of(subject: &Subject<'_>, class: usize) -> usize {
-    let classes = subject.walk.geometry().vertex_map().as_slice();
+    let classes = subject.decomposer.geometry().vertex_map().as_slice();
     classes.iter().position(|&c| c as usize == class).unwrap_or(class)
 }

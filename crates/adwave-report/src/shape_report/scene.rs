@@ -33,7 +33,8 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
             let scale = Scale::from_percentiles(&values);
             FieldLook::new(values.clone(), subject.scalar_name(), scale)
         };
-        let missing = if subject.walk.mask_flags().is_some() { "; gray where it has no value" } else { "" };
+        let missing =
+            if subject.decomposer.mask_flags().is_some() { "; gray where it has no value" } else { "" };
         let caption = format!("The signal {}{missing}.", subject.scalar_name());
         let front = PictureSpec::plain(format!("{} on {}", subject.signal, subject.name), caption);
         let back = PictureSpec::plain(

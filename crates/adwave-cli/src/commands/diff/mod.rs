@@ -102,7 +102,7 @@ impl Compared<'_> {
             format: "",
             fields: &[],
             shape: &self.first.shape,
-            walk: self.walk,
+            decomposer: self.walk,
             signal: DIFFERENCE,
             values: &self.found.values,
             normals: None,
