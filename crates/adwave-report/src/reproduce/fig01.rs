@@ -76,8 +76,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[error <= ROUNDING, !found.is_empty()],
         format!(
-            "The bands put together differ from the shape by {} of its diagonal (rms), which is rounding; from the same \
-             bands come the map, {} features and the edit.",
+            "The sum of the bands differs from the shape by {} of its diagonal (rms), which is rounding error. The \
+             map, {} features and the edit use the same bands.",
             digits(error),
             found.len()
         ),
@@ -86,15 +86,15 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .add_shape(model.label())
         .sheet(
             "fig01.png",
-            "Top: the shape smoothed to levels 2, 4, 6 and 8. Middle: what each of these levels holds. Bottom: the shape, \
-             and three things that are made of its bands.",
+            "Top: the shape smoothed to levels 2, 4, 6 and 8. Middle: the bands of these levels. Bottom: the shape, \
+             and three results of its bands.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "The coordinates of the shape are split into bands: each level smooths twice as many steps as the one before, \
-             and the wavelet coefficients are what that takes away. Fine levels hold the skin, coarse ones claws, ears and \
-             limbs. The features and the edit are made with the same bands, without any further decomposition.",
+            "The coordinates of the shape are decomposed into bands: each level smooths with twice as many steps as \
+             the one before, and its wavelet coefficients are the difference. Fine levels contain the skin, coarse \
+             ones claws, ears and limbs. The features and the edit use the same bands, without another decomposition.",
         ))
 }

@@ -117,9 +117,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[sums_hold, local, oscillates],
         format!(
-            "On all {N_LEVELS} levels φ is not negative and sums to 1 and ψ sums to 0 within {ROUNDING:e}: {}. Up to level \
-             {shown} φ reaches less than half of the vertices and 95 % of |ψ| lie within 4σ: {}; ψ is positive at the \
-             vertex and negative round it: {}.",
+            "On all {N_LEVELS} levels, φ is not negative and sums to 1, and ψ sums to 0 within {ROUNDING:e}: {}. Up \
+             to level {shown}, the support of φ is less than half of the vertices and 95 % of |ψ| lie within 4σ: {}. \
+             ψ is positive at the vertex and negative around it: {}.",
             yes(sums_hold),
             yes(local),
             yes(oscillates)
@@ -130,8 +130,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .sheet(
             "fig03.png",
             format!(
-                "The scaling functions of vertex {vertex} on levels {} and {shown}, on one scale, and their difference, the \
-                 wavelet of level {shown}.",
+                "The scaling functions of vertex {vertex} on levels {} and {shown}, in the same range of colors, and \
+                 their difference, the wavelet of level {shown}.",
                 shown - 1
             ),
             &sheet,
@@ -139,9 +139,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         )?
         .table(table)
         .say(
-            "A scaling function is where a walker from one vertex is after 2^(j−1) steps: a bump that widens and flattens \
-             level by level. The wavelet is the difference of two of them: a peak with a ring of the other sign round it, \
-             like the functions of one dimension.",
+            "A scaling function is the distribution of a random walk from one vertex after 2^(j−1) steps: a bump that \
+             becomes wider and flatter from level to level. The wavelet is the difference of two of them: a peak \
+             surrounded by a ring of the opposite sign, as in one dimension.",
         ))
 }
 

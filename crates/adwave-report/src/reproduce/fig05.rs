@@ -28,7 +28,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 
     let mut table = Table::new(
         "fig05.csv",
-        "How far the scaling coefficients of one component spread, level by level",
+        "Spread of the scaling coefficients of one component, level by level",
         &[
             "level",
             "steps",
@@ -81,7 +81,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     ];
     let mut limits = Table::new(
         "fig05-limits.csv",
-        "To which constant each connected component goes at the coarsest level",
+        "Constant of each connected component at the coarsest level",
         &[
             "shape",
             "component",
@@ -113,9 +113,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[constant, stationary, by_area],
         format!(
-            "At the coarsest level the field is constant on every component (spread below {} % of the signal's): {}. The \
-             constant is the mean by the walk's stationary distribution: {}; it is the mean by area, as eq. 10 has it: {}. \
-             Components keep constants of their own.",
+            "At the coarsest level the field is constant on every component (its spread is below {} % of that of the \
+             signal): {}. The constant is the mean weighted by the stationary distribution: {}; it is the mean \
+             weighted by area, as in eq. 10: {}. Every component has its own constant.",
             100.0 * CONSTANT,
             yes(constant),
             yes(stationary),
@@ -127,8 +127,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .sheet(
             "fig05.png",
             format!(
-                "Top: the shape on levels 0, 6, 9, 12 and {n_levels}, at one scale; a constant shape is a point, marked by \
-                 a ball. Bottom: mean curvature on the same levels, drawn on the shape with one range of colors."
+                "Top: the shape on levels 0, 6, 9, 12 and {n_levels}, at the same scale. A constant shape is a point, \
+                 marked by a ball. Bottom: mean curvature on the same levels, on the original shape, in the same range of \
+                 colors."
             ),
             &sheet,
             context,
@@ -136,14 +137,14 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(table)
         .table(limits)
         .say(format!(
-            "Level {n_levels} stands for {} steps of diffusion. The shape loses its details, then its limbs, and ends as one \
-             point; the curvature ends as one number.",
+            "Level {n_levels} has {} steps of diffusion. The shape loses its details, then its limbs, and becomes a \
+             point; the curvature becomes a constant.",
             shape.steps[n_levels]
         ))
         .say(
-            "The paper's eq. 10 says that the scaling functions go to the constant 1/A(M). They go to the operator's stationary \
-             law instead, which is nearly but not exactly proportional to area, and to each component's own: nothing \
-             crosses from one component to another.",
+            "According to eq. 10 of the paper, the scaling functions converge to the constant 1/A(M). Instead they \
+             converge to the stationary distribution of the operator, which is nearly but not exactly proportional to \
+             area, separately on each component, since nothing diffuses from one component to another.",
         ))
 }
 

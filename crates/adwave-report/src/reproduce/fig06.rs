@@ -70,8 +70,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[rises(&ours), rises(&theirs), at_finest[1] < finest[1]],
         format!(
-            "Bands take {} s for level 1 and {} s for {N_LEVELS} levels, with the operator. The finest length that eigenfunctions \
-             reached, {}, took them {} s; all bands up to there take {} s.",
+            "Bands take {} s for level 1 and {} s for {N_LEVELS} levels, including the operator. Eigenfunctions reach \
+             their finest length, {}, in {} s; all bands up to this length take {} s.",
             digits(ours[0][1]),
             digits(ours[N_LEVELS - 1][1]),
             digits(finest[0]),
@@ -90,12 +90,12 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         y: logarithmic("seconds"),
         series: all,
     };
-    let caption = "What it costs to reach a length: bands start at the left, eigenfunctions at the right.";
+    let caption = "Cost of reaching a length. Bands start at the left, eigenfunctions at the right.";
     Ok(Outcome::new(verdict)
         .add_shape(model.label())
         .say(
-            "Bands are made from the fine end: each level doubles the steps. Eigenfunctions are made from the coarse end, and \
-             the finer the wanted detail the more of them.",
+            "Bands are computed from fine to coarse: each level doubles the number of steps. Eigenfunctions are \
+             computed from coarse to fine: finer details need more of them.",
         )
         .chart("fig06", caption, &chart)?
         .table(table))

@@ -27,7 +27,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[density(1) < SPARSE, density(4) < SPARSE],
         format!(
-            "Φ₁ has {} and Φ₄ {} of all entries; on level {N_LEVELS} it is {}.",
+            "The share of nonzero entries is {} for Φ₁ and {} for Φ₄; on level {N_LEVELS} it is {}.",
             digits(density(1)),
             digits(density(4)),
             digits(density(N_LEVELS)),
@@ -47,5 +47,5 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let caption = format!("Φ of level {j}: a square for each entry above 1e-6.");
         outcome = outcome.pattern(&format!("fig07-phi{j}"), &caption, &pattern)?;
     }
-    Ok(outcome.say("The claim is that the matrices of the first levels are sparse.").table(table))
+    Ok(outcome.say("The paper claims that the matrices of the first levels are sparse.").table(table))
 }

@@ -28,7 +28,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     sheet.push(SheetPanel::new(&model, "f: mean curvature").field(&curvature, "1/model unit"));
     let mut table = Table::new(
         "fig08.csv",
-        "What each level adds to the map",
+        "Contribution of each level to the map",
         &[
             "level",
             "sigma (% of diagonal)",
@@ -36,7 +36,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             "largest |W|",
             "alpha",
             "share of the map (%)",
-            "likeness of |W| at neighbors",
+            "correlation of |W| at neighbors",
         ],
     );
     let total: f64 = map.iter().sum();
@@ -65,8 +65,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[error <= ROUNDING, widening],
         format!(
-            "The map is the sum of its levels to {} of its largest value. What a level holds is larger the coarser the \
-             level: the correlation of |W| at the two ends of an edge goes from {:.2} on level {} to {:.2} on level \
+            "The map is the sum of its levels within {} of its largest value. Coarser levels have larger structures: \
+             the correlation of |W| at the two ends of an edge goes from {:.2} on level {} to {:.2} on level \
              {N_LEVELS}{}.",
             digits(error),
             correlations[0],
@@ -79,15 +79,17 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .add_shape(model.label())
         .sheet(
             "fig08.png",
-            "Mean curvature, the sizes of its wavelet coefficients on levels 3 to 8, and the saliency map that is their sum.",
+            "Mean curvature, the magnitudes of its wavelet coefficients on levels 3 to 8, and their weighted sum, the \
+             saliency map.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "The two finest levels are skipped, as they hold the noise. Each of the others shows where curvature differs \
-             at its own size: wrinkles first, then toes and ears, then limbs. The map weighs the levels by how far their \
-             largest value stands above their mean, squared, and this decides much: see the shares in the table.",
+            "The two finest levels are skipped, since they contain the noise. Each of the others shows where the \
+             curvature differs at its size: first wrinkles, then toes and ears, then limbs. The map weights a level \
+             by the squared difference between its largest value and its mean, which has a strong effect: see the \
+             shares in the table.",
         ))
 }
 

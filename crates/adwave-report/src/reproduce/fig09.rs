@@ -41,7 +41,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         theirs.push(lee_saliency(&pose.shape, context.progress)?.saliency);
         their_seconds += 0.5 * start.elapsed().as_secs_f64();
     }
-    let methods = [("Lee et al.", &theirs), ("ours", &ours), ("ours, levels alike", &alike)];
+    let methods = [("Lee et al.", &theirs), ("ours", &ours), ("ours, equal weights", &alike)];
     let mut sheet = Sheet::new(methods.len());
     for (pose, model) in [(0, &*first), (1, &second)] {
         for (method, maps) in methods {
@@ -50,7 +50,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     let mut table = Table::new(
         "fig09.csv",
-        "How alike the maps are",
+        "Agreement of the maps",
         &[
             "compared",
             "correlation",
@@ -73,17 +73,18 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     row("Lee et al., pose 1 and 2", &theirs[0], &theirs[1], digits(their_seconds));
     row("ours and Lee et al., pose 1", &ours[0], &theirs[0], String::new());
     row("ours and Lee et al., pose 2", &ours[1], &theirs[1], String::new());
-    row("ours with levels weighed alike, pose 1 and 2", &alike[0], &alike[1], String::new());
-    row("ours with levels weighed alike and Lee et al., pose 1", &alike[0], &theirs[0], String::new());
+    row("ours with equal weights, pose 1 and 2", &alike[0], &alike[1], String::new());
+    row("ours with equal weights and Lee et al., pose 1", &alike[0], &theirs[0], String::new());
     let (we, they) = (correlation(&ours[0], &ours[1]), correlation(&theirs[0], &theirs[1]));
     let between = rank_correlation(&ours[0], &theirs[0]);
     let top = shared_top(&ours[0], &theirs[0], 0.05);
     let verdict = Verdict::from_parts(
         &[we >= AGREES, they >= AGREES, between >= SIMILAR],
         format!(
-            "The maps of the two poses correlate by {we:.2} with ours and by {they:.2} with Lee's (from {AGREES} on they are \
-             taken to agree). Ours and Lee's correlate by {between:.2} in their ranks and share {} of the top 5 % (from \
-             {SIMILAR} on they are taken as similar); with all levels weighed alike the ranks correlate by {:.2}.",
+            "The maps of the two poses have a correlation of {we:.2} with our method and {they:.2} with Lee's (they \
+             agree from {AGREES} on). Our maps and Lee's have a rank correlation of {between:.2} and share {} of the \
+             top 5 % (they are similar from {SIMILAR} on). With equal weights of all levels, the rank correlation is \
+             {:.2}.",
             percent(top),
             rank_correlation(&alike[0], &theirs[0])
         ),
@@ -92,18 +93,19 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .add_shape(first.label())
         .sheet(
             "fig09.png",
-            "Saliency of mean curvature in two poses. From left to right: by Lee et al., by ours as eq. 17 has it, and by ours with all levels \
-             weighed alike. The second pose is the first, twisted and bent.",
+            "Saliency of mean curvature in two poses. From left to right: Lee et al., our method by eq. 17, and our \
+             method with equal weights of all levels. The second pose is the first one, twisted and bent.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "The paper has two deformed shapes of the Armadillo, which are not public; here the second pose is made by \
-             twisting the figure about its height and bending its upper half. Both methods subtract two smoothings of mean \
-             curvature: Lee's by balls in space whose sizes are fixed parts of the diagonal, ours by walks along the \
-             surface. By eq. 17 the finest of the levels that count outweighs the others, and on a fine mesh it is as fine as \
-             Lee's finest or finer; the row with levels weighed alike shows how much of the difference that explains.",
+            "The paper uses two deformed shapes of the Armadillo, which are not public. Here the second pose is made \
+             by twisting the figure about its vertical axis and bending its upper half. Both methods subtract two \
+             smoothings of mean curvature: Lee's method by balls in space whose radii are fixed shares of the \
+             diagonal, ours by random walks on the surface. With eq. 17, the finest level that counts outweighs the \
+             others, and on a fine mesh it is at least as fine as Lee's finest level. The row with equal weights \
+             shows how much of the difference this explains.",
         ))
 }
 

@@ -84,7 +84,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     let mut shares = Table::new(
         "fig10-noise.csv",
-        "Share of the features that are found again under noise (mean of three draws; sigma in % of the diagonal)",
+        "Share of the features that are found again under noise (mean of three samples; sigma in % of the diagonal)",
         &["response", "level", "sigma", "features", "noise 10 %", "20 %", "30 %", "40 %", "50 %"],
     );
     let size = diagonal(model.points());
@@ -112,10 +112,11 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[fewer, coarse > fine, coarse_channels > fine_channels, coarsest >= THE_SAME],
         format!(
-            "A larger θ leaves fewer features: {}. Coarse features are the more stable ones: of levels 5 to 7 {} are found \
-             again over all noise, of levels 2 to 4 {} (normalized), and {} against {} (channels). At 50 % noise {} of \
-             those on level {}, the coarsest that has any, are found again, where the paper says that they are exactly the same. Algorithm 2 as it is \
-             printed (literal) finds {n_literal} of coordinates.",
+            "A larger θ gives fewer features: {}. Coarse features are more stable: over all noise, {} of those on \
+             levels 5 to 7 are found again and {} of those on levels 2 to 4 (normalized), and {} compared with {} \
+             (channels). At 50 % noise, {} of those on level {}, the coarsest with features, are found again; \
+             according to the paper they are exactly the same. Algorithm 2 as printed (literal) finds {n_literal} \
+             features of the coordinates.",
             if fewer { "yes" } else { "no" },
             percent(coarse),
             percent(fine),
@@ -129,8 +130,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .add_shape(model.label())
         .sheet(
             "theta.png",
-            "Features of the coordinates as balls of radius σ_j. Columns: θ = 1.6, 2.4, 3.0. Rows: the response as printed, \
-             normalized level by level, and every coordinate by itself.",
+            "Features of the coordinates as balls of radius σ_j. Columns: θ = 1.6, 2.4, 3.0. Rows: the response as \
+             printed, normalized level by level, and each coordinate separately.",
             &sheet,
             context,
         )?
@@ -143,13 +144,14 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(counts)
         .table(shares)
         .say(
-            "With the response as printed hardly anything is found: the length of W_f of coordinates grows from level to \
-             level almost everywhere, so that no middle level is a maximum. Divided by the mean of its level (normalized, \
-             the default here) finger tips, claws, ears and tail are found; coordinate by coordinate (channels) there are \
-             more of them and the result is closest to the paper's picture, but depends on the direction of the axes.",
+            "The response as printed finds almost no features: the norm of W_f of the coordinates increases from \
+             level to level almost everywhere, so that no middle level is a maximum. Divided by the mean of its level \
+             (normalized, our default), it finds finger tips, claws, ears and the tail. Separately for each \
+             coordinate (channels), it finds more of them, and the result is closest to the picture in the paper, but \
+             it depends on the direction of the axes.",
         )
         .say(
-            "A feature counts as found again when the noisy shape has one of the same sign within its own σ and of a size \
+            "A feature is found again if the noisy shape has a feature of the same sign within its σ, of a size \
              within a factor of 2^0.75.",
         ))
 }

@@ -52,13 +52,13 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     let mut table = Table::new(
         "fig11.csv",
-        "Points that each method finds, level by level",
+        "Points of each method, level by level",
         &["shape", "level", "maxima", "minima", "saddles", "sum of indices", "features of ours"],
     );
     let mut known = Table::new(
         "fig11-spots.csv",
-        "How the points lie to the painted spots",
-        &["method", "points", "spots with a point in their middle", "spots", "points on a spot"],
+        "Points on the painted spots",
+        &["method", "points", "spots with a point near the center", "spots", "points on a spot"],
     );
     let mut sheet = Sheet::new(4).own_cameras();
     let mut found_by = Vec::new();
@@ -104,8 +104,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
                 .balls(model, place(extrema), GREEN)
                 .balls(model, place(saddles), ORANGE),
         );
-        sheet.push(SheetPanel::new(model, "saliency by ours").saliency(&map));
-        sheet.push(SheetPanel::new(model, format!("features by ours: {}", ours.len())).colors(colors).balls(
+        sheet.push(SheetPanel::new(model, "our saliency").saliency(&map));
+        sheet.push(SheetPanel::new(model, format!("our features: {}", ours.len())).colors(colors).balls(
             model,
             ours.iter().map(|f| at(f.vertex, f.sigma)),
             GREEN,
@@ -145,9 +145,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[ours.hit * 10 >= n_spots * 8, on(ours) > on(all), on(ours) > on(extrema)],
         format!(
-            "On the painted shape, whose spots are known, ours finds {} of {n_spots} with {} points, {} of them on a spot (with θ = {LOW_THETA}: {} with {}); the \
-             feature map finds {} with {} points, {} on a spot; its maxima and minima alone find {} with {} points, {} on a \
-             spot.",
+            "On the painted shape, whose spots are known, our method finds {} of {n_spots} with {} points, {} of them \
+             on a spot (with θ = {LOW_THETA}: {} with {}). The feature map finds {} with {} points, {} on a spot; its \
+             maxima and minima alone find {} with {} points, {} on a spot.",
             ours.hit,
             ours.n_points,
             percent(on(ours)),
@@ -164,21 +164,21 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut outcome = Outcome::new(verdict)
         .sheet(
             "fig11.png",
-            "From left to right: the texture, critical points of the feature map (green maxima and minima, orange saddles), \
-             saliency by ours, features by ours. Balls have 0.3 of their scale's radius.",
+            "From left to right: the texture, critical points of the feature map (maxima and minima green, saddles \
+             orange), our saliency, our features. The radius of a ball is 0.3 σ.",
             &sheet,
             context,
         )?
         .table(table)
         .table(known)
         .say(format!(
-            "The signal is the luminance of a texture, on a surface that has no features of its own there. The feature map \
-             marks where the smoothed signal has a maximum, minimum or saddle; ours where what a level takes away has an \
-             extremum in place and scale, that is at the spots themselves, with their size.{note}"
+            "The signal is the luminance of a texture, on a surface without geometric features. The feature map marks \
+             maxima, minima and saddles of the smoothed signal. Our method marks extrema of the bands in place and \
+             scale, that is, the spots themselves, with their sizes.{note}"
         ))
         .say(
-            "The face with its texture that the paper uses is not public. The painted shape is a sphere with dark and light \
-             spots of three sizes on a slope from dark to light, made by rule, so that it is known where the features are.",
+            "The textured face of the paper is not public. The painted shape is a sphere with dark and light spots of \
+             three sizes on a gradient from dark to light. It is synthetic, so that the true features are known.",
         );
     for case in &cases {
         outcome = outcome.add_shape(case.model.label());

@@ -19,7 +19,7 @@ const N_LEVELS: usize = 7;
 const AGREES: f64 = 0.8;
 
 /// Points sampled at random from the surface of the creature, which are not its vertices.
-const SAMPLED: &str = "points drawn from the creature";
+const SAMPLED: &str = "points sampled from the creature";
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     // The paper's clouds, and sizes like theirs.
@@ -30,13 +30,13 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     ];
     let mut table = Table::new(
         "fig12.csv",
-        "Clouds against the meshes that they come from",
+        "Clouds compared with their meshes",
         &[
             "cloud",
             "points",
             "correlation with the map of the mesh",
             "of ranks",
-            "with as many steps, not as wide",
+            "with equal steps instead of equal widths",
             "features, 7 levels",
             "features, 4 levels",
             "features, 4 levels, as printed",
@@ -102,24 +102,25 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[least >= AGREES, found_in_all],
         format!(
-            "Where the levels of the mesh are made as wide as those of the cloud, clouds give the maps that their meshes give: the correlation is at least {least:.2} (from {AGREES} on it counts). \
-             Features are found on {} cloud.",
+            "If the levels of the mesh have the widths of those of the cloud, the maps of clouds and meshes agree: \
+             the correlation is at least {least:.2} (they agree from {AGREES} on). Features are found on {} cloud.",
             if found_in_all { "every" } else { "not every" }
         ),
     );
     let mut outcome = Outcome::new(verdict)
         .sheet(
             "fig12.png",
-            "Points only, without faces: saliency of the coordinates above, features with their sizes below.",
+            "Points without faces. Top: saliency of the coordinates. Bottom: features with their sizes.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "The diffusion operator steps between the 10 nearest points, in both directions, and W_f(j, x) is the Euclidean norm over the \
-             three coordinates. The paper has 4 levels; then only levels 2 and 3 can hold features, so the pictures have 7. \
-             The response as printed finds next to nothing of coordinates; the pictures show the normalized one. A \
-             border of a surface stands out as well: no filter of borders is applied here, as in the paper.",
+            "The diffusion operator connects the 10 nearest points, in both directions, and W_f(j, x) is the \
+             Euclidean norm over the three coordinates. The paper has 4 levels, with which only levels 2 and 3 can \
+             have features; the pictures have 7 levels. The response as printed finds almost no features of \
+             coordinates; the pictures show the normalized response. Borders of a surface are salient too, since \
+             borders are not filtered, as in the paper.",
         );
     for model in &models {
         outcome = outcome.add_shape(model.label());

@@ -23,7 +23,7 @@ const ENHANCE: [f64; N_LEVELS] = [1.5, 1.8, 2.0, 2.0, 2.0, 1.8, 1.5, 1.2];
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut table = Table::new(
         "fig13.csv",
-        "What each edit moved (% of the diagonal; along the normals, outwards positive)",
+        "Displacements by each edit (% of the diagonal; along the normals, outward is positive)",
         &["edit", "vertices in the region", "mean in the region", "largest", "largest outside"],
     );
     let sphere = context.model_or(&["sphere"], "sphere", SPHERE_VERTICES)?;
@@ -107,8 +107,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[untouched, carved < 0.0, raised > 0.0],
         format!(
-            "Suppression moves the letter by {} % of the diagonal along the normals (inwards is negative), enhancement by {} \
-             %. Outside the regions no vertex of any edit moves{}.",
+            "Suppression moves the letter by {} % of the diagonal along the normals (inward is negative), enhancement \
+             by {} %. No vertex outside the region of an edit moves{}.",
             digits(carved),
             digits(raised),
             if untouched { ", to the last bit" } else { " – but for some that did" }
@@ -120,17 +120,17 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .add_shape(chain_on.label())
         .sheet(
             "fig13.png",
-            "Top: a letter drawn on a sphere, carved by suppressing all bands there and raised by doubling them; a figure, \
-             and the same with one half smoothed and the other enhanced. Bottom: a sequence of edits, each applied to the \
-             result of the one before.",
+            "Top: a letter on a sphere, carved by suppressing all bands in the region and raised by doubling them; a \
+             figure, and the same figure with one half smoothed and the other enhanced. Bottom: a sequence of edits, \
+             each applied to the result of the one before.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "Edits are gains times a soft region: a stroke along the surface, a half-space, a ball by distance along the \
-             surface. On a sphere the bands of the coordinates point outwards, so that dropping them carves and doubling \
-             them raises.",
+            "An edit has gains and a soft region: a stroke along the surface, a half-space, or a ball by geodesic \
+             distance. On a sphere the bands of the coordinates point outward, so that removing them carves and \
+             doubling them raises.",
         ))
 }
 

@@ -34,7 +34,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .collect::<Result<_, _>>()?;
     let mut table = Table::new(
         "fig14.csv",
-        "Detail after each filter by detail before: energy of the bands of the normals, split by the operator of the original",
+        "Detail after each filter divided by detail before: energy of the bands of the normals, with the operator \
+         of the original",
         &["shape", "filter", "fine detail", "middle detail", "moved, rms (% of diagonal)"],
     );
     let n_fine = N_LEVELS.div_ceil(3);
@@ -85,9 +86,10 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &as_named,
         format!(
-            "{n} of {} results are what their filter is named after, measured by the bands of the normals: suppression \
-             leaves less than half of the fine detail and less of the middle, enhancement has more of both, band 1 takes more than half of the middle \
-             and less of the fine, band 2 raises the middle and has less of the fine.{}",
+            "{n} of {} filters do what their names say, measured by the bands of the normals: suppression leaves less \
+             than half of the fine detail and reduces the middle, enhancement increases both, band 1 removes more \
+             than half of the middle and less of the fine detail, band 2 increases the middle and reduces the fine \
+             detail.{}",
             as_named.len(),
             if failed.is_empty() { String::new() } else { format!(" Not: {}.", failed.join(", ")) }
         ),
@@ -95,16 +97,16 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut outcome = Outcome::new(verdict)
         .sheet(
             "fig14.png",
-            "From left to right: the original, suppression, enhancement, and the two band filters.",
+            "From left to right: the original, suppression, enhancement and the two band filters.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "One gain a band, everywhere alike. Suppression takes all seven bands away; enhancement strengthens all, the \
-             fine ones most; band 1 keeps the finest three and drops the rest, so that fine texture sits on a smooth body; \
-             band 2 does the opposite and doubles what is in the middle. Bands overlap in frequency, so that no filter acts \
-             on one size of detail alone.",
+            "Each band has one gain for the whole shape. Suppression removes all seven bands. Enhancement amplifies \
+             all, the fine ones most. Band 1 keeps the finest three and removes the rest, which gives fine texture on \
+             a smooth body. Band 2 does the opposite and doubles the middle. Bands overlap in frequency, so that no \
+             filter affects details of a single size only.",
         );
     for model in &models {
         outcome = outcome.add_shape(model.label());

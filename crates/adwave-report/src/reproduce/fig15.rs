@@ -58,7 +58,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 
     let mut table = Table::new(
         "fig15.csv",
-        "The same two filters by both",
+        "Two filters by both methods",
         &["filter", "quantity", "ours", "manifold harmonics"],
     );
     let mut differences = Vec::new();
@@ -100,9 +100,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[similar, ours < theirs, locality < 0.6],
         format!(
-            "The results differ by {} (low-pass) and {} (middle raised) of what the filter changed; below {} they count as \
-             similar. Ours took {} s with all that has to be prepared, {} harmonics {} s. Ours can be confined to a part: an \
-             edit of one half moves {} of the vertices; harmonics are global.",
+            "The difference of the results is {} (low-pass) and {} (middle raised) of the change by the filter; below \
+             {} they are similar. Our method takes {} s including all preparation, {} harmonics take {} s. Our method \
+             can be confined to a region: an edit of one half moves {} of the vertices. Harmonics are global.",
             percent(differences[0]),
             percent(differences[1]),
             percent(SIMILAR),
@@ -116,17 +116,18 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .add_shape(model.label())
         .sheet(
             "fig15.png",
-            "Top: low-pass, bottom: a middle band doubled. From left to right: the original, ours, manifold harmonics, and \
-             by how much they differ.",
+            "Top: low-pass. Bottom: a middle band doubled. From left to right: the original, our method, manifold \
+             harmonics, and their difference.",
             &sheet,
             context,
         )?
         .table(table)
         .say(format!(
-            "Both methods apply the same gains of frequency: ours as a polynomial of the diffusion operator, the other by {N_HARMONICS} \
-             eigenfunctions of the Laplacian. They differ in what a Laplacian is (one counts edges by length, the other \
-             angles) and, for the low-pass, in what lies above the last eigenfunction. Where only low frequencies are \
-             wanted and the eigenfunctions are at hand already, the harmonics are as good a tool.",
+            "Both methods apply the same frequency response: ours as a polynomial of the diffusion operator, the \
+             other by {N_HARMONICS} eigenfunctions of the Laplacian. They differ in the Laplacian (one is based on \
+             edge lengths, the other on angles) and, for the low-pass, in the frequencies above the last \
+             eigenfunction. If only low frequencies are needed and the eigenfunctions are available, harmonics are an \
+             equally good tool.",
         )))
 }
 

@@ -9,7 +9,7 @@ pub(super) fn html(made: &[ReproducedFigure]) -> String {
         title: "The paper, reproduced".to_owned(),
         introduction: vec![
             "Figures and tables of Hou & Qin, Admissible Diffusion Wavelets and Their Applications in Space-Frequency \
-             Processing (IEEE TVCG 2013). Each verdict is computed from the numbers beside it."
+             Processing (IEEE TVCG 2013). Each verdict is computed from the numbers next to it."
                 .to_owned(),
         ],
         sections: made.iter().map(section).collect(),
