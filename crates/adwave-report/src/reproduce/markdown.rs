@@ -17,6 +17,8 @@ const MAX_PNG_BYTES: usize = 60_000;
 const QUALITY: u8 = 82;
 /// Tables with more rows are only in the files.
 const MAX_ROWS: usize = 20;
+/// Longest line in characters. Wider tables are only in the files.
+const MAX_LINE: usize = 120;
 
 /// Writes the Markdown file, and its pictures to a folder next to it with the same name.
 pub(super) fn write(path: &Path, made: &[ReproducedFigure]) -> Result<(), ReproduceError> {
@@ -48,16 +50,17 @@ pub(super) fn heading(id: &str, title: &str) -> String {
 fn introduction(made: &[ReproducedFigure]) -> String {
     let mut text = String::from(
         "# The paper, reproduced\n\n\
-         Every figure and table of Hou & Qin, *Admissible Diffusion Wavelets and Their Applications in Space-Frequency \
+         All figures and tables of Hou & Qin, *Admissible Diffusion Wavelets and Their Applications in Space-Frequency\n\
          Processing* (IEEE TVCG 2013), by one command:\n\n\
          ```sh\nadwave reproduce all -o out                       # on built-in shapes\n\
          adwave reproduce all -o out --models FOLDER       # on copies of the paper's models, found by name\n\
          adwave reproduce fig10 -o out                     # one of them\n```\n\n\
-         `out/index.html` shows all, with pictures in full size and the numbers behind them as CSV. This file was written \
-         by `adwave reproduce all -o out --markdown docs/PAPER.md`: pictures, numbers and verdicts are those of that run, \
-         on built-in shapes. Seconds are those of the machine it ran on.\n\n\
+         `out/index.html` shows all figures, with pictures in full size and the numbers as CSV. This file was written by\n\
+         `adwave reproduce all -o out --markdown docs/PAPER.md`: pictures, numbers and verdicts are those of that run, on\n\
+         built-in shapes. Seconds are those of the machine that it ran on.\n\n\
          | | what it shows | verdict |\n|---|---|---|\n",
     );
+    let mut links = String::new();
     for one in made {
         let outcome = &one.outcome;
         let anchor: String = heading(&outcome.id, &outcome.title)[3..]
@@ -67,9 +70,10 @@ fn introduction(made: &[ReproducedFigure]) -> String {
             .map(|c| if c == ' ' { '-' } else { c })
             .collect();
         let headline = outcome.verdict.headline().to_lowercase();
-        let _ = writeln!(text, "| [{}](#{anchor}) | {} | {headline} |", outcome.id, outcome.title);
+        let _ = writeln!(text, "| [{}] | {} | {headline} |", outcome.id, outcome.title);
+        let _ = writeln!(links, "[{}]: #{anchor}", outcome.id);
     }
-    text
+    text + "\n" + &links
 }
 
 fn section(one: &ReproducedFigure, pictures: &[(String, &str)]) -> String {
@@ -77,27 +81,56 @@ fn section(one: &ReproducedFigure, pictures: &[(String, &str)]) -> String {
     let mut text = format!("\n{}\n\n", heading(&outcome.id, &outcome.title));
     let shapes = outcome.shapes.join(", ");
     let on = if shapes.is_empty() { String::new() } else { format!(", on {shapes}") };
-    let _ = writeln!(text, "`{}`{on}, {:.1} s\n", outcome.command, one.seconds);
+    let _ = writeln!(text, "{}\n", wrap(&format!("`{}`{on}, {:.1} s", outcome.command, one.seconds)));
     for (file, caption) in pictures {
-        let _ = writeln!(text, "![{}]({file})\n\n*{caption}*\n", outcome.title);
+        let _ = writeln!(text, "![{}]({file})\n\n{}\n", outcome.title, wrap(&format!("*{caption}*")));
     }
     for paragraph in &outcome.text {
-        let _ = writeln!(text, "{paragraph}\n");
+        let _ = writeln!(text, "{}\n", wrap(paragraph));
     }
-    let _ = writeln!(text, "**{}.** {}", outcome.verdict.headline(), outcome.verdict.sentence());
+    let verdict = format!("**{}.** {}", outcome.verdict.headline(), outcome.verdict.sentence());
+    let _ = writeln!(text, "{}", wrap(&verdict));
     for table in &outcome.tables {
-        if table.rows.len() <= MAX_ROWS {
-            text += &rows(table);
+        let shown = rows(table);
+        let is_narrow = shown.lines().all(|line| line.chars().count() <= MAX_LINE);
+        if table.rows.len() <= MAX_ROWS && is_narrow {
+            let _ = write!(text, "\n{}\n\n{shown}", wrap(&format!("{}:", table.caption)));
         } else {
-            let _ = writeln!(
-                text,
-                "\n{}: `{}/{}`, {} rows.",
-                table.caption,
-                one.folder,
-                table.name,
-                table.rows.len()
-            );
+            let file = format!("{}/{}", one.folder, table.name);
+            let note = format!("{}: `{file}`, {} rows.", table.caption, table.rows.len());
+            let _ = writeln!(text, "\n{}", wrap(&note));
         }
+    }
+    text
+}
+
+/// Breaks a paragraph into lines of at most [`MAX_LINE`] characters. No line begins with a word that Markdown would take for a list or a
+/// quotation.
+fn wrap(paragraph: &str) -> String {
+    let is_mark = |word: &str| {
+        word.chars().all(|c| "+-*>#=|".contains(c))
+            || word.trim_end_matches(['.', ')']).len() < word.len()
+                && word.starts_with(|c: char| c.is_ascii_digit())
+    };
+    let mut tokens: Vec<String> = Vec::new();
+    for word in paragraph.split(' ') {
+        match tokens.last_mut() {
+            Some(last) if is_mark(word) => *last += &format!(" {word}"),
+            _ => tokens.push(word.to_owned()),
+        }
+    }
+    let (mut text, mut length) = (String::new(), 0);
+    for token in tokens {
+        let n = token.chars().count();
+        if length > 0 && length + 1 + n > MAX_LINE {
+            text.push('\n');
+            length = 0;
+        } else if length > 0 {
+            text.push(' ');
+            length += 1;
+        }
+        text.push_str(&token);
+        length += n;
     }
     text
 }
@@ -109,7 +142,7 @@ fn rows(table: &Table) -> String {
     };
     let rule = vec!["---".to_owned(); table.head.len()];
     let body: String = table.rows.iter().map(|row| line(row)).collect();
-    format!("\n{}:\n\n{}{}{body}", table.caption, line(&table.head), line(&rule))
+    format!("{}{}{body}", line(&table.head), line(&rule))
 }
 
 /// Reduces a picture; `None` for an SVG, which has a PNG of the same stem.
@@ -143,4 +176,19 @@ fn composite_on_white(image: &DynamicImage) -> DynamicImage {
     let mut white = image::RgbaImage::from_pixel(image.width(), image.height(), image::Rgba([255; 4]));
     imageops::overlay(&mut white, &image.to_rgba8(), 0, 0);
     DynamicImage::ImageRgb8(DynamicImage::ImageRgba8(white).to_rgb8())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_short_and_do_not_begin_with_a_list_mark() {
+        let text = format!("{} + {} 12. {}", "a ".repeat(59), "b ".repeat(58), "c ".repeat(100));
+        let wrapped = wrap(&text);
+        assert!(wrapped.lines().count() > 2);
+        assert!(wrapped.lines().all(|line| line.chars().count() <= MAX_LINE));
+        assert!(wrapped.lines().all(|line| !line.starts_with('+') && !line.starts_with("12.")));
+        assert_eq!(wrapped.replace('\n', " "), text);
+    }
 }
