@@ -2,10 +2,11 @@
 
 use super::Subject;
 use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
-use super::place::{Places, patches, vertex_of};
+use super::place::{Patch, Places, patches, vertex_of};
 use crate::analysis::{SignedMap, signed_saliency};
 use crate::page::{Block, Section};
 use crate::table::{NONE, Table};
+use adwave::signal::OutwardInfo;
 use adwave_render::value_range;
 use std::time::Instant;
 
@@ -43,24 +44,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         }
     };
     let seconds = start.elapsed().as_secs_f64();
-    section.say(format!(
-        "The sum of {} over the levels. Each level is divided by the mean of |W_j| and weighted by its unevenness, so that a level on \
-         which nothing stands out does not count.",
-        match (&outward, is_signed) {
-            (Some(_), true) =>
-                "W_j along the outward normal (positive where the shape is convex at the size of the level, negative where it is concave)",
-            (_, true) => "W_j (positive where the signal is above its surroundings, negative where it is below)",
-            _ => "|W_j|",
-        }
-    ));
-    if let Some(outward) = &outward {
-        let words = outward.to_string();
-        section.say(if is_signed {
-            format!("Orientation: {words}.")
-        } else {
-            format!("The map is unsigned, since {words}.")
-        });
-    }
+    describe_map(&mut section, outward.as_ref(), is_signed);
     let by_class = subject.decomposer.geometry().vertex_map().mean(&map, 1);
     let sum: f64 = by_class.iter().filter(|v| v.is_finite()).map(|v| v.max(0.0)).sum();
     let threshold = value_range(&by_class, 0.0, 1.0 - TOP).1;
@@ -95,6 +79,40 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         if found.len() == 1 { "one patch".to_owned() } else { format!("{} patches", found.len()) }
     ));
     section.gallery(pictures(subject, studio, &map, is_signed));
+    section.push(Block::Table(patch_table(subject, places.as_ref(), &found, sum)));
+    let summary = SaliencySummary {
+        vertex: Some(vertex),
+        largest: by_class[peak],
+        n_patches: found.len(),
+        top_share: top / sum,
+        seconds,
+    };
+    (section, Some(summary))
+}
+
+/// Adds the definition of the map, and how the normals were oriented.
+fn describe_map(section: &mut Section, outward: Option<&OutwardInfo>, is_signed: bool) {
+    section.say(format!(
+        "The sum of {} over the levels. Each level is divided by the mean of |W_j| and weighted by its unevenness, so that a level on \
+         which nothing stands out does not count.",
+        match (outward, is_signed) {
+            (Some(_), true) =>
+                "W_j along the outward normal (positive where the shape is convex at the size of the level, negative where it is concave)",
+            (_, true) => "W_j (positive where the signal is above its surroundings, negative where it is below)",
+            _ => "|W_j|",
+        }
+    ));
+    if let Some(outward) = outward {
+        let words = outward.to_string();
+        section.say(if is_signed {
+            format!("Orientation: {words}.")
+        } else {
+            format!("The map is unsigned, since {words}.")
+        });
+    }
+}
+
+fn patch_table(subject: &Subject<'_>, places: Option<&Places>, patches: &[Patch], sum: f64) -> Table {
     let mut table = Table::new(
         "saliency.csv",
         &format!(
@@ -115,26 +133,18 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
             "x, y, z",
         ],
     );
-    for patch in found.iter().take(MAX_PATCHES) {
-        let p = position(patch.peak);
+    for patch in patches.iter().take(MAX_PATCHES) {
+        let p = subject.decomposer.geometry().points().get(patch.peak).copied();
         let none = || NONE.to_owned();
         table.push([
             vertex_of(subject, patch.peak).to_string(),
-            p.zip(places.as_ref()).map_or_else(none, |(p, places)| places.words(&p)),
+            p.zip(places).map_or_else(none, |(p, places)| places.words(&p)),
             patch.n_vertices.to_string(),
             format!("{:.2}", 100.0 * patch.sum / sum),
             p.map_or_else(none, |p| subject.position(p)),
         ]);
     }
-    section.push(Block::Table(table.drop_empty_columns()));
-    let summary = SaliencySummary {
-        vertex: Some(vertex),
-        largest: by_class[peak],
-        n_patches: found.len(),
-        top_share: top / sum,
-        seconds,
-    };
-    (section, Some(summary))
+    table.drop_empty_columns()
 }
 
 fn pictures(
