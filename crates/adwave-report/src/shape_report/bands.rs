@@ -37,7 +37,7 @@ pub struct BandSummary {
 
 pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<BandSummary>) {
     let mut section = Section::new("bands", "Bands");
-    section.say(format!("Levels: {}.", subject.levels_reason));
+    section.say(format!("There are {}.", subject.levels_reason));
     let energies = BandEnergies::new(subject);
     let bands = summaries(subject, &energies);
     section.push(Block::Table(table(subject, &bands, &energies)));
