@@ -31,7 +31,7 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "fig1",
         folder: "fig01",
-        title: "Framework: the bands of a shape and their uses",
+        title: "Framework: bands of a shape and what is done with them",
         models: &["armadillo"],
         make: fig01::make,
     },
@@ -66,7 +66,7 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "fig6",
         folder: "fig06",
-        title: "Cost from fine to coarse, compared with eigenfunctions from coarse to fine",
+        title: "Cost from fine to coarse, against eigenfunctions from coarse to fine",
         models: &["hand", "dinosaur", "kitten"],
         make: fig06::make,
     },
@@ -80,14 +80,14 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "fig8",
         folder: "fig08",
-        title: "Construction of the saliency map",
+        title: "How the saliency map comes about",
         models: &["dinosaur"],
         make: fig08::make,
     },
     Figure {
         name: "fig9",
         folder: "fig09",
-        title: "Saliency of two poses, compared with Lee et al.",
+        title: "Saliency of two poses, against Lee et al.",
         models: &["armadillo"],
         make: fig09::make,
     },
@@ -101,7 +101,7 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "fig11",
         folder: "fig11",
-        title: "Features of textures, compared with the feature map",
+        title: "Features of textures, against the feature map",
         models: &["spot"],
         make: fig11::make,
     },
@@ -129,7 +129,7 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "fig15",
         folder: "fig15",
-        title: "Global filters compared with manifold harmonics",
+        title: "Global filters against manifold harmonics",
         models: &["hand", "dinosaur", "kitten"],
         make: fig15::make,
     },
