@@ -55,8 +55,10 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global<'_>) -> Result<(), CliEr
         return Err(CliError::Input(format!("{} is a file; name a folder", args.output.display())));
     }
     let models = models(args, &figures)?;
-    let found: Vec<Value> =
-        models.iter().map(|(name, path)| json!({"name": name, "file": path.display().to_string()})).collect();
+    let found: Vec<Value> = models
+        .files()
+        .map(|(name, path)| json!({"name": name, "file": path.display().to_string()}))
+        .collect();
     let line = Line::new(global, figures.len());
     let report = |done: u64, total: u64| line.part(done, total);
     let progress = global.progress().with_report(&report);

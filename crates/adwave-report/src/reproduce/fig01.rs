@@ -50,8 +50,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     for j in DRAWN_LEVELS {
         let size_of_wavelet = norms(bands.wavelet(j), 3);
-        let frame = SheetPanel::with_points(&model, positions(&bands.scaling(j)), format!("|W_f({j})|"));
-        sheet.push(frame.field(&size_of_wavelet, "|W| (model units)"));
+        let panel = SheetPanel::with_points(&model, positions(&bands.scaling(j)), format!("|W_f({j})|"));
+        sheet.push(panel.field(&size_of_wavelet, "|W| (model units)"));
     }
     sheet.push(SheetPanel::new(&model, "f: the shape"));
     sheet.push(SheetPanel::new(&model, "saliency").saliency(&map));

@@ -58,16 +58,16 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     for j in shown {
         let points = positions(&shape.scaling(j));
         let extent = diagonal(&points) / size;
-        let mut frame = SheetPanel::with_points(&model, points.clone(), format!("shape, S_f({j})"));
+        let mut panel = SheetPanel::with_points(&model, points.clone(), format!("shape, S_f({j})"));
         if extent < 0.02 {
             // A single point is invisible.
-            frame = frame.balls(&model, [(points[0], 0.012 * size)], ORANGE);
+            panel = panel.balls(&model, [(points[0], 0.012 * size)], ORANGE);
         }
-        sheet.push(frame);
+        sheet.push(panel);
     }
     for j in shown {
-        let frame = SheetPanel::new(&model, format!("curvature, S_f({j})"));
-        sheet.push(frame.field_in_range(&field.scaling(j), "1/model unit", ValueRange::Fixed(low, high)));
+        let panel = SheetPanel::new(&model, format!("curvature, S_f({j})"));
+        sheet.push(panel.field_in_range(&field.scaling(j), "1/model unit", ValueRange::Fixed(low, high)));
     }
 
     let cases = [

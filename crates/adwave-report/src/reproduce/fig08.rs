@@ -55,8 +55,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             digits(100.0 * part.iter().sum::<f64>() / total),
             format!("{:.4}", correlations[correlations.len() - 1]),
         ]);
-        let frame = SheetPanel::new(&model, format!("|W_f({})|", level.level));
-        sheet.push(frame.field(&size_of_wavelet, "1/model unit"));
+        let panel = SheetPanel::new(&model, format!("|W_f({})|", level.level));
+        sheet.push(panel.field(&size_of_wavelet, "1/model unit"));
     }
     sheet.push(SheetPanel::new(&model, "Λ: saliency").saliency(&map));
     let largest = map.iter().copied().fold(0.0, f64::max);

@@ -96,8 +96,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         sheet.push(SheetPanel::new(cloud, format!("saliency, {}", cloud.name)).saliency(&map));
         below.push(SheetPanel::new(cloud, format!("{} features", found.len())).features(cloud, &found));
     }
-    for frame in below {
-        sheet.push(frame);
+    for panel in below {
+        sheet.push(panel);
     }
     let verdict = Verdict::from_parts(
         &[least >= AGREES, found_in_all],

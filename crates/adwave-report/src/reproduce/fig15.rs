@@ -82,8 +82,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         sheet.push(SheetPanel::new(&model, format!("original {}", model.name)));
         sheet.push(SheetPanel::with_points(&model, positions(ours), format!("{name}, ours")));
         sheet.push(SheetPanel::with_points(&model, positions(theirs), format!("{name}, harmonics")));
-        let frame = SheetPanel::with_points(&model, positions(ours), "difference of the two");
-        sheet.push(frame.field(&norms(&apart, 3), "% of diagonal"));
+        let panel = SheetPanel::with_points(&model, positions(ours), "difference of the two");
+        sheet.push(panel.field(&norms(&apart, 3), "% of diagonal"));
     }
     let mut row = |quantity: &str, a: String, b: String| {
         table.push(["both".to_owned(), quantity.to_owned(), a, b]);

@@ -255,7 +255,7 @@ impl Models {
     }
 
     /// Models that were found, with their files.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, &Path)> {
         self.found.iter().map(|(&name, path)| (name, path.as_path()))
     }
 }
@@ -291,7 +291,7 @@ mod tests {
         write("dino.ply", "ply\n");
         write("horse.txt.bak", TRIANGLE);
         let mut models = Models::search(&[folder.path().to_owned()]).unwrap();
-        let found: Vec<_> = models.iter().map(|(name, path)| (name, stem(path))).collect();
+        let found: Vec<_> = models.files().map(|(name, path)| (name, stem(path))).collect();
         let expected = [("bunny", "stanford-bunny"), ("dinosaur", "dino"), ("face", "face")];
         assert_eq!(found, expected.map(|(a, b)| (a, b.to_owned())));
         models.read(&["bunny", "face"]).unwrap();

@@ -314,14 +314,14 @@ fn smoothed(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figure
         .map(|j| {
             let caption =
                 format!("S_{j}, after {}: {}.", steps(bands.steps[j]), width(subject, bands.sigma[j]));
-            let frame = PictureSpec::plain(format!("{} smoothed to level {j}", subject.signal), caption);
+            let spec = PictureSpec::plain(format!("{} smoothed to level {j}", subject.signal), caption);
             if subject.is_geometry() {
-                frame.with_positions(
+                spec.with_positions(
                     scaling[(j * subject.values.len())..][..subject.values.len()].as_chunks().0,
                 )
             } else {
                 let values = subject.scalar(&bands.scaling(j));
-                frame.field(FieldLook::new(values, subject.scalar_name(), scale))
+                spec.field(FieldLook::new(values, subject.scalar_name(), scale))
             }
         })
         .collect();

@@ -295,11 +295,11 @@ impl<'a> Studio<'a> {
 
     fn panel<'p>(
         &'p self,
-        frame: &PictureSpec<'_>,
+        spec: &PictureSpec<'_>,
         points: &'p [[f64; 3]],
         values: Option<&'p [f64]>,
     ) -> Panel<'p> {
-        let paint = match (&frame.field, values) {
+        let paint = match (&spec.field, values) {
             (Some(look), Some(values)) => Paint::Field(FieldPaint {
                 values,
                 label: String::new(),
@@ -310,7 +310,7 @@ impl<'a> Studio<'a> {
         };
         Panel {
             surface: Surface { points, triangles: &self.triangles, paint },
-            balls: frame.balls.clone(),
+            balls: spec.balls.clone(),
             caption: String::new(),
         }
     }

@@ -121,19 +121,19 @@ fn pictures(
 ) -> Result<Vec<Figure>, String> {
     let original = subject.scalar(subject.values);
     let scale = Scale::from_percentiles(&original);
-    let frame = |values: &[f64], alt: String, caption: String| {
-        let frame = PictureSpec::plain(alt, caption);
+    let spec = |values: &[f64], alt: String, caption: String| {
+        let spec = PictureSpec::plain(alt, caption);
         if subject.is_geometry() {
-            frame.with_positions(values.as_chunks().0.to_vec())
+            spec.with_positions(values.as_chunks().0.to_vec())
         } else {
-            frame.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
+            spec.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
         }
     };
     let mut specs =
-        vec![frame(subject.values, format!("Original {}", subject.name), "The original.".to_owned())];
+        vec![spec(subject.values, format!("Original {}", subject.name), "The original.".to_owned())];
     for PresetResult { summary, values } in edited {
         let name = summary.name;
-        specs.push(frame(
+        specs.push(spec(
             values,
             format!("{} after {name}", subject.name),
             format!("`{name}` {}. {}.", describe_preset(name), describe_change(subject, summary)),
