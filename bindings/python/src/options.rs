@@ -6,7 +6,7 @@ use adwave::denoise::Creases;
 use adwave::features::Response;
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
-use adwave::positions::{Along, Borders, PositionParams, Volume};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
 use adwave::saliency::Weighting;
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
@@ -162,7 +162,7 @@ impl LevelOptions<'_> {
                 let divisor = if rms.is_some() { 1.0 } else { FWHM };
                 let widths = rms.as_ref().or(fwhm.as_ref()).into_iter().flatten();
                 let sigma: Vec<f64> = widths
-                    .map(|width| Ok(length(width)?.in_units(diagonal) / divisor))
+                    .map(|width| Ok(length(width)?.to_model_units(diagonal) / divisor))
                     .collect::<PyResult<_>>()?;
                 Schedule::lengths(&sigma, step)
             }

@@ -47,7 +47,8 @@ fn simplify<'py>(
 ) -> PyResult<(ShapeData, Option<Bound<'py, PyAny>>, f64, f64)> {
     let content = shape.get();
     let own = content.shape(py)?;
-    let error = options.error.as_ref().map(length).transpose()?.map(|error| error.in_units(own.diagonal()));
+    let error =
+        options.error.as_ref().map(length).transpose()?.map(|error| error.to_model_units(own.diagonal()));
     let (file, kept, deviation) = match own {
         Shape::Mesh(mesh) => {
             let target = match (error, options.vertices) {
@@ -152,7 +153,7 @@ fn motion_between(
     scaled: bool,
     p: Progress<'_>,
 ) -> Stage<FeaturesAndMotion> {
-    let (walk, other) = (&a.decomposer, &b.decomposer);
+    let (decomposer, other) = (&a.decomposer, &b.decomposer);
     let lengths = if scaled {
         [stage(common_lengths(decomposer, decomposer))?, stage(common_lengths(other, other))?]
     } else {
@@ -170,7 +171,7 @@ fn motion_between(
         return Ok((one, two, None));
     };
     let params = AlignParams { scaled, ..AlignParams::default() };
-    let motion = stage(fit_motion(walk.geometry().points(), &surface, found.motion, &params, p))?;
+    let motion = stage(fit_motion(decomposer.geometry().points(), &surface, found.motion, &params, p))?;
     Ok((one, two, Some(motion)))
 }
 
@@ -207,7 +208,7 @@ fn distances<'py>(
             let other = b.decomposer.geometry().points();
             motion = stage(fit_motion(other, &own, start, &AlignParams::default(), p))?.0;
         }
-        let outward = stage(outward_normals(walk.geometry(), a.normals.as_deref(), p))?;
+        let outward = stage(outward_normals(decomposer.geometry(), a.normals.as_deref(), p))?;
         // The first shape is moved to the second, instead of the second to the first.
         let back = motion.inverse();
         let points: Vec<[f64; 3]> =
@@ -216,7 +217,7 @@ fn distances<'py>(
         let found = stage(signed_distances(&points, &normals, &surface, limit, p))?;
         let is_signed = outward.info.has_outside();
         let values = if is_signed { found.values } else { found.values.iter().map(|v| v.abs()).collect() };
-        Ok::<_, StageError>((walk.geometry().vertex_map().scatter(&values, 1), is_signed, motion))
+        Ok::<_, StageError>((decomposer.geometry().vertex_map().scatter(&values, 1), is_signed, motion))
     };
     let (values, is_signed, motion) = run(py, usize::MAX, progress.as_ref(), work)?;
     Ok((arrays::vector(py, values).into_any(), is_signed, matrix(py, &motion)?))

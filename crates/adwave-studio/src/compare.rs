@@ -62,7 +62,8 @@ pub(crate) fn compare(
         )));
     }
     let original = session.points();
-    let walk = Differential::from_walk(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
+    let walk =
+        Differential::from_diffusion(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
     let roughness = |points: &[[f64; 3]]| -> Result<f64, ApiError> {
         let offsets =
             walk.coordinates(points.as_flattened(), 3).map_err(|e| ApiError::from_classified(&e))?;

@@ -31,7 +31,7 @@ pub(crate) struct LevelsRequest {
 
 impl LevelsRequest {
     /// Converts to the levels of a recipe.
-    fn to_levels(&self, walk: &Decomposer) -> Result<Levels, ApiError> {
+    fn to_levels(&self, walk_decomposer: &Decomposer) -> Result<Levels, ApiError> {
         Ok(match self {
             Self { lengths: Some(lengths), levels: None, voices: None } => Levels::Lengths(lengths.clone()),
             Self { lengths: Some(_), .. } => {
@@ -113,8 +113,11 @@ impl PreparedShape {
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
         let kind = default_operator(&levels);
-        let decomposer =
-            if kind == OperatorKind::Walk { walk.clone() } else { build_decomposer(shape, kind, progress)? };
+        let decomposer = if kind == OperatorKind::Walk {
+            walk_decomposer.clone()
+        } else {
+            build_decomposer(shape, kind, progress)?
+        };
         let schedule = build_schedule(&levels, &decomposer)?;
         let points = shape.points().unwrap_or_default();
         let request = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress);
@@ -250,8 +253,14 @@ impl PreparedShape {
         before: &[[f64; 3]],
     ) -> Result<(Vec<[f64; 3]>, EditSummary), ApiError> {
         let edited = self.editor.edited().as_chunks().0.to_vec();
-        let points = settle(&self.decomposer, before, edited, &document.position_params(), Progress::none())
-            .map_err(|e| ApiError::from_classified(&e))?;
+        let points = constrain_positions(
+            &self.decomposer,
+            before,
+            edited,
+            &document.position_params(),
+            Progress::none(),
+        )
+        .map_err(|e| ApiError::from_classified(&e))?;
         let moved = displacement(before, &points);
         // The page computes in single precision.
         if !(moved.max as f32).is_finite() {

@@ -94,10 +94,10 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let start = Instant::now();
     let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let prepare_seconds = Some(start.elapsed().as_secs_f64());
-    let (schedule, why) = schedule(&args.levels, &walk, global)?;
+    let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
     let comparison_input = ComparisonInput {
         shape: &input.shape,
-        decomposer: &walk,
+        decomposer: &decomposer,
         prepare_seconds,
         schedule: &schedule,
         params: &params,

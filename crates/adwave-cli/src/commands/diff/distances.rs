@@ -259,7 +259,7 @@ fn by_features(
     let Ok(lengths) = common_lengths(&other, decomposer) else { return Ok(None) };
     let of = |input: &Input, decomposer: &Decomposer| {
         with_progress(global, "finding features", |progress| {
-            describe_shape(walk, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
+            describe_shape(decomposer, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
         })
         .map_err(|e| CliError::classified(&e))
     };

@@ -31,7 +31,7 @@ const MAX_PRINTED: usize = 20;
 /// One of the two shapes.
 struct Side {
     input: Input,
-    walk: Decomposer,
+    decomposer: Decomposer,
     described: ShapeFeatures,
 }
 
@@ -115,7 +115,7 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
     for ((input, decomposer), lengths) in prepared.into_iter().zip(lengths) {
         let normals = file_normals(&input.file);
         let described = with_progress(global, "finding features", |progress| {
-            describe_shape(&walk, normals.as_deref(), &lengths, args.theta, progress)
+            describe_shape(&decomposer, normals.as_deref(), &lengths, args.theta, progress)
         })
         .map_err(|e| CliError::classified(&e))?;
         sides.push(Side { input, decomposer, described });
