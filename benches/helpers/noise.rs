@@ -91,8 +91,8 @@ fn smooth_heights(mut heights: Vec<f64>, ring: &Adjacency) -> Vec<f64> {
     for _ in 0..SMOOTHINGS {
         heights = (0..heights.len())
             .map(|x| {
-                let around: f64 = ring.of(x).iter().map(|&y| heights[y as usize]).sum();
-                (heights[x] + around) / (1 + ring.of(x).len()) as f64
+                let around: f64 = ring.row(x).iter().map(|&y| heights[y as usize]).sum();
+                (heights[x] + around) / (1 + ring.row(x).len()) as f64
             })
             .collect();
     }
@@ -105,7 +105,7 @@ fn smooth_heights(mut heights: Vec<f64>, ring: &Adjacency) -> Vec<f64> {
 fn mean_edge(points: &[[f64; 3]], ring: &Adjacency) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for x in 0..points.len() {
-        for &y in ring.of(x).iter().filter(|&&y| y as usize > x) {
+        for &y in ring.row(x).iter().filter(|&&y| y as usize > x) {
             sum += norm(&subtract(&points[x], &points[y as usize]));
             count += 1.0;
         }
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn every_kind_has_the_asked_size_and_its_own_structure() {
-        let sample = Sample::by_name("sphere", Some(5000)).unwrap();
+        let sample = Sample::from_name("sphere", Some(5000)).unwrap();
         let edge = sample.mean_edge_length();
         let mesh = Mesh::new(sample.points, sample.faces).unwrap();
         let ring = one_ring(5000, mesh.faces().triangles().unwrap());
@@ -137,7 +137,7 @@ mod tests {
             assert!((rms / 0.3 - 1.0).abs() < 5.0 / 2000.0_f64.sqrt(), "{name}: {rms}");
             let neighbors: f64 = (0..5000)
                 .map(|x| {
-                    let y = ring.of(x)[0] as usize;
+                    let y = ring.row(x)[0] as usize;
                     adwave::vector::dot(&shifts[x], &shifts[y])
                 })
                 .sum::<f64>()

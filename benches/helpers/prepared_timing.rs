@@ -55,7 +55,7 @@ fn print(what: &str, n: usize, seconds: Timing) {
 }
 
 fn measure(n: usize) -> Result<(), Failure> {
-    let sample = Sample::by_name("torus", Some(n))?;
+    let sample = Sample::from_name("torus", Some(n))?;
     let points = sample.points.clone();
     let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces)?);
     let start = Instant::now();

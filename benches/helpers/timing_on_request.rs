@@ -128,7 +128,7 @@ fn explicit(subject: &Subject, levels: usize, folder: Option<&str>) -> Answer {
     let result = basis(&subject.diffusion, &params, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(folder) = folder {
-        let ordered = result.in_shape_order(subject.geometry.vertex_map())?;
+        let ordered = result.to_shape_order(subject.geometry.vertex_map())?;
         for (level, matrix) in (1..).zip(&ordered.scaling) {
             write_rows(folder, &format!("{level}-"), matrix.offsets(), matrix.columns())?;
             let path = Path::new(folder).join(format!("{level}-values.f32"));

@@ -205,12 +205,12 @@ impl MultiscaleData {
     ) -> PyResult<Self> {
         let decomposer = &prepared.get().decomposer;
         let params = MultiscaleParams::default().with_levels(n_levels).with_precision(precision);
-        let walk = decomposer.diffusion();
+        let diffusion = decomposer.diffusion();
         let basis = run(py, usize::MAX, progress.as_ref(), |p: Progress<'_>| -> Stage<Basis> {
             Ok(if orthogonal {
-                Basis::Orthogonal(stage(DiffusionWavelets::new(walk, &params, p))?)
+                Basis::Orthogonal(stage(DiffusionWavelets::new(diffusion, &params, p))?)
             } else {
-                Basis::Biorthogonal(stage(BiorthogonalDiffusionWavelets::new(walk, &params, p))?)
+                Basis::Biorthogonal(stage(BiorthogonalDiffusionWavelets::new(diffusion, &params, p))?)
             })
         })?;
         Ok(Self { basis, map: decomposer.geometry().vertex_map().clone() })

@@ -43,7 +43,7 @@ fn diffusion_matrix<'py>(py: Python<'py>, prepared: &Bound<'py, Prepared>) -> Py
     let rows = run(py, decomposer.n_vertices(), None, |p| {
         let rows = decomposer.diffusion().to_rows(p)?;
         Ok::<_, adwave::Cancelled>(match shape_order(decomposer.geometry().vertex_map()) {
-            Some(order) => rows.permuted(&order),
+            Some(order) => rows.permute(&order),
             None => rows,
         })
     })?;
@@ -73,7 +73,7 @@ fn basis_matrices<'py>(
     let map = decomposer.geometry().vertex_map();
     let found = run(py, usize::MAX, progress.as_ref(), |p| {
         let found = basis(decomposer.diffusion(), &params, p)?;
-        if map.n_welded() < map.n_vertices() { Ok(found) } else { found.in_shape_order(map) }
+        if map.n_welded() < map.n_vertices() { Ok(found) } else { found.to_shape_order(map) }
     })?;
     let wavelets = (1..=n_levels).map(|j| csr(py, found.wavelet(j))).collect::<PyResult<_>>()?;
     let scaling = found.scaling.into_iter().map(|rows| csr(py, rows)).collect::<PyResult<_>>()?;

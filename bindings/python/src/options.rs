@@ -6,7 +6,7 @@ use adwave::denoise::Creases;
 use adwave::features::Response;
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
-use adwave::positions::{Along, Borders, PositionParams, Volume};
+use adwave::positions::{MoveDirection, Borders, PositionParams, Volume};
 use adwave::region::Length;
 use adwave::saliency::Weighting;
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
@@ -24,13 +24,13 @@ pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> P
 
 pub(crate) const KINDS: &[(&str, ShapeKind)] =
     &[("mesh", ShapeKind::Mesh), ("cloud", ShapeKind::Cloud), ("graph", ShapeKind::Graph)];
-pub(crate) const ALONG: &[(&str, Along)] = &[
-    ("free", Along::Free),
-    ("normal", Along::Normal),
-    ("surface", Along::Surface),
-    ("x", Along::X),
-    ("y", Along::Y),
-    ("z", Along::Z),
+pub(crate) const ALONG: &[(&str, MoveDirection)] = &[
+    ("free", MoveDirection::Free),
+    ("normal", MoveDirection::Normal),
+    ("surface", MoveDirection::Surface),
+    ("x", MoveDirection::X),
+    ("y", MoveDirection::Y),
+    ("z", MoveDirection::Z),
 ];
 pub(crate) const BORDERS: &[(&str, Borders)] =
     &[("natural", Borders::Natural), ("keep", Borders::Keep), ("free", Borders::Free)];
@@ -162,7 +162,7 @@ impl LevelOptions<'_> {
                 let divisor = if rms.is_some() { 1.0 } else { FWHM };
                 let widths = rms.as_ref().or(fwhm.as_ref()).into_iter().flatten();
                 let sigma: Vec<f64> = widths
-                    .map(|width| Ok(length(width)?.in_units(diagonal) / divisor))
+                    .map(|width| Ok(length(width)?.to_model_units(diagonal) / divisor))
                     .collect::<PyResult<_>>()?;
                 Schedule::lengths(&sigma, step)
             }

@@ -7,7 +7,7 @@ use crate::options::{BandsOptions, ConstraintOptions, LevelOptions, OperatorOpti
 use crate::region::region_weights;
 use crate::shape::ShapeData;
 use adwave::bands::{BandsParams, DEFAULT_EXTENT, Schedule, Transform};
-use adwave::positions::settle;
+use adwave::positions::constrain_positions;
 use adwave::shape::{Shape, bounding_box};
 use adwave::{BandsRequest, Cancelled, Decomposer, Progress};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -248,7 +248,7 @@ impl Prepared {
         };
         let params = constraints.params()?;
         let n = before.len();
-        let points = run(py, n, progress.as_ref(), |p| settle(&self.decomposer, before, after, &params, p))?;
+        let points = run(py, n, progress.as_ref(), |p| constrain_positions(&self.decomposer, before, after, &params, p))?;
         Ok(arrays::point_rows(py, points)?.into_any())
     }
 

@@ -47,7 +47,7 @@ fn simplify<'py>(
 ) -> PyResult<(ShapeData, Option<Bound<'py, PyAny>>, f64, f64)> {
     let content = shape.get();
     let own = content.shape(py)?;
-    let error = options.error.as_ref().map(length).transpose()?.map(|error| error.in_units(own.diagonal()));
+    let error = options.error.as_ref().map(length).transpose()?.map(|error| error.to_model_units(own.diagonal()));
     let (file, kept, deviation) = match own {
         Shape::Mesh(mesh) => {
             let target = match (error, options.vertices) {
@@ -152,11 +152,11 @@ fn motion_between(
     scaled: bool,
     p: Progress<'_>,
 ) -> Stage<FeaturesAndMotion> {
-    let (walk, other) = (&a.decomposer, &b.decomposer);
+    let (decomposer, other) = (&a.decomposer, &b.decomposer);
     let lengths = if scaled {
-        [stage(common_lengths(walk, walk))?, stage(common_lengths(other, other))?]
+        [stage(common_lengths(decomposer, decomposer))?, stage(common_lengths(other, other))?]
     } else {
-        let both = stage(common_lengths(walk, other))?;
+        let both = stage(common_lengths(decomposer, other))?;
         [both.clone(), both]
     };
     let describe = |side: &Prepared, lengths: &[f64]| -> Stage<ShapeFeatures> {
@@ -170,7 +170,7 @@ fn motion_between(
         return Ok((one, two, None));
     };
     let params = AlignParams { scaled, ..AlignParams::default() };
-    let motion = stage(fit_motion(walk.geometry().points(), &surface, found.motion, &params, p))?;
+    let motion = stage(fit_motion(decomposer.geometry().points(), &surface, found.motion, &params, p))?;
     Ok((one, two, Some(motion)))
 }
 
@@ -191,10 +191,10 @@ fn distances<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, bool, Bound<'py, PyAny>)> {
     let (a, b) = (first.get(), second.get());
-    let walk = &a.decomposer;
+    let decomposer = &a.decomposer;
     let limit = limit.as_ref().map(length).transpose()?;
-    let limit = limit.map_or(f64::INFINITY, |limit| limit.in_units(walk.diagonal()));
-    let (Some(own), Some(surface)) = (Surface::new(walk.geometry()), Surface::new(b.decomposer.geometry()))
+    let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.diagonal()));
+    let (Some(own), Some(surface)) = (Surface::new(decomposer.geometry()), Surface::new(b.decomposer.geometry()))
     else {
         return Err(value_error("a graph has no surface; give meshes or clouds"));
     };
@@ -206,15 +206,15 @@ fn distances<'py>(
             let other = b.decomposer.geometry().points();
             motion = stage(fit_motion(other, &own, start, &AlignParams::default(), p))?.0;
         }
-        let outward = stage(outward_normals(walk.geometry(), a.normals.as_deref(), p))?;
+        let outward = stage(outward_normals(decomposer.geometry(), a.normals.as_deref(), p))?;
         // The first shape is moved to the second, instead of the second to the first.
         let back = motion.inverse();
-        let points: Vec<[f64; 3]> = walk.geometry().points().iter().map(|point| back.apply(point)).collect();
+        let points: Vec<[f64; 3]> = decomposer.geometry().points().iter().map(|point| back.apply(point)).collect();
         let normals: Vec<[f64; 3]> = outward.normals.iter().map(|normal| back.turn(normal)).collect();
         let found = stage(signed_distances(&points, &normals, &surface, limit, p))?;
         let is_signed = outward.info.has_outside();
         let values = if is_signed { found.values } else { found.values.iter().map(|v| v.abs()).collect() };
-        Ok::<_, StageError>((walk.geometry().vertex_map().scatter(&values, 1), is_signed, motion))
+        Ok::<_, StageError>((decomposer.geometry().vertex_map().scatter(&values, 1), is_signed, motion))
     };
     let (values, is_signed, motion) = run(py, usize::MAX, progress.as_ref(), work)?;
     Ok((arrays::vector(py, values).into_any(), is_signed, matrix(py, &motion)?))

@@ -6,7 +6,7 @@ use crate::prepared::Prepared;
 use crate::shape::ShapeData;
 use adwave::features::Feature;
 use adwave::measure::{
-    Change, Changed, RepeatabilityParams, change, n_right, repeatability, share_by_chance,
+    Change, ChangedShape, RepeatabilityParams, change, n_right, repeatability, share_by_chance,
 };
 use adwave::shape::{Shape, surface_area};
 use adwave_io::ShapeFile;
@@ -22,7 +22,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// A changed shape with the way back.
 #[pyclass(frozen, module = "adwave._native")]
 pub(crate) struct ChangeData {
-    changed: Changed,
+    changed: ChangedShape,
     shape: Py<ShapeData>,
 }
 
@@ -77,12 +77,12 @@ impl ChangeData {
                 return Err(value_error(format!("change must be one of {known}, got '{kind}'")));
             }
         };
-        let changed = run(py, usize::MAX, None, |p| -> Stage<Option<Changed>> {
+        let changed = run(py, usize::MAX, None, |p| -> Stage<Option<ChangedShape>> {
             match (&step, shape) {
                 (Some(step), _) => stage(change(shape, decomposer, step)).map(Some),
                 (None, Shape::Mesh(mesh)) => {
                     let mesh = stage(resample_mesh(mesh, seed, p))?;
-                    Ok(Some(Changed::resampled(Shape::Mesh(mesh))))
+                    Ok(Some(ChangedShape::resampled(Shape::Mesh(mesh))))
                 }
                 _ => Ok(None),
             }

@@ -173,7 +173,7 @@ impl ShapeData {
         seed: u64,
     ) -> PyResult<Self> {
         let sample = run(py, usize::MAX, None, |_| {
-            let mut sample = Sample::by_name(name, vertices)?;
+            let mut sample = Sample::from_name(name, vertices)?;
             if let Some(sigma) = noise {
                 sample.add_noise(NoiseSigma::MeanEdge(sigma), seed)?;
             }

@@ -97,7 +97,7 @@ impl Differential {
                 let geometry = PreparedGeometry::new(shape, WeldMode::default(), Progress::none())
                     .map_err(LinalgError::from)?;
                 let ring = one_ring(geometry.n_vertices(), geometry.triangles());
-                let row = |x: usize| ring.of(x).iter().map(|&y| (y, 1.0)).collect();
+                let row = |x: usize| ring.row(x).iter().map(|&y| (y, 1.0)).collect();
                 ((0..geometry.n_vertices()).map(row).collect(), geometry.vertex_map().clone())
             } else {
                 let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;

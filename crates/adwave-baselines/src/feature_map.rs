@@ -205,7 +205,7 @@ pub fn critical_points(triangles: &[[u32; 3]], f: &[f64]) -> (Vec<CriticalPoint>
     }
     let (mut points, mut sum) = (Vec::new(), 0);
     for x in 0..f.len() as u32 {
-        let neighbors = ring.of(x as usize);
+        let neighbors = ring.row(x as usize);
         if neighbors.is_empty() {
             continue;
         }

@@ -181,7 +181,7 @@ fn normalize_map(map: &[f64], ring: &adwave::shape::Adjacency) -> Vec<f64> {
     if top <= 0.0 {
         return vec![0.0; map.len()];
     }
-    let is_peak = |x: usize| !ring.of(x).is_empty() && ring.of(x).iter().all(|&y| map[y as usize] < map[x]);
+    let is_peak = |x: usize| !ring.row(x).is_empty() && ring.row(x).iter().all(|&y| map[y as usize] < map[x]);
     let peaks: Vec<f64> =
         (0..map.len()).filter(|&x| is_peak(x) && map[x] < top).map(|x| map[x] / top).collect();
     let mean = if peaks.is_empty() { 0.0 } else { peaks.iter().sum::<f64>() / peaks.len() as f64 };

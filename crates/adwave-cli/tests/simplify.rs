@@ -182,7 +182,7 @@ fn bands_agree_where_they_are_wider_than_the_edges() {
     use adwave::shape::Shape;
     use adwave::{Decomposer, Progress};
     use adwave_simplify::{MeshParams, MeshTarget, simplify_mesh};
-    let file = adwave::sample::Sample::by_name("creature", Some(12_000)).unwrap();
+    let file = adwave::sample::Sample::from_name("creature", Some(12_000)).unwrap();
     let mesh = adwave::shape::Mesh::new(file.points, file.faces).unwrap();
     let simplified =
         simplify_mesh(&mesh, None, &MeshParams::new(MeshTarget::Ratio(0.33)), Progress::none()).unwrap();

@@ -22,7 +22,7 @@ use crate::{ReadError, WriteError, atomic_write};
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
 use adwave::operator::OperatorKind;
-use adwave::positions::{Along, Borders, PositionParams, Volume};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
 use serde::{Deserialize, Serialize, Serializer};
 use std::io::Read;
@@ -89,7 +89,7 @@ struct Table {
     #[serde(default, skip_serializing_if = "is_default")]
     keep_creases: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
-    along: Option<Along>,
+    along: Option<MoveDirection>,
     #[serde(default, skip_serializing_if = "is_default")]
     border: Borders,
     #[serde(default, skip_serializing_if = "is_default")]
@@ -224,12 +224,12 @@ pub fn write_recipe(path: &Path, recipe: &Recipe) -> Result<(), WriteError> {
 mod tests {
     use super::*;
     use adwave::filter::{Gains, Preset};
-    use adwave::region::{BrushStroke, Place, Region};
+    use adwave::region::{BrushStroke, Location, Region};
 
     #[test]
     fn writing_and_reading_is_the_identity() {
         let ball = Region::Ball {
-            center: Place::Point([0.5, -1.0, 2.0]),
+            center: Location::Point([0.5, -1.0, 2.0]),
             radius: Length::PercentOfDiagonal(5.0),
             falloff: Some(Length::Units(0.25)),
         };
@@ -238,7 +238,7 @@ mod tests {
             Region::All(vec![
                 Region::Field { name: "thickness".into(), low: 1.0, high: 3.5 },
                 Region::Vertices { indices: vec![1, 2, 9], radius: Length::Units(0.0), falloff: None },
-                Region::Stroke { path: vec![Place::Vertex(7)], radius: Length::Units(0.1), falloff: None },
+                Region::Stroke { path: vec![Location::Vertex(7)], radius: Length::Units(0.1), falloff: None },
                 Region::Painted(vec![
                     BrushStroke::Add(Region::Faded { factor: 0.5, region: Box::new(Region::Everywhere {}) }),
                     BrushStroke::Subtract(Region::Vertices {
@@ -255,7 +255,7 @@ mod tests {
             density_invariant: false,
             keep_creases: true,
             positions: PositionParams {
-                along: Some(Along::Surface),
+                along: Some(MoveDirection::Surface),
                 borders: Borders::Keep,
                 volume: Volume::Keep,
             },

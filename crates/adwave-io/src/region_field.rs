@@ -49,7 +49,8 @@ fn shape_saliency(file: &ShapeFile, decomposer: &Decomposer) -> Option<Vec<f64>>
     let request = decomposer.request(points.as_flattened(), 3, &schedule);
     let normals = file_normals(file);
     let found = outward_normals(decomposer.geometry(), normals.as_deref(), Progress::none()).ok()?;
-    let wavelets = if found.info.has_outside() { request.along(&found.normals) } else { request.norms() };
+    let wavelets =
+        if found.info.has_outside() { request.along_normals(&found.normals) } else { request.norms() };
     Some(saliency(decomposer, &wavelets.ok()?, &SaliencyParams::default(), Progress::none()).ok()?.map)
 }
 

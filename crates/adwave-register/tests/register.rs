@@ -16,7 +16,7 @@ fn prepared(shape: &Shape) -> Decomposer {
 
 /// Noisy creature with about n vertices, after a motion.
 fn creature(n_vertices: usize, noise: f64, seed: u64, motion: &Motion) -> Shape {
-    let mut sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
+    let mut sample = Sample::from_name("creature", Some(n_vertices)).unwrap();
     sample.add_noise(NoiseSigma::MeanEdge(noise), seed).unwrap();
     let points = sample.points.iter().map(|p| motion.apply(p)).collect();
     Shape::Mesh(Mesh::new(points, sample.faces).unwrap())
@@ -29,9 +29,9 @@ fn geometry(shape: &Shape) -> PreparedGeometry {
 fn both(first: &Shape, second: &Shape) -> [(Decomposer, ShapeFeatures); 2] {
     let walks = [prepared(first), prepared(second)];
     let lengths = common_lengths(&walks[0], &walks[1]).unwrap();
-    walks.map(|walk| {
-        let found = describe_shape(&walk, None, &lengths, 1.0, Progress::none()).unwrap();
-        (walk, found)
+    walks.map(|decomposer| {
+        let found = describe_shape(&decomposer, None, &lengths, 1.0, Progress::none()).unwrap();
+        (decomposer, found)
     })
 }
 
@@ -43,7 +43,7 @@ fn off(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let truth = Motion::new([0.3, -2.0, 1.1], [4.0, -1.0, 0.5]);
     let (first, second) = (creature(9000, 0.1, 1, &Motion::default()), creature(14_000, 0.1, 2, &truth));
-    let [(walk, a), (other, b)] = both(&first, &second);
+    let [(decomposer, a), (other, b)] = both(&first, &second);
     assert!(a.is_signed && b.is_signed);
     let params = ConsensusParams::default();
     let found = consensus(&a, &b, &params, Progress::none());
@@ -51,11 +51,11 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     assert!(found.is_clear(), "{} of {}", found.n_agreeing, found.n_by_chance);
     let surface = Surface::new(other.geometry()).unwrap();
     let (motion, info) =
-        align(walk.geometry().points(), &surface, found.motion, &AlignParams::default(), Progress::none())
+        align(decomposer.geometry().points(), &surface, found.motion, &AlignParams::default(), Progress::none())
             .unwrap();
-    let diagonal = walk.diagonal();
+    let diagonal = decomposer.diagonal();
     let farthest =
-        walk.geometry().points().iter().map(|p| off(&motion.apply(p), &truth.apply(p))).fold(0.0, f64::max);
+        decomposer.geometry().points().iter().map(|p| off(&motion.apply(p), &truth.apply(p))).fold(0.0, f64::max);
     assert!(farthest < 0.002 * diagonal && info.overlap > 0.99, "{farthest}, {info:?}");
     let area = surface_area(other.geometry().points(), other.geometry().triangles());
     let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams::default());
@@ -74,7 +74,7 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
 
 #[test]
 fn no_motion_is_clear_between_shapes_that_have_nothing_in_common() {
-    let torus = Sample::by_name("torus", Some(6000)).unwrap();
+    let torus = Sample::from_name("torus", Some(6000)).unwrap();
     let mut torus = torus;
     torus.add_noise(NoiseSigma::MeanEdge(0.3), 3).unwrap();
     let torus = Shape::Mesh(Mesh::new(torus.points, torus.faces).unwrap());
@@ -180,7 +180,7 @@ fn the_closest_point_of_a_mesh_is_that_of_all_its_triangles() {
 
 #[test]
 fn points_of_a_cloud_stand_for_the_surface_between_them() {
-    let sphere = Sample::by_name("sphere", Some(4000)).unwrap();
+    let sphere = Sample::from_name("sphere", Some(4000)).unwrap();
     let cloud = geometry(&Shape::Cloud(PointCloud::new(sphere.points).unwrap()));
     let surface = Surface::new(&cloud).unwrap();
     for k in 0..100 {

@@ -65,7 +65,7 @@ fn smooth_normals(normals: &[Vector], near: &Neighborhoods) -> Vec<Vector> {
             let other = &normals[y as usize];
             add_scaled(&sum, if dot(own, other) < 0.0 { -1.0 } else { 1.0 }, other)
         };
-        unit(&near.adjacency.of(x).iter().fold(*own, add)).unwrap_or(*own)
+        unit(&near.adjacency.row(x).iter().fold(*own, add)).unwrap_or(*own)
     };
     (0..normals.len()).into_par_iter().with_min_len(1024).map(mean).collect()
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 const BORDER_PIXELS: f64 = 0.5;
 
 fn sphere() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let sample = Sample::by_name("sphere", Some(4000)).unwrap();
+    let sample = Sample::from_name("sphere", Some(4000)).unwrap();
     (sample.points, sample.faces.iter().map(|f| [f[0], f[1], f[2]]).collect())
 }
 
@@ -278,7 +278,7 @@ fn a_call_that_is_told_to_stop_gives_no_picture() {
 fn a_million_vertices_are_let_go_of_within_50_ms() {
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::{Duration, Instant};
-    let sample = Sample::by_name("sphere", Some(1_000_000)).unwrap();
+    let sample = Sample::from_name("sphere", Some(1_000_000)).unwrap();
     let triangles: Vec<[u32; 3]> = sample.faces.iter().map(|f| [f[0], f[1], f[2]]).collect();
     let surface = Surface { points: &sample.points, triangles: &triangles, paint: Paint::CLAY };
     let start = Instant::now();

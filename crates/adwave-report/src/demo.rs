@@ -204,7 +204,7 @@ fn saliency_picture(
     triangles: &[[u32; 3]],
     progress: Progress<'_>,
 ) -> Result<Picture, RenderError> {
-    let map = signed_saliency(subject.walk, subject.bands, true, None).map(|s| s.map);
+    let map = signed_saliency(subject.decomposer, subject.bands, true, None).map(|s| s.map);
     let points = subject.shape.points().unwrap_or_default();
     let map = map.unwrap_or_else(|_| vec![0.0; points.len()]);
     let sizes: Vec<f64> = map.iter().map(|v| v.abs()).collect();
@@ -224,7 +224,7 @@ fn features_picture(
     triangles: &[[u32; 3]],
     progress: Progress<'_>,
 ) -> Result<Picture, RenderError> {
-    let found = find(subject.walk, subject.bands, &FeatureParams::default()).unwrap_or_default();
+    let found = find(subject.decomposer, subject.bands, &FeatureParams::default()).unwrap_or_default();
     let balls: Vec<Ball> = found
         .iter()
         .filter_map(|f| Some(Ball { center: f.position?, radius: f.sigma, color: GREEN }))

@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_loss_is_the_distance_to_the_scaling_coefficients() {
-        let sample = Sample::by_name("creature", Some(2000)).unwrap();
+        let sample = Sample::from_name("creature", Some(2000)).unwrap();
         let shape = adwave::shape::Shape::Mesh(
             adwave::shape::Mesh::new(sample.points.clone(), sample.faces).unwrap(),
         );

@@ -26,7 +26,7 @@ const MOVE_RANGE: std::ops::Range<f64> = 0.05..0.3;
 /// use adwave::sample::Sample;
 /// use adwave::shape::Mesh;
 /// use adwave_simplify::resample_mesh;
-/// let sphere = Sample::by_name("sphere", Some(2000))?;
+/// let sphere = Sample::from_name("sphere", Some(2000))?;
 /// let mesh = Mesh::new(sphere.points.clone(), sphere.faces)?;
 /// let again = resample_mesh(&mesh, 1, Progress::none())?;
 /// assert!((again.points().len() as f64 / 2000.0 - 1.0).abs() < 0.05);

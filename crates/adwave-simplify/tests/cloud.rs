@@ -7,7 +7,7 @@ use adwave_simplify::{CloudTarget, SimplifyError, simplify_cloud};
 use proptest::prelude::*;
 
 fn cloud(n: usize) -> PointCloud {
-    PointCloud::new(Sample::by_name("creature", Some(n)).unwrap().points).unwrap()
+    PointCloud::new(Sample::from_name("creature", Some(n)).unwrap().points).unwrap()
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -11,7 +11,7 @@ use std::sync::atomic::AtomicBool;
 const ROUNDING: f64 = 1e-9;
 
 fn sample(name: &str, n_vertices: usize) -> Mesh {
-    let sample = Sample::by_name(name, Some(n_vertices)).unwrap();
+    let sample = Sample::from_name(name, Some(n_vertices)).unwrap();
     Mesh::new(sample.points, sample.faces).unwrap()
 }
 

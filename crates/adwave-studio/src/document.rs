@@ -3,7 +3,7 @@
 use crate::response::ApiError;
 use adwave::filter::{Gains, Layer};
 use adwave::operator::OperatorKind;
-use adwave::positions::{Along, Borders, PositionParams, Volume};
+use adwave::positions::{MoveDirection, Borders, PositionParams, Volume};
 use adwave::region::Region;
 use adwave_io::{Levels, Recipe};
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ pub struct Document {
     pub layers: Vec<DocumentLayer>,
     /// Directions in which vertices may move; the default of the shape if `None`.
     #[serde(default)]
-    pub along: Option<Along>,
+    pub along: Option<MoveDirection>,
     /// Treatment of open borders.
     #[serde(default)]
     pub border: Borders,
@@ -96,7 +96,7 @@ impl Document {
 
     /// Tells whether new positions are more than a sum of bands; by default a cloud moves along its normals.
     pub(crate) fn has_constraints(&self, is_cloud: bool) -> bool {
-        let is_free = self.along.map_or(!is_cloud, |along| along == Along::Free);
+        let is_free = self.along.map_or(!is_cloud, |along| along == MoveDirection::Free);
         !(is_free && self.border == Borders::default() && self.volume == Volume::default())
     }
 

@@ -5,7 +5,7 @@ use crate::response::{ApiError, ApiResult, bytes_response_with_header, encode_f3
 use crate::session::Session;
 use adwave::Progress;
 use adwave::features::{FeatureParams, features};
-use adwave::saliency::drawn_saliency;
+use adwave::saliency::saliency_f32;
 use adwave::shape::Shape;
 use adwave::signal::SurfaceSignal;
 use adwave_io::{SignalSource, named_signal, region_field};
@@ -132,9 +132,9 @@ fn compute_saliency(session: &Session, prepared: &PreparedShape) -> Result<Vec<f
         decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule).accuracy(COLOR_ACCURACY);
     let outward = prepared.outward_normals(&session.input.file)?;
     let has_outside = outward.info.has_outside();
-    let wavelets = if has_outside { request.along_at_once(&outward.normals) } else { request.norms() };
+    let wavelets = if has_outside { request.along_normals_in_one_pass(&outward.normals) } else { request.norms() };
     let wavelets = wavelets.map_err(|e| ApiError::from_classified(&e))?;
-    drawn_saliency(decomposer, &wavelets, Progress::none()).map_err(|e| ApiError::from_classified(&e))
+    saliency_f32(decomposer, &wavelets, Progress::none()).map_err(|e| ApiError::from_classified(&e))
 }
 
 /// Responds with the features of the edited positions.

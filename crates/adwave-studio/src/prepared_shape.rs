@@ -6,7 +6,7 @@ use crate::response::{ApiError, encode_rows};
 use adwave::bands::Schedule;
 use adwave::filter::{FilterError, WeightedLayer, displacement};
 use adwave::operator::{OperatorKind, OperatorParams};
-use adwave::positions::settle;
+use adwave::positions::constrain_positions;
 use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape, enclosed_volume};
 use adwave::signal::{OutwardNormals, outward_normals};
@@ -250,7 +250,7 @@ impl PreparedShape {
         before: &[[f64; 3]],
     ) -> Result<(Vec<[f64; 3]>, EditSummary), ApiError> {
         let edited = self.editor.edited().as_chunks().0.to_vec();
-        let points = settle(&self.decomposer, before, edited, &document.position_params(), Progress::none())
+        let points = constrain_positions(&self.decomposer, before, edited, &document.position_params(), Progress::none())
             .map_err(|e| ApiError::from_classified(&e))?;
         let moved = displacement(before, &points);
         // The page computes in single precision.
@@ -299,7 +299,7 @@ fn build_schedule(levels: &Levels, decomposer: &Decomposer) -> Result<Schedule, 
         Levels::Steps(steps) => Schedule::real(steps.clone()),
         Levels::Lengths(lengths) => {
             let diagonal = decomposer.diagonal();
-            Schedule::lengths(&lengths.iter().map(|l| l.in_units(diagonal)).collect::<Vec<_>>(), step)
+            Schedule::lengths(&lengths.iter().map(|l| l.to_model_units(diagonal)).collect::<Vec<_>>(), step)
         }
     };
     schedule.map_err(|e| StudioError::from_classified(&e))

@@ -57,7 +57,7 @@ fn bands_of_part(
     let mut outs: Vec<Vec<f64>> = series.iter().map(|_| zeros(3 * points.len())).collect();
     if !series.is_empty() {
         let mut slices: Vec<&mut [f64]> = outs.iter_mut().map(|out| &mut out[..]).collect();
-        transform.fixed_into(points.as_flattened(), 3, &series, &mut slices, progress)?;
+        transform.apply_fixed_series_into(points.as_flattened(), 3, &series, &mut slices, progress)?;
     }
     Ok(Results { points, outs, own, steps, mean_length, far: f64::INFINITY })
 }

@@ -67,7 +67,7 @@ pub(crate) fn choose(
     let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, progress.quiet())?;
     let mut params = plan.params.denoise.unwrap_or_default();
     params.noise = params.noise.map(|noise| noise / plan.layout.unit());
-    Ok(DenoiseChoice::of(&geometry, &params, progress.quiet())?)
+    Ok(DenoiseChoice::estimate(&geometry, &params, progress.quiet())?)
 }
 
 /// A vertex that moved farther than this many standard deviations of the noise is counted.

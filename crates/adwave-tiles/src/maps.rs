@@ -221,7 +221,7 @@ impl<'a> Search<'a> {
     /// Whether x, a vertex of the tile, is a feature of a level that is neither the first nor the last.
     fn is_feature(&self, x: usize, level: usize) -> bool {
         let levels = |y: usize| [level - 1, level, level + 1].map(|level| self.response(y, level));
-        let near = self.neighbors.of(x);
+        let near = self.neighbors.row(x);
         // Algorithm 2: |R(j,x)| > θ·mean|R(j)|, and an extremum over place and scale
         self.response(x, level) > self.theta
             && is_extremum(x, near, TIE, levels)
@@ -229,8 +229,8 @@ impl<'a> Search<'a> {
     }
 
     fn two_rings(&self, x: usize) -> Vec<u32> {
-        let near = self.neighbors.of(x);
-        let next = near.iter().flat_map(|&y| self.neighbors.of(y as usize));
+        let near = self.neighbors.row(x);
+        let next = near.iter().flat_map(|&y| self.neighbors.row(y as usize));
         let mut both: Vec<u32> = near.iter().chain(next).copied().filter(|&y| y as usize != x).collect();
         both.sort_unstable();
         both.dedup();

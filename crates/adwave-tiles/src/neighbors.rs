@@ -51,12 +51,12 @@ pub(crate) fn neighbors_of_tile(
                 tree.touching(&around, &tile, &mut |block| others.push(block));
                 let start = near.places.len();
                 let radius = if others.is_empty() {
-                    near.places.extend(own.adjacency.of(i).iter().map(|&y| (first + y as usize) as u32));
+                    near.places.extend(own.adjacency.row(i).iter().map(|&y| (first + y as usize) as u32));
                     own.radius[i]
                 } else {
                     let mut known: Vec<(u32, [f64; 3])> = Vec::with_capacity(8 * k);
                     known.push((place as u32, points[i]));
-                    let named = own.adjacency.of(i).iter();
+                    let named = own.adjacency.row(i).iter();
                     known.extend(named.map(|&y| ((first + y as usize) as u32, points[y as usize])));
                     across(&cache, others, reach(i), k, &mut known, &mut near.places)?
                 };
@@ -154,7 +154,7 @@ fn sum_of_distances(
     for (i, place) in vertices.clone().enumerate() {
         let here = points[place - first];
         let mut of_vertex = 0.0;
-        for &y in near.of(i) {
+        for &y in near.row(i) {
             let there = match (y as usize).checked_sub(first).and_then(|i| points.get(i)) {
                 Some(there) => *there,
                 None => cache.position(y as usize)?,

@@ -143,7 +143,7 @@ impl Found {
             progress.check()?;
             let (mut inside, mut across) = (Vec::new(), Vec::new());
             for x in range {
-                for &y in part.neighbors.of(x) {
+                for &y in part.neighbors.row(x) {
                     let y = y as usize;
                     if y < x && own.contains(&y) {
                         continue; // looked at from there

@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn every_method_does_its_task_and_smoothing_agrees() {
-        let sample = Sample::by_name("torus", Some(700)).unwrap();
+        let sample = Sample::from_name("torus", Some(700)).unwrap();
         let points = sample.points.clone();
         let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap());
         let decomposer = Decomposer::new(&shape);

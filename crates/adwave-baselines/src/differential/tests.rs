@@ -5,7 +5,7 @@ use adwave::sample::Sample;
 use adwave::shape::{Graph, Mesh};
 
 fn torus() -> Shape {
-    let sample = Sample::by_name("torus", Some(1200)).unwrap();
+    let sample = Sample::from_name("torus", Some(1200)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 

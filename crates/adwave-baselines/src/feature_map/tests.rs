@@ -4,7 +4,7 @@ use adwave::shape::{Mesh, PointCloud, Polygons, health};
 use proptest::prelude::*;
 
 fn sample(name: &str, n: usize) -> Shape {
-    let sample = Sample::by_name(name, Some(n)).unwrap();
+    let sample = Sample::from_name(name, Some(n)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 
@@ -119,7 +119,7 @@ proptest! {
             triangles.into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]).collect();
         let f: Vec<f64> = f.into_iter().map(f64::from).collect();
         let ring = one_ring(9, &triangles);
-        let vertices = (0..9).filter(|&x| !ring.of(x).is_empty()).count() as i64;
+        let vertices = (0..9).filter(|&x| !ring.row(x).is_empty()).count() as i64;
         let mut faces: Vec<[u32; 3]> = triangles.iter().map(|t| { let mut t = *t; t.sort_unstable(); t }).collect();
         faces.sort_unstable();
         faces.dedup();

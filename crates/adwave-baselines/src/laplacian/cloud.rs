@@ -23,7 +23,7 @@ pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec
     let mut weights = Vec::new();
     let mut moment = vec![0.0; points.len()];
     for x in 0..points.len() {
-        for &y in operator.neighbors().of(x).iter().filter(|&&y| y as usize > x) {
+        for &y in operator.neighbors().row(x).iter().filter(|&&y| y as usize > x) {
             let d = subtract(&points[x], &points[y as usize]);
             let squared = if four_t > 0.0 { dot(&d, &d) / four_t } else { 0.0 };
             let weight = mass[x] / unit * (mass[y as usize] / unit) * (-squared).exp();

@@ -8,7 +8,7 @@ fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Shape {
 }
 
 fn sample(name: &str, n: usize) -> Shape {
-    let sample = Sample::by_name(name, Some(n)).unwrap();
+    let sample = Sample::from_name(name, Some(n)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 

@@ -3,7 +3,7 @@ use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons};
 
 fn sample(name: &str, n: usize) -> Shape {
-    let sample = Sample::by_name(name, Some(n)).unwrap();
+    let sample = Sample::from_name(name, Some(n)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 

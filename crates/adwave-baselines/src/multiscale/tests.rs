@@ -9,7 +9,7 @@ fn line(n: u32) -> Shape {
 }
 
 fn sphere() -> Shape {
-    let sample = Sample::by_name("sphere", Some(400)).unwrap();
+    let sample = Sample::from_name("sphere", Some(400)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 

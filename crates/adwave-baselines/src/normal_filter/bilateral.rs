@@ -110,7 +110,7 @@ const MAX_CG_ITERATIONS: usize = 100_000;
 /// ```
 /// use adwave::{Progress, sample::{NoiseSigma, Sample}, shape::*};
 /// use adwave_baselines::normal_filter::{BilateralParams, bilateral_normals};
-/// let mut sphere = Sample::by_name("sphere", Some(500))?;
+/// let mut sphere = Sample::from_name("sphere", Some(500))?;
 /// sphere.add_noise(NoiseSigma::MeanEdge(0.1), 1)?;
 /// let shape = Shape::Mesh(Mesh::new(sphere.points.clone(), sphere.faces)?);
 /// let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none())?;

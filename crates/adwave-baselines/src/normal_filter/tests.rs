@@ -152,7 +152,7 @@ fn a_noisy_cube_keeps_its_edges_and_its_seams() {
 
 #[test]
 fn rotation_scale_and_the_order_of_faces_change_nothing_but_rounding() {
-    let sample = Sample::by_name("knot", Some(1500)).unwrap();
+    let sample = Sample::from_name("knot", Some(1500)).unwrap();
     let triangles = sample.faces.triangles().unwrap().to_vec();
     let rough = noisy(&sample.points, 0.01, false);
     let turn = |p: &[f64; 3]| [-1e30 * p[1], 1e30 * p[0], 1e30 * p[2]];
@@ -172,7 +172,7 @@ fn rotation_scale_and_the_order_of_faces_change_nothing_but_rounding() {
 
 #[test]
 fn same_bits_on_any_number_of_threads() {
-    let sample = Sample::by_name("bracket", Some(3000)).unwrap();
+    let sample = Sample::from_name("bracket", Some(3000)).unwrap();
     let triangles = sample.faces.triangles().unwrap().to_vec();
     let prepared = geometry(noisy(&sample.points, 0.01, false), &triangles);
     let on = |n_threads| {

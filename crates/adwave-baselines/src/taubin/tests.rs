@@ -54,7 +54,7 @@ fn half_the_gain_is_where_it_is_asked_for() {
 
 #[test]
 fn constants_stay_to_the_last_bit_and_noise_falls() {
-    let sample = Sample::by_name("sphere", Some(2000)).unwrap();
+    let sample = Sample::from_name("sphere", Some(2000)).unwrap();
     let n = sample.points.len();
     let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap());
     let k = Differential::new(&shape, Weights::Uniform).unwrap();

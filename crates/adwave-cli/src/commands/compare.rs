@@ -92,12 +92,12 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let signal = signal::load(global, &input, field, args.field.texture.as_deref())?;
     let start = Instant::now();
-    let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
+    let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let prepare_seconds = Some(start.elapsed().as_secs_f64());
-    let (schedule, why) = schedule(&args.levels, &walk, global)?;
+    let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
     let comparison_input = ComparisonInput {
         shape: &input.shape,
-        decomposer: &walk,
+        decomposer: &decomposer,
         prepare_seconds,
         schedule: &schedule,
         params: &params,

@@ -88,7 +88,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         format: "built-in",
         fields: &[],
         shape: &shape,
-        walk: &decomposer,
+        decomposer: &decomposer,
         signal: COORDS,
         values: coords,
         normals: None,

@@ -1,7 +1,7 @@
 //! Fig. 1: the framework. A shape, its bands from fine to coarse, and what is done with them.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, norms, positions, walk};
+use super::numbers::{bands, norms, positions, prepare_model};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::{features, saliency};
 use adwave::bands::Schedule;
@@ -21,14 +21,14 @@ const ROUNDING: f64 = 1e-12;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["armadillo"], "creature", N_VERTICES)?;
-    let walk = walk(&model);
+    let decomposer = prepare_model(&model);
     let coords = model.coordinates();
-    let bands = bands(context, &walk, coords, 3, N_LEVELS)?;
+    let bands = bands(context, &decomposer, coords, 3, N_LEVELS)?;
     let size = diagonal(model.points());
     let error = rms(&bands.reconstruct(), coords, 3) / size;
 
-    let map = saliency(&walk, &bands, &SaliencyParams::paper())?.map;
-    let found = features(&walk, &bands, &FeatureParams::default())?;
+    let map = saliency(&decomposer, &bands, &SaliencyParams::paper())?.map;
+    let found = features(&decomposer, &bands, &FeatureParams::default())?;
     let (low, high) = bounding_box(model.points()).ok_or("the model has no vertices")?;
     let middle = std::array::from_fn(|c| 0.5 * (low[c] + high[c]));
     let side = |sign: f64| Region::HalfSpace {
@@ -42,7 +42,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     ];
     let schedule = Schedule::dyadic(N_LEVELS)?;
     let edit = Edit::new(&layers);
-    let edited = walk.request(coords, 3, &schedule).progress(context.progress).filter(&edit)?;
+    let edited = decomposer.request(coords, 3, &schedule).progress(context.progress).filter(&edit)?;
 
     let mut sheet = Sheet::new(4);
     for j in SHOWN {

@@ -1,7 +1,7 @@
 //! Fig. 3: a scaling function and a wavelet on a surface.
 
 use super::draw::{Frame, Sheet, ValueRange, View};
-use super::numbers::{distance, extent, walk};
+use super::numbers::{distance, extent, prepare_model};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::bands::Schedule;
 use adwave::shape::{diagonal, vertex_normals};
@@ -19,17 +19,17 @@ const NEGLIGIBLE: f64 = 1e-6;
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["bunny", "kitten"], "creature", N_VERTICES)?;
-    let walk = walk(&model);
+    let decomposer = prepare_model(&model);
     let size = diagonal(model.points());
-    let sigma = |j: usize| walk.diffusion().step_length() * ((j as f64 - 1.0) / 2.0).exp2();
+    let sigma = |j: usize| decomposer.diffusion().step_length() * ((j as f64 - 1.0) / 2.0).exp2();
     let shown = (3..=N_LEVELS).find(|&j| sigma(j) >= WIDTH * size).unwrap_or(N_LEVELS);
     let vertex = facing_vertex(&model);
     let center = model.points()[vertex];
-    let classes = walk.geometry().vertex_map().as_slice();
-    let areas = walk.areas();
+    let classes = decomposer.geometry().vertex_map().as_slice();
+    let areas = decomposer.areas();
     // Sums are over the welded vertices: of welded vertices the first counts.
     let mut first = vec![true; model.points().len()];
-    let mut seen = vec![false; walk.geometry().n_vertices()];
+    let mut seen = vec![false; decomposer.geometry().n_vertices()];
     for (x, &class) in classes.iter().enumerate() {
         first[x] = !std::mem::replace(&mut seen[class as usize], true);
     }
@@ -55,7 +55,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut pictured = None;
     for j in 1..=N_LEVELS {
         context.progress.step(j as u64, N_LEVELS as u64)?;
-        let both = walk.basis_of_vertex(vertex, &Schedule::dyadic(j)?, adwave::Progress::none())?;
+        let both = decomposer.basis_of_vertex(vertex, &Schedule::dyadic(j)?, adwave::Progress::none())?;
         let (phi, psi) = (each(&both.scaling_function), each(&both.wavelet));
         let sum = |f: &[(usize, f64)]| f.iter().map(|v| v.1).sum::<f64>();
         let low = extent(&both.scaling_function).0;

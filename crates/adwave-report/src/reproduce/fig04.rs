@@ -10,10 +10,10 @@ use adwave_render::plot::Chart;
 const LEVELS: [usize; 3] = [0, 3, 6];
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
-    let walk = Decomposer::new(&line()?);
+    let decomposer = Decomposer::new(&line()?);
     let f: Vec<f64> = (0..N_POINTS).map(function).collect();
     let schedule = Schedule::dyadic(LEVELS[2])?;
-    let bands = walk.request(&f, 1, &schedule).progress(context.progress).bands()?;
+    let bands = decomposer.request(&f, 1, &schedule).progress(context.progress).bands()?;
     let mut head = vec!["point".to_owned()];
     head.extend((0..=LEVELS[2]).map(|j| format!("S_f({j})")));
     head.extend((1..=LEVELS[2]).map(|j| format!("W_f({j})")));

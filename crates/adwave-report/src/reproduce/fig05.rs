@@ -1,7 +1,7 @@
 //! Fig. 5: a shape and a field on it from fine to the coarsest scale.
 
 use super::draw::{Frame, ORANGE, Sheet, ValueRange};
-use super::numbers::{bands, extent, mean_curvature, positions, walk};
+use super::numbers::{bands, extent, mean_curvature, positions, prepare_model};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::Decomposer;
 use adwave::shape::{Polygons, diagonal};
@@ -19,12 +19,12 @@ const CONSTANT: f64 = 1e-3;
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["dinosaur", "kitten", "bunny"], "creature", N_VERTICES)?;
-    let walk_of_model = walk(&model);
+    let model_decomposer = prepare_model(&model);
     let size = diagonal(model.points());
-    let n_levels = levels(&walk_of_model, size);
-    let curvature = mean_curvature(&walk_of_model)?;
-    let shape = bands(context, &walk_of_model, model.coordinates(), 3, n_levels)?;
-    let field = bands(context, &walk_of_model, &curvature, 1, n_levels)?;
+    let n_levels = levels(&model_decomposer, size);
+    let curvature = mean_curvature(&model_decomposer)?;
+    let shape = bands(context, &model_decomposer, model.coordinates(), 3, n_levels)?;
+    let field = bands(context, &model_decomposer, &curvature, 1, n_levels)?;
 
     let mut table = Table::new(
         "fig05.csv",
@@ -73,7 +73,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let cases = [
         Case {
             name: model.name.clone(),
-            walk: walk_of_model,
+            decomposer: model_decomposer,
             signal: curvature,
             coarsest: field.coarsest().to_vec(),
         },
@@ -148,8 +148,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 }
 
 /// Levels until σ is three diagonals: a walker is then anywhere with the chance that the stationary distribution gives.
-fn levels(walk: &Decomposer, size: f64) -> usize {
-    let step = walk.diffusion().step_length();
+fn levels(decomposer: &Decomposer, size: f64) -> usize {
+    let step = decomposer.diffusion().step_length();
     (SHOWN[3] + 1..MAX_LEVELS)
         .find(|&j| step * ((j as f64 - 1.0) / 2.0).exp2() >= 3.0 * size)
         .unwrap_or(MAX_LEVELS)
@@ -158,7 +158,7 @@ fn levels(walk: &Decomposer, size: f64) -> usize {
 /// A signal at the coarsest level.
 struct Case {
     name: String,
-    walk: Decomposer,
+    decomposer: Decomposer,
     signal: Vec<f64>,
     coarsest: Vec<f64>,
 }
@@ -178,8 +178,8 @@ struct Limit {
 impl Case {
     /// One for every component with more than one vertex.
     fn limits(&self) -> Vec<Limit> {
-        let neighbors = self.walk.neighbors();
-        let n = self.walk.geometry().n_vertices();
+        let neighbors = self.decomposer.neighbors();
+        let n = self.decomposer.geometry().n_vertices();
         let mut component = vec![usize::MAX; n];
         let mut n_components = 0;
         for start in 0..n {
@@ -189,7 +189,7 @@ impl Case {
             }
             component[start] = n_components;
             while let Some(x) = open.pop() {
-                for &y in neighbors.of(x) {
+                for &y in neighbors.row(x) {
                     if component[y as usize] == usize::MAX {
                         component[y as usize] = n_components;
                         open.push(y as usize);
@@ -198,13 +198,13 @@ impl Case {
             }
             n_components += 1;
         }
-        let vertex_map = self.walk.geometry().vertex_map();
+        let vertex_map = self.decomposer.geometry().vertex_map();
         let (signal, coarsest) = (vertex_map.mean(&self.signal, 1), vertex_map.mean(&self.coarsest, 1));
         let mut areas = vec![0.0; n];
-        for (&class, area) in vertex_map.as_slice().iter().zip(self.walk.areas()) {
+        for (&class, area) in vertex_map.as_slice().iter().zip(self.decomposer.areas()) {
             areas[class as usize] += area;
         }
-        let law = self.walk.diffusion().stationary();
+        let law = self.decomposer.diffusion().stationary();
         let of = |k: usize| -> Vec<usize> { (0..n).filter(|&x| component[x] == k).collect() };
         let mean = |vertices: &[usize], weight: &[f64]| {
             let total: f64 = vertices.iter().map(|&x| weight[x]).sum();
@@ -239,9 +239,9 @@ fn two_components(context: &Context<'_>) -> Result<Case, FigureError> {
     let triangles: Vec<[u32; 3]> = torus.triangles.iter().copied().chain(moved).collect();
     let file = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
     let both = Model::from_file("torus and plane", file)?;
-    let walk = walk(&both);
-    let signal = mean_curvature(&walk)?;
-    let n_levels = levels(&walk, diagonal(both.points()));
-    let coarsest = bands(context, &walk, &signal, 1, n_levels)?.coarsest().to_vec();
-    Ok(Case { name: both.name.clone(), walk, signal, coarsest })
+    let decomposer = prepare_model(&both);
+    let signal = mean_curvature(&decomposer)?;
+    let n_levels = levels(&decomposer, diagonal(both.points()));
+    let coarsest = bands(context, &decomposer, &signal, 1, n_levels)?.coarsest().to_vec();
+    Ok(Case { name: both.name.clone(), decomposer, signal, coarsest })
 }

@@ -1,7 +1,7 @@
 //! Fig. 6: what a level costs from the fine end up, and what eigenfunctions cost from the coarse end down.
 
 use super::charts::logarithmic;
-use super::numbers::walk;
+use super::numbers::prepare_model;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::bands::Schedule;
 use adwave_baselines::harmonics::Harmonics;
@@ -19,7 +19,7 @@ const N_RUNS: usize = 3;
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["hand", "dinosaur", "kitten"], "creature", N_VERTICES)?;
     let start = Instant::now();
-    let walk = walk(&model);
+    let decomposer = prepare_model(&model);
     let walking = start.elapsed().as_secs_f64();
     let head = [
         "method",
@@ -35,7 +35,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let mut sigma = 0.0;
         for _ in 0..N_RUNS {
             let start = Instant::now();
-            let bands = walk.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
+            let bands =
+                decomposer.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
             least = least.min(walking + start.elapsed().as_secs_f64());
             sigma = bands.sigma[j];
         }

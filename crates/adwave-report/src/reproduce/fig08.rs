@@ -1,7 +1,7 @@
 //! Fig. 8: how a saliency map comes about.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, mean_curvature, walk};
+use super::numbers::{bands, mean_curvature, prepare_model};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::{saliency, saliency_per_level};
 use adwave::measure::correlation;
@@ -16,13 +16,13 @@ const ROUNDING: f64 = 1e-12;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["dinosaur"], "creature", N_VERTICES)?;
-    let walk = walk(&model);
+    let decomposer = prepare_model(&model);
     let size = diagonal(model.points());
-    let curvature = mean_curvature(&walk)?;
-    let bands = bands(context, &walk, &curvature, 1, N_LEVELS)?;
+    let curvature = mean_curvature(&decomposer)?;
+    let bands = bands(context, &decomposer, &curvature, 1, N_LEVELS)?;
     let params = SaliencyParams::paper();
-    let map = saliency(&walk, &bands, &params)?.map;
-    let levels = saliency_per_level(&walk, &bands, &params)?;
+    let map = saliency(&decomposer, &bands, &params)?.map;
+    let levels = saliency_per_level(&decomposer, &bands, &params)?;
 
     let mut sheet = Sheet::new(4);
     sheet.push(Frame::new(&model, "f: mean curvature").field(&curvature, "1/model unit"));

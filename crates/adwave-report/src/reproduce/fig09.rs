@@ -1,7 +1,7 @@
 //! Fig. 9: saliency of two poses, by ours and by Lee, Varshney & Jacobs.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, mean_curvature, percent, walk};
+use super::numbers::{bands, mean_curvature, percent, prepare_model};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::saliency;
 use adwave::measure::{correlation, rank_correlation, shared_top};
@@ -30,13 +30,13 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let (mut our_seconds, mut their_seconds) = (0.0, 0.0);
     for pose in [&*first, &second] {
         let start = Instant::now();
-        let walk = walk(pose);
-        let curvature = mean_curvature(&walk)?;
-        let bands = bands(context, &walk, &curvature, 1, N_LEVELS)?;
-        ours.push(saliency(&walk, &bands, &SaliencyParams::paper())?.map);
+        let decomposer = prepare_model(pose);
+        let curvature = mean_curvature(&decomposer)?;
+        let bands = bands(context, &decomposer, &curvature, 1, N_LEVELS)?;
+        ours.push(saliency(&decomposer, &bands, &SaliencyParams::paper())?.map);
         our_seconds += 0.5 * start.elapsed().as_secs_f64();
         let equal = SaliencyParams::paper().with_weighting(Weighting::Normalized);
-        alike.push(saliency(&walk, &bands, &equal)?.map);
+        alike.push(saliency(&decomposer, &bands, &equal)?.map);
         let start = Instant::now();
         theirs.push(lee_saliency(&pose.shape, context.progress)?.saliency);
         their_seconds += 0.5 * start.elapsed().as_secs_f64();

@@ -1,12 +1,12 @@
 //! Fig. 10: features by threshold, and how they stand noise.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, percent, walk};
+use super::numbers::{bands, percent, prepare_model};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use crate::analysis::features;
 use adwave::Decomposer;
 use adwave::features::{Feature, FeatureParams, Response};
-use adwave::measure::{Change, Changed, RepeatabilityParams, change, repeatability};
+use adwave::measure::{Change, ChangedShape, RepeatabilityParams, change, repeatability};
 use adwave::shape::{Shape, diagonal};
 
 const N_VERTICES: usize = 50_000;
@@ -29,10 +29,10 @@ const THE_SAME: f64 = 0.9;
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["armadillo"], "creature", N_VERTICES)?;
-    let walk = walk(&model);
-    let calm = bands(context, &walk, model.coordinates(), 3, N_LEVELS)?;
+    let decomposer = prepare_model(&model);
+    let calm = bands(context, &decomposer, model.coordinates(), 3, N_LEVELS)?;
     let find = |response: Response, theta: f64| {
-        features(&walk, &calm, &FeatureParams::default().with_response(response).with_theta(theta))
+        features(&decomposer, &calm, &FeatureParams::default().with_response(response).with_theta(theta))
     };
     let mut sheet = Sheet::new(THETAS.len());
     let mut counts = Table::new(
@@ -64,10 +64,10 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     for (k, edges) in NOISE.into_iter().enumerate() {
         for seed in 1..=N_SEEDS {
             context.progress.step(k as u64 * N_SEEDS + seed, n_parts)?;
-            let noisy = Noisy::new(context, &model, &walk, edges, seed)?;
+            let noisy = Noisy::new(context, &model, &decomposer, edges, seed)?;
             for (r, (_, response)) in RESPONSES.into_iter().enumerate() {
                 let params = FeatureParams::default().with_response(response).with_theta(THETA);
-                let found = features(&noisy.walk, &noisy.bands, &params)?;
+                let found = features(&noisy.decomposer, &noisy.bands, &params)?;
                 let reference = find(response, THETA)?;
                 count(&mut rows, r, edges, &reference, &found, &noisy.changed);
                 if seed == 1 && r > 0 {
@@ -156,28 +156,28 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 /// A noisy shape with its bands.
 struct Noisy {
     model: Model,
-    walk: Decomposer,
+    decomposer: Decomposer,
     bands: adwave::bands::Bands,
-    changed: Changed,
+    changed: ChangedShape,
 }
 
 impl Noisy {
     fn new(
         context: &Context<'_>,
         model: &Model,
-        walk_of_model: &Decomposer,
+        model_decomposer: &Decomposer,
         edges: f64,
         seed: u64,
     ) -> Result<Self, FigureError> {
-        let changed = change(&model.shape, walk_of_model, &Change::Noise { edges, seed })?;
+        let changed = change(&model.shape, model_decomposer, &Change::Noise { edges, seed })?;
         let points = match &changed.shape {
             Shape::Mesh(mesh) => mesh.points().to_vec(),
             _ => return Err("noise makes a mesh of a mesh".into()),
         };
         let noisy = model.moved(&model.name, points);
-        let walk = walk(&noisy);
-        let bands = bands(context, &walk, noisy.coordinates(), 3, N_LEVELS)?;
-        Ok(Self { model: noisy, walk, bands, changed })
+        let decomposer = prepare_model(&noisy);
+        let bands = bands(context, &decomposer, noisy.coordinates(), 3, N_LEVELS)?;
+        Ok(Self { model: noisy, decomposer, bands, changed })
     }
 }
 
@@ -204,7 +204,7 @@ fn count(
     edges: f64,
     reference: &[Feature],
     found: &[Feature],
-    changed: &Changed,
+    changed: &ChangedShape,
 ) {
     for level in repeatability(reference, found, changed, &RepeatabilityParams::default()) {
         rows.push(Row {

@@ -1,7 +1,7 @@
 //! Fig. 11: textures. Critical points of the feature map, our saliency, our features.
 
 use super::draw::{Frame, GREEN, ORANGE, Sheet};
-use super::numbers::{bands, distance, percent, walk};
+use super::numbers::{bands, distance, percent, prepare_model};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict};
 use crate::analysis::{features, saliency};
 use adwave::features::{Feature, FeatureParams};
@@ -65,10 +65,10 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     for case in &cases {
         let model = &case.model;
         let signal: Vec<f64> = case.colors.iter().map(|&rgb| luminance(rgb)).collect();
-        let walk = walk(model);
-        let bands = bands(context, &walk, &signal, 1, N_LEVELS)?;
-        let map = saliency(&walk, &bands, &SaliencyParams::paper())?.map;
-        let ours = features(&walk, &bands, &FeatureParams::default())?;
+        let decomposer = prepare_model(model);
+        let bands = bands(context, &decomposer, &signal, 1, N_LEVELS)?;
+        let map = saliency(&decomposer, &bands, &SaliencyParams::paper())?.map;
+        let ours = features(&decomposer, &bands, &FeatureParams::default())?;
         // e^(−tΔ) of the same width: its mean square displacement is 4t.
         let times: Vec<f64> = bands.sigma[2..N_LEVELS].iter().map(|s| s * s / 4.0).collect();
         let theirs = feature_map(&model.shape, &signal, &times, context.progress)?;
@@ -120,7 +120,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             let low = FeatureParams::default().with_theta(LOW_THETA);
             let place = |found: &[Feature]| found.iter().map(|f| model.points()[f.vertex]).collect();
             let ours: Vec<[f64; 3]> = place(&ours);
-            let more: Vec<[f64; 3]> = place(&features(&walk, &bands, &low)?);
+            let more: Vec<[f64; 3]> = place(&features(&decomposer, &bands, &low)?);
             for (name, points) in [
                 ("feature map", critical),
                 ("feature map, maxima and minima", extrema),

@@ -1,7 +1,7 @@
 //! Fig. 12: clouds of points.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, walk};
+use super::numbers::{bands, prepare_model};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use crate::analysis::{features, saliency};
 use adwave::features::{FeatureParams, Response};
@@ -53,31 +53,32 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut below = Vec::new();
     let (mut least, mut found_in_all) = (1.0_f64, true);
     for (model, cloud) in models.iter().zip(&clouds) {
-        let walk_of_cloud = walk(cloud);
-        let split = bands(context, &walk_of_cloud, cloud.coordinates(), 3, N_LEVELS)?;
-        let map = saliency(&walk_of_cloud, &split, &SaliencyParams::paper())?.map;
-        let found = features(&walk_of_cloud, &split, &FeatureParams::default())?;
-        let short = bands(context, &walk_of_cloud, cloud.coordinates(), 3, PAPER_LEVELS)?;
-        let few = features(&walk_of_cloud, &short, &FeatureParams::default())?;
+        let cloud_decomposer = prepare_model(cloud);
+        let split = bands(context, &cloud_decomposer, cloud.coordinates(), 3, N_LEVELS)?;
+        let map = saliency(&cloud_decomposer, &split, &SaliencyParams::paper())?.map;
+        let found = features(&cloud_decomposer, &split, &FeatureParams::default())?;
+        let short = bands(context, &cloud_decomposer, cloud.coordinates(), 3, PAPER_LEVELS)?;
+        let few = features(&cloud_decomposer, &short, &FeatureParams::default())?;
         let printed = FeatureParams::default().with_response(Response::Literal);
-        let printed = features(&walk_of_cloud, &short, &printed)?;
+        let printed = features(&cloud_decomposer, &short, &printed)?;
         // The mesh's walk is slower or faster than the cloud's: levels are made as wide as the cloud's.
-        let walk_of_mesh = walk(model);
+        let mesh_decomposer = prepare_model(model);
         let alike = if model.triangles.is_empty() {
             (f64::NAN, f64::NAN, f64::NAN)
         } else {
             let widths = &split.sigma[1..];
-            let schedule = adwave::bands::Schedule::lengths(widths, walk_of_mesh.diffusion().step_length())?;
+            let schedule =
+                adwave::bands::Schedule::lengths(widths, mesh_decomposer.diffusion().step_length())?;
             let params = adwave::bands::BandsParams::default();
-            let of_mesh = walk_of_mesh
+            let of_mesh = mesh_decomposer
                 .request(model.coordinates(), 3, &schedule)
                 .params(&params)
                 .progress(context.progress)
                 .bands()?;
             let skip = SaliencyParams::paper().skip.min(of_mesh.n_levels() - 1);
-            let of_mesh = saliency(&walk_of_mesh, &of_mesh, &SaliencyParams::paper().with_skip(skip))?.map;
-            let by_steps = bands(context, &walk_of_mesh, model.coordinates(), 3, N_LEVELS)?;
-            let by_steps = saliency(&walk_of_mesh, &by_steps, &SaliencyParams::paper())?.map;
+            let of_mesh = saliency(&mesh_decomposer, &of_mesh, &SaliencyParams::paper().with_skip(skip))?.map;
+            let by_steps = bands(context, &mesh_decomposer, model.coordinates(), 3, N_LEVELS)?;
+            let by_steps = saliency(&mesh_decomposer, &by_steps, &SaliencyParams::paper())?.map;
             (correlation(&map, &of_mesh), rank_correlation(&map, &of_mesh), correlation(&map, &by_steps))
         };
         least = if alike.0.is_nan() { least } else { least.min(alike.0) };
@@ -129,6 +130,6 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 fn drawn(n_points: usize) -> Result<Arc<Model>, FigureError> {
     const SEED: u64 = 12;
     let fewest = SAMPLE_NAMES.iter().find(|s| s.name == "creature").map_or(0, |s| s.min_vertices);
-    let cloud = Sample::by_name("creature", Some(n_points.max(fewest)))?.draw_cloud(n_points, SEED)?;
+    let cloud = Sample::from_name("creature", Some(n_points.max(fewest)))?.draw_cloud(n_points, SEED)?;
     Ok(Arc::new(Model::from_file(DRAWN, ShapeFile::from_cloud(cloud.points))?))
 }

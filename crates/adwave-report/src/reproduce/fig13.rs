@@ -1,11 +1,11 @@
 //! Fig. 13: local edits. A letter carved and raised, one half smoothed and the other enhanced, one edit after another.
 
 use super::draw::{Frame, Sheet, View};
-use super::numbers::{distance, positions, walk};
+use super::numbers::{distance, positions, prepare_model};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset};
-use adwave::region::{Length, Place, Region};
+use adwave::region::{Length, Location, Region};
 use adwave::shape::{bounding_box, diagonal, vertex_normals};
 use adwave::{Decomposer, Progress};
 use std::f64::consts::TAU;
@@ -27,20 +27,20 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         &["edit", "vertices in the region", "mean in the region", "largest", "largest outside"],
     );
     let sphere = context.model_or(&["sphere"], "sphere", SPHERE_VERTICES)?;
-    let walk_of_sphere = walk(&sphere);
+    let sphere_decomposer = prepare_model(&sphere);
     let letter = letter_s(sphere.points())?;
     let uniform = |gain: f64| Gains::Gains(vec![gain; SPHERE_LEVELS]);
     let mut letters = Vec::new();
     let mut edits = Vec::new();
     for (name, gain) in [("S carved", 0.0), ("S raised", RAISE)] {
         let layer = Layer { gains: uniform(gain), region: letter.clone() };
-        let after = edited(context, &walk_of_sphere, sphere.points(), SPHERE_LEVELS, &layer)?;
-        edits.push(measure(name, &sphere, &walk_of_sphere, sphere.points(), &after, &layer.region)?);
+        let after = edited(context, &sphere_decomposer, sphere.points(), SPHERE_LEVELS, &layer)?;
+        edits.push(measure(name, &sphere, &sphere_decomposer, sphere.points(), &after, &layer.region)?);
         letters.push((name, after));
     }
 
     let creature = context.model_or(&["skull", "armadillo", "gargoyle"], "creature", N_VERTICES)?;
-    let walk_of_creature = walk(&creature);
+    let creature_decomposer = prepare_model(&creature);
     let (low, high) = bounding_box(creature.points()).ok_or("the model has no vertices")?;
     let middle: [f64; 3] = std::array::from_fn(|c| 0.5 * (low[c] + high[c]));
     let half = |sign: f64| Region::HalfSpace {
@@ -53,18 +53,18 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let halves = [suppress(half(1.0)), enhance(half(-1.0))];
     let mut both = creature.points().to_vec();
     for layer in &halves {
-        both = edited(context, &walk_of_creature, &both, N_LEVELS, layer)?;
+        both = edited(context, &creature_decomposer, &both, N_LEVELS, layer)?;
     }
 
     // One edit after another: each is applied to what the one before left.
     let chain_on = context.model_or(&["gargoyle", "dinosaur", "armadillo"], "creature", N_VERTICES)?;
-    let walk_of_chain = walk(&chain_on);
-    let extreme = |score: &dyn Fn(&[f64; 3]) -> f64| -> Place {
+    let chain_decomposer = prepare_model(&chain_on);
+    let extreme = |score: &dyn Fn(&[f64; 3]) -> f64| -> Location {
         let best = (0..chain_on.points().len())
             .max_by(|&x, &y| score(&chain_on.points()[x]).total_cmp(&score(&chain_on.points()[y])));
-        Place::Vertex(best.unwrap_or(0) as u32)
+        Location::Vertex(best.unwrap_or(0) as u32)
     };
-    let ball = |center: Place, percent: f64| Region::Ball {
+    let ball = |center: Location, percent: f64| Region::Ball {
         center,
         radius: Length::PercentOfDiagonal(percent),
         falloff: None,
@@ -77,8 +77,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut chain = vec![("original", chain_on.points().to_vec())];
     for (name, layer) in &steps {
         let before = chain[chain.len() - 1].1.clone();
-        let after = edited(context, &walk_of_chain, &before, N_LEVELS, layer)?;
-        edits.push(measure(name, &chain_on, &walk_of_chain, &before, &after, &layer.region)?);
+        let after = edited(context, &chain_decomposer, &before, N_LEVELS, layer)?;
+        edits.push(measure(name, &chain_on, &chain_decomposer, &before, &after, &layer.region)?);
         chain.push((name, after));
     }
 
@@ -153,7 +153,7 @@ fn letter_s(points: &[[f64; 3]]) -> Result<Region, FigureError> {
         let (azimuth, elevation) = (25.0_f64.to_radians(), 15.0_f64.to_radians());
         let (y, z) = (y * elevation.cos() + z * elevation.sin(), z * elevation.cos() - y * elevation.sin());
         let (x, z) = (x * azimuth.cos() + z * azimuth.sin(), z * azimuth.cos() - x * azimuth.sin());
-        Place::Point([middle[0] + size * x, middle[1] + size * y, middle[2] + size * z])
+        Location::Point([middle[0] + size * x, middle[1] + size * y, middle[2] + size * z])
     };
     Ok(Region::Stroke {
         path: upper.chain(lower).map(on_sphere).collect(),
@@ -164,14 +164,14 @@ fn letter_s(points: &[[f64; 3]]) -> Result<Region, FigureError> {
 
 fn edited(
     context: &Context<'_>,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     points: &[[f64; 3]],
     n_levels: usize,
     layer: &Layer,
 ) -> Result<Vec<[f64; 3]>, FigureError> {
     let layers = [layer.clone()];
     let (schedule, params) = (Schedule::dyadic(n_levels)?, BandsParams::default());
-    let after = walk
+    let after = decomposer
         .request(points.as_flattened(), 3, &schedule)
         .params(&params)
         .progress(context.progress)
@@ -191,13 +191,13 @@ struct Moved {
 fn measure(
     name: &str,
     model: &Model,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     before: &[[f64; 3]],
     after: &[[f64; 3]],
     region: &Region,
 ) -> Result<Moved, FigureError> {
-    let weights = region.weights(walk.metric(), &|_| None, &[], Progress::none())?;
-    let weights = weights.to_vertices(walk.geometry().vertex_map());
+    let weights = region.weights(decomposer.metric(), &|_| None, &[], Progress::none())?;
+    let weights = weights.to_vertices(decomposer.geometry().vertex_map());
     let normals = vertex_normals(before, &model.triangles);
     let unit = 100.0 / diagonal(model.points());
     let (mut sum, mut total, mut largest, mut outside, mut n_inside) = (0.0, 0.0, 0.0_f64, 0.0_f64, 0);

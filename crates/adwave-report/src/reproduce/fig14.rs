@@ -1,7 +1,7 @@
 //! Fig. 14: four global filters.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{bands, positions, walk};
+use super::numbers::{bands, positions, prepare_model};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset};
@@ -42,12 +42,12 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut sheet = Sheet::new(5).own_cameras();
     let (mut as_named, mut failed) = (Vec::new(), Vec::new());
     for model in &models {
-        let walk = walk(model);
+        let decomposer = prepare_model(model);
         // By the normals of a surface detail of every size counts as it is seen; in the coordinates the coarse bands are
         // larger by far and reach into the fine ones.
         let detail = |points: &[[f64; 3]]| -> Result<[f64; 2], FigureError> {
             let normals = vertex_normals(points, &model.triangles);
-            let split = bands(context, &walk, normals.as_flattened(), 3, N_LEVELS)?;
+            let split = bands(context, &decomposer, normals.as_flattened(), 3, N_LEVELS)?;
             let energy =
                 |levels: Range<usize>| levels.flat_map(|k| split.wavelet(k + 1)).map(|w| w * w).sum::<f64>();
             Ok([energy(0..n_fine), energy(n_fine..N_LEVELS - N_EDGE)])
@@ -58,7 +58,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             let layers = [Layer { gains: Gains::Preset(preset), region: Region::Everywhere {} }];
             let edit = Edit::new(&layers);
             let params = BandsParams::default();
-            let after = walk
+            let after = decomposer
                 .request(model.coordinates(), 3, &schedule)
                 .params(&params)
                 .progress(context.progress)

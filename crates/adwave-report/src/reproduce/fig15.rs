@@ -1,7 +1,7 @@
 //! Fig. 15: global filters by ours and by manifold harmonics.
 
 use super::draw::{Frame, Sheet};
-use super::numbers::{norms, percent, positions, walk};
+use super::numbers::{norms, percent, positions, prepare_model};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::Decomposer;
 use adwave::bands::{BandsParams, Schedule};
@@ -30,11 +30,11 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let size = diagonal(model.points());
 
     let start = Instant::now();
-    let walk = walk(&model);
+    let decomposer = prepare_model(&model);
     let schedule = Schedule::dyadic(N_LEVELS)?;
     let our_preparing = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let bands = walk.request(coords, 3, &schedule).progress(context.progress).bands()?;
+    let bands = decomposer.request(coords, 3, &schedule).progress(context.progress).bands()?;
     let our_low = bands.coarsest().to_vec();
     let our_band = {
         let (fine, coarse) = (&bands.scaling(BAND[0]), &bands.scaling(BAND[1]));
@@ -92,7 +92,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     row("filter (s)", digits(our_filtering), digits(their_filtering));
     row("products or eigenfunctions", bands.info.products.to_string(), harmonics.len().to_string());
     row("gain of the low-pass at the last frequency", String::new(), digits(heat(last, N_LEVELS)));
-    let locality = edit_one_half(&walk, coords, context, &schedule)?;
+    let locality = edit_one_half(&decomposer, coords, context, &schedule)?;
     row("vertices moved by an edit of one half (%)", digits(100.0 * locality), String::new());
 
     let (ours, theirs) = (our_preparing + our_filtering, their_preparing + their_filtering);
@@ -132,7 +132,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 
 /// Which part of the vertices moves when one half is smoothed.
 fn edit_one_half(
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     coords: &[f64],
     context: &Context<'_>,
     schedule: &Schedule,
@@ -149,7 +149,7 @@ fn edit_one_half(
     let layers = [Layer { gains: Gains::Preset(Preset::SuppressPaper), region }];
     let (edit, params) = (Edit::new(&layers), BandsParams::default());
     let after = positions(
-        &walk.request(coords, 3, schedule).params(&params).progress(context.progress).filter(&edit)?,
+        &decomposer.request(coords, 3, schedule).params(&params).progress(context.progress).filter(&edit)?,
     );
     let moved = points.iter().zip(&after).filter(|(a, b)| a != b).count();
     Ok(moved as f64 / points.len().max(1) as f64)

@@ -110,7 +110,7 @@ impl Model {
     /// # Errors
     /// [`ModelError::Sample`].
     pub fn built_in(sample: &str, n_vertices: usize) -> Result<Self, ModelError> {
-        let made = Sample::by_name(sample, Some(n_vertices))?;
+        let made = Sample::from_name(sample, Some(n_vertices))?;
         let name = format!("built-in {sample}");
         Self::new(name, ShapeFile::from_mesh(made.points, made.faces), None)
             .map_err(|source| ModelError::Shape { name: "built-in", path: sample.to_owned(), source })

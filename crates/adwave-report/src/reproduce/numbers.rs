@@ -7,25 +7,25 @@ use adwave::vector::{norm, subtract};
 use adwave::{Decomposer, Progress};
 
 /// The prepared geometry of a model as the paper has it.
-pub(super) fn walk(model: &Model) -> Decomposer {
+pub(super) fn prepare_model(model: &Model) -> Decomposer {
     Decomposer::new(&model.shape)
 }
 
 /// The bands of a signal on dyadic levels.
 pub(super) fn bands(
     context: &Context<'_>,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     signal: &[f64],
     n_channels: usize,
     n_levels: usize,
 ) -> Result<Bands, FigureError> {
     let schedule = Schedule::dyadic(n_levels)?;
-    Ok(walk.request(signal, n_channels, &schedule).progress(context.progress).bands()?)
+    Ok(decomposer.request(signal, n_channels, &schedule).progress(context.progress).bands()?)
 }
 
 /// The mean curvature of a mesh or cloud, in 1/model unit.
-pub(super) fn mean_curvature(walk: &Decomposer) -> Result<Vec<f64>, FigureError> {
-    Ok(surface_signal(walk.geometry(), SurfaceSignal::MeanCurvature, Progress::none())?)
+pub(super) fn mean_curvature(decomposer: &Decomposer) -> Result<Vec<f64>, FigureError> {
+    Ok(surface_signal(decomposer.geometry(), SurfaceSignal::MeanCurvature, Progress::none())?)
 }
 
 /// The Euclidean norm of each vertex's channels.

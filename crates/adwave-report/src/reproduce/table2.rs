@@ -1,7 +1,7 @@
 //! Table 2: seconds for the twelve shapes of the paper.
 
 use super::charts::{logarithmic, named};
-use super::numbers::walk;
+use super::numbers::prepare_model;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::features;
 use adwave::bands::Schedule;
@@ -51,21 +51,22 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let sample = if name == "sphere" { "sphere" } else { "creature" };
         let model = context.model_or(&[name], sample, n_vertices)?;
         let start = Instant::now();
-        let walk = walk(&model);
+        let decomposer = prepare_model(&model);
         let prepared = start.elapsed().as_secs_f64();
         let params = BasisParams::new(Schedule::dyadic(n_levels)?);
         let start = Instant::now();
-        drop(basis_by_squaring(walk.diffusion(), &params, context.progress)?);
+        drop(basis_by_squaring(decomposer.diffusion(), &params, context.progress)?);
         let letter = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        drop(basis(walk.diffusion(), &params, context.progress)?);
+        drop(basis(decomposer.diffusion(), &params, context.progress)?);
         let fast = start.elapsed().as_secs_f64();
         let schedule = Schedule::dyadic(n_levels)?;
         let start = Instant::now();
-        let bands = walk.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
+        let bands =
+            decomposer.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
         let ours = prepared + start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let found = features(&walk, &bands, &FeatureParams::default());
+        let found = features(&decomposer, &bands, &FeatureParams::default());
         let finding = start.elapsed().as_secs_f64();
         ratios.push(paper / fast);
         letters.push(letter / fast);

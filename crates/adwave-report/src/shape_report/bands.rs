@@ -81,7 +81,7 @@ struct Spread {
 
 impl Spread {
     fn new(subject: &Subject<'_>) -> Self {
-        let (bands, areas) = (subject.bands, subject.walk.areas());
+        let (bands, areas) = (subject.bands, subject.decomposer.areas());
         let about_mean = |signal: &[f64]| about_mean(signal, bands.n_channels, &areas);
         Self {
             total: about_mean(subject.values),
@@ -118,7 +118,7 @@ fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
     let constant = spread.total <= (1e-13 * size).powi(2);
     let all: f64 = spread.bands.iter().sum();
     let share = |energy: f64, of: f64| if constant { f64::NAN } else { energy / of };
-    let losses = detail_loss(bands, &subject.walk.areas());
+    let losses = detail_loss(bands, &subject.decomposer.areas());
     (1..=bands.n_levels())
         .map(|level| {
             let max = bands
@@ -253,7 +253,7 @@ fn chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<Figure>,
 
 /// How much is left of a signal after each level; for the shape itself it is nearly all.
 fn decay(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
-    let (bands, areas) = (subject.bands, subject.walk.areas());
+    let (bands, areas) = (subject.bands, subject.decomposer.areas());
     let rms = |signal: &[f64]| about_mean(signal, bands.n_channels, &areas).sqrt();
     let left: Vec<f64> = bands.all_scaling().chunks_exact(subject.values.len()).map(rms).collect();
     let (first, last) = (left[0], left[bands.n_levels()]);

@@ -26,7 +26,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let mut section = Section::new("features", "Features");
     let params = FeatureParams::default();
     let start = Instant::now();
-    let mut found = match features(subject.walk, subject.bands, &params) {
+    let mut found = match features(subject.decomposer, subject.bands, &params) {
         Ok(found) => found,
         Err(why) => {
             section.note(format!("There are none: {why}."));

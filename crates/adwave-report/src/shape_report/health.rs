@@ -7,7 +7,7 @@ use adwave::operator::OperatorKind;
 use adwave::shape::{Health, Shape, bounding_box};
 
 pub(super) fn section(subject: &Subject<'_>) -> (Section, Health) {
-    let health = subject.walk.health();
+    let health = subject.decomposer.health();
     let mut section = Section::new("health", "Health");
     let odd = oddities(subject, &health);
     section.push(Block::Verdict(verdict(subject, &health, &odd)));
@@ -24,7 +24,8 @@ fn fact(name: &str, value: impl Into<String>, meaning: &str) -> Fact {
 
 /// Counts that are 0 when all is well: how many, of what, and what it means.
 fn oddities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
-    let vertices_left_out = subject.walk.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
+    let vertices_left_out =
+        subject.decomposer.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
     let counts = [
         (
             "Edges on a border",
@@ -104,11 +105,11 @@ fn verdict(subject: &Subject<'_>, health: &Health, odd: &[Fact]) -> Verdict {
 fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let mut list = counts(subject, health);
     list.extend(sizes(subject, health));
-    let diffusion = subject.walk.diffusion();
-    let (edge, step) = (subject.walk.mean_length(), diffusion.step_length());
+    let diffusion = subject.decomposer.diffusion();
+    let (edge, step) = (subject.decomposer.mean_length(), diffusion.step_length());
     let unit = subject.width_unit();
     if subject.shape.points().is_some() {
-        let kind = subject.walk.operator_kind();
+        let kind = subject.decomposer.operator_kind();
         let meaning = match (subject.shape, kind) {
             (Shape::Mesh(_), OperatorKind::Walk) => {
                 "Mean over the edges; the operator's kernel is as wide as that."
@@ -122,7 +123,7 @@ fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         let name = if let Shape::Mesh(_) = subject.shape { "Mean edge" } else { "Mean spacing" };
         list.push(fact(name, format!("{} {unit}", digits(edge)), meaning));
     }
-    let (name, meaning) = match subject.walk.operator_kind() {
+    let (name, meaning) = match subject.decomposer.operator_kind() {
         OperatorKind::Walk => ("walk", "A lazy random walk over the edges, as in the paper."),
         OperatorKind::Surface => ("surface", "Heat on the surface: widths that hardly depend on the mesh."),
     };
@@ -214,7 +215,7 @@ fn sizes(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         ));
         list.push(fact(
             "Diagonal",
-            format!("{} model units", digits(subject.walk.diagonal())),
+            format!("{} model units", digits(subject.decomposer.diagonal())),
             "Of the bounding box: the size of the shape, which percentages of lengths refer to.",
         ));
     }

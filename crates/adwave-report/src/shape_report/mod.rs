@@ -47,7 +47,7 @@ pub struct Subject<'a> {
     /// The shape.
     pub shape: &'a Shape,
     /// Its diffusion operator, with the vertices masked where the signal is NaN.
-    pub walk: &'a Decomposer,
+    pub decomposer: &'a Decomposer,
     /// The name of the signal: [`COORDS`], or that of a field.
     pub signal: &'a str,
     /// The signal: n_vertices × n_channels, in the order of the shape.
@@ -97,7 +97,7 @@ impl Subject<'_> {
     /// A point with decimals of a ten-thousandth of the shape.
     fn position(&self, point: [f64; 3]) -> String {
         // Of a shape without extent this is infinite, which the cast saturates.
-        let decimals = 4_i32.saturating_sub(self.walk.diagonal().log10().floor() as i32);
+        let decimals = 4_i32.saturating_sub(self.decomposer.diagonal().log10().floor() as i32);
         let far = point.iter().any(|c| c.abs() >= 1e9);
         let cell = |c: f64| match decimals {
             0..=9 if !far => format!("{c:.*}", decimals as usize).replace('-', "−"),
@@ -109,7 +109,7 @@ impl Subject<'_> {
 
     /// A width in % of the diagonal.
     fn percent(&self, width: f64) -> f64 {
-        let diagonal = self.walk.diagonal();
+        let diagonal = self.decomposer.diagonal();
         if diagonal > 0.0 { 100.0 * width / diagonal } else { f64::NAN }
     }
 

@@ -61,7 +61,7 @@ pub(super) struct Patch {
 
 /// The patches of welded vertices whose value is above a threshold, that with the largest sum first.
 pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> Vec<Patch> {
-    let neighbors = subject.walk.neighbors();
+    let neighbors = subject.decomposer.neighbors();
     let mut waiting: Vec<bool> = values.iter().map(|&v| v > threshold).collect();
     let mut found = Vec::new();
     for first in 0..values.len() {
@@ -77,7 +77,7 @@ pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> 
             if values[x] > values[patch.peak] {
                 patch.peak = x;
             }
-            for &y in neighbors.of(x) {
+            for &y in neighbors.row(x) {
                 if std::mem::take(&mut waiting[y as usize]) {
                     stack.push(y as usize);
                 }
@@ -91,6 +91,6 @@ pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> 
 
 /// The first vertex of the shape that is this welded vertex.
 pub(super) fn vertex_of(subject: &Subject<'_>, class: usize) -> usize {
-    let classes = subject.walk.geometry().vertex_map().as_slice();
+    let classes = subject.decomposer.geometry().vertex_map().as_slice();
     classes.iter().position(|&c| c as usize == class).unwrap_or(class)
 }

@@ -34,7 +34,7 @@ pub struct SaliencySummary {
 pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Option<SaliencySummary>) {
     let mut section = Section::new("saliency", "Saliency");
     let start = Instant::now();
-    let found = signed_saliency(subject.walk, subject.bands, subject.is_geometry(), subject.normals);
+    let found = signed_saliency(subject.decomposer, subject.bands, subject.is_geometry(), subject.normals);
     let SignedMap { map, is_signed, outward } = match found {
         Ok(found) => found,
         Err(why) => {
@@ -61,7 +61,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
             format!("The map has no sign, as {words}.")
         });
     }
-    let by_class = subject.walk.geometry().vertex_map().mean(&map, 1);
+    let by_class = subject.decomposer.geometry().vertex_map().mean(&map, 1);
     let sum: f64 = by_class.iter().filter(|v| v.is_finite()).map(|v| v.max(0.0)).sum();
     let threshold = value_range(&by_class, 0.0, 1.0 - TOP).1;
     let found = patches(subject, &by_class, threshold);
@@ -79,7 +79,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         found.iter().map(|p| p.peak).max_by(|&a, &b| by_class[a].total_cmp(&by_class[b])).expect("a patch");
     let vertex = vertex_of(subject, peak);
     let places = Places::new(subject, studio.up());
-    let position = |class: usize| subject.walk.geometry().points().get(class).copied();
+    let position = |class: usize| subject.decomposer.geometry().points().get(class).copied();
     let at = match (&places, position(peak)) {
         (Some(places), Some(p)) => {
             format!(", at ({}), {} of the shape", subject.position(p), places.words(&p))

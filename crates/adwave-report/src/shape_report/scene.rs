@@ -32,7 +32,8 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
             let scale = Scale::of(&values);
             FieldLook::new(values.clone(), subject.scalar_name(), scale)
         };
-        let missing = if subject.walk.mask_flags().is_some() { "; gray where it has no value" } else { "" };
+        let missing =
+            if subject.decomposer.mask_flags().is_some() { "; gray where it has no value" } else { "" };
         let caption = format!("The signal {}{missing}.", subject.scalar_name());
         let front = Frame::plain(format!("{} on {}", subject.signal, subject.name), caption);
         let behind = Frame::plain(

@@ -3,7 +3,7 @@
 use crate::client::{Studio, opened};
 use adwave::bands::Schedule;
 use adwave::filter::Edit;
-use adwave::positions::settle;
+use adwave::positions::constrain_positions;
 use adwave::sample::Sample;
 use adwave::shape::Shape;
 use adwave::{Decomposer, Progress};
@@ -17,7 +17,7 @@ use tempfile::TempDir;
 
 /// Writes a creature to a temporary folder.
 pub(crate) fn creature(folder: &TempDir, n_vertices: usize) -> PathBuf {
-    let sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
+    let sample = Sample::from_name("creature", Some(n_vertices)).unwrap();
     let path = folder.path().join("creature.ply");
     write_path(&ShapeFile::from_mesh(sample.points, sample.faces), &path, None).unwrap();
     path
@@ -43,8 +43,10 @@ fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
     let field = |name: &str| region_field(&file, &decomposer, name);
     editor.set_edit(&Edit::new(&recipe.layers).with_fields(&field, &[])).unwrap();
     let edited = editor.into_edited().as_chunks().0.to_vec();
-    file.set_points(settle(&decomposer, points, edited, &recipe.positions, Progress::none()).unwrap())
-        .unwrap();
+    file.set_points(
+        constrain_positions(&decomposer, points, edited, &recipe.positions, Progress::none()).unwrap(),
+    )
+    .unwrap();
     let mut bytes = Vec::new();
     write_bytes(&file, file.format().unwrap(), &mut bytes).unwrap();
     bytes

@@ -40,7 +40,7 @@ fn a_cloud_in_tiles_of_any_size_has_the_bytes_of_one() {
 
 /// A sphere as a cloud, with noise.
 fn noisy_sphere(n: usize) -> Vec<[i32; 3]> {
-    let mut sample = Sample::by_name("sphere", Some(n)).unwrap();
+    let mut sample = Sample::from_name("sphere", Some(n)).unwrap();
     sample.add_noise(NoiseSigma::MeanEdge(0.15), 7).unwrap();
     sample.points.iter().map(|p| p.map(|c| (c * 1e6).round() as i32)).collect()
 }
@@ -94,7 +94,7 @@ fn a_mesh_in_tiles_of_any_size_has_the_bytes_of_one_and_is_denoised_as_in_memory
     let folder = tempfile::tempdir().unwrap();
     // At other sizes lengths are counted in powers of two.
     for (name, size) in [("as it is", 1.0), ("tiny", 1e-40)] {
-        let mut sample = Sample::by_name("creature", Some(20_000)).unwrap();
+        let mut sample = Sample::from_name("creature", Some(20_000)).unwrap();
         sample.add_noise(NoiseSigma::MeanEdge(0.3), 5).unwrap();
         for p in &mut sample.points {
             *p = p.map(|c| c * size);

@@ -123,10 +123,10 @@ impl Around {
                 let [p, q] = [self.points[x], self.points[y as usize]];
                 length([p[0] - q[0], p[1] - q[1], p[2] - q[2]])
             };
-            near.places.extend(ring.of(x).iter().map(|&y| self.place(y)));
+            near.places.extend(ring.row(x).iter().map(|&y| self.place(y)));
             near.offsets.push(near.places.len() as u32);
             // Each edge once, in the order of the curve: no tile decides it.
-            let later = ring.of(x).iter().filter(|&&y| y as usize > x);
+            let later = ring.row(x).iter().filter(|&&y| y as usize > x);
             summary.sum += later.clone().map(|&y| distance(y)).sum::<f64>();
             summary.n_neighbors += later.count() as u64;
         }

@@ -16,7 +16,7 @@ use crate::{Job, MapKind, MapWeights, Params, TilesError, Work, join, run, run_j
 /// that is there twice, three faces at one edge, a face with a corner twice, one of two corners, an arrow head, one vertex far away and
 /// one of no face.
 fn mesh(n: usize) -> (Vec<[f64; 3]>, Polygons) {
-    let Sample { mut points, faces: triangles } = Sample::by_name("plane", Some(n)).unwrap();
+    let Sample { mut points, faces: triangles } = Sample::from_name("plane", Some(n)).unwrap();
     let n = points.len() as u32;
     let mut faces = Polygons::new();
     let mut doubled = vec![0; n as usize];
