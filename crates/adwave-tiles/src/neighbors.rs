@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use adwave::Progress;
 use adwave::pages::{release_freed, zeros};
-use adwave::shape::{nearest_neighbors, nearest_of_one};
+use adwave::shape::{nearest_neighbors, nearest_to_vertex};
 use rayon::prelude::*;
 
 use crate::TilesError;
@@ -128,7 +128,7 @@ fn across(
     let points: Vec<[f64; 3]> = known.iter().map(|(_, p)| *p).collect();
     let i = known.partition_point(|(other, _)| *other < place);
     let mut near = Vec::new();
-    let radius = nearest_of_one(&points, i, k, &mut near);
+    let radius = nearest_to_vertex(&points, i, k, &mut near);
     places.extend(near.into_iter().map(|y| known[y as usize].0));
     Ok(radius)
 }
@@ -154,7 +154,7 @@ fn sum_of_distances(
     for (i, place) in vertices.clone().enumerate() {
         let here = points[place - first];
         let mut of_vertex = 0.0;
-        for &y in near.row(i) {
+        for &y in near.of(i) {
             let there = match (y as usize).checked_sub(first).and_then(|i| points.get(i)) {
                 Some(there) => *there,
                 None => cache.position(y as usize)?,

@@ -308,7 +308,7 @@ impl Search<'_> {
             let mut found = Vec::new();
             for &x in frontier {
                 let (block, i) = place_of(x);
-                let row = self.get(block).map_or(&[][..], |loaded| loaded.union.row(i));
+                let row = self.get(block).map_or(&[][..], |loaded| loaded.union.of(i));
                 found.extend(row.iter().copied().filter(|&y| is_new(y)));
             }
             found.sort_unstable();
@@ -356,7 +356,7 @@ impl Search<'_> {
         let mut at = 0;
         for loaded in &self.loaded {
             for (i, &ring) in loaded.ring.iter().enumerate().filter(|(_, ring)| **ring != OUTSIDE) {
-                let length = if ring < rings { loaded.union.row(i).len() } else { 0 };
+                let length = if ring < rings { loaded.union.of(i).len() } else { 0 };
                 offsets[at + 1] = offsets[at] + length;
                 at += 1;
             }
@@ -366,14 +366,14 @@ impl Search<'_> {
         let mut jobs = Vec::new();
         for loaded in &self.loaded {
             let rows = loaded.ring.iter().enumerate().filter(|(_, ring)| **ring < rings);
-            let length = rows.map(|(i, _)| loaded.union.row(i).len()).sum();
+            let length = rows.map(|(i, _)| loaded.union.of(i).len()).sum();
             let (of_block, after) = std::mem::take(&mut rest).split_at_mut(length);
             rest = after;
             jobs.push((loaded, of_block));
         }
         jobs.into_par_iter().for_each(|(loaded, columns)| {
             let rows = loaded.ring.iter().enumerate().filter(|(_, ring)| **ring < rings);
-            let places = rows.flat_map(|(i, _)| loaded.union.row(i));
+            let places = rows.flat_map(|(i, _)| loaded.union.of(i));
             for (column, &y) in columns.iter_mut().zip(places) {
                 let (block, i) = place_of(y);
                 *column = numbers[self.slots[block] as usize][i];
@@ -427,7 +427,7 @@ fn across(vertices: &Range<usize>, near: &Near) -> Vec<(u32, u32)> {
     let mut across: Vec<(u32, u32)> = vertices
         .clone()
         .enumerate()
-        .flat_map(|(i, x)| near.row(i).iter().map(move |&y| (y, x as u32)))
+        .flat_map(|(i, x)| near.of(i).iter().map(move |&y| (y, x as u32)))
         .filter(|(y, _)| !vertices.contains(&(*y as usize)))
         .collect();
     across.sort_unstable();
@@ -444,8 +444,8 @@ fn united(vertices: Range<usize>, near: &Near, naming: &[&Loaded]) -> Near {
         other.across[start..].iter().take_while(|(y, _)| (*y as usize) < vertices.end).copied()
     });
     let mut ends: Vec<u32> = near.offsets[1..].to_vec();
-    let mut count: Vec<u32> = (0..n).map(|i| near.row(i).len() as u32).collect();
-    let inside = (0..n).flat_map(|i| near.row(i).iter().map(move |&y| (y, (first + i) as u32)));
+    let mut count: Vec<u32> = (0..n).map(|i| near.of(i).len() as u32).collect();
+    let inside = (0..n).flat_map(|i| near.of(i).iter().map(move |&y| (y, (first + i) as u32)));
     let naming = || inside.clone().chain(across.clone()).filter_map(|(y, x)| own(y).map(|i| (i, x)));
     naming().for_each(|(i, _)| count[i] += 1);
     let mut end = 0;
@@ -459,7 +459,7 @@ fn united(vertices: Range<usize>, near: &Near, naming: &[&Loaded]) -> Near {
         ends[i] += 1;
     };
     for i in 0..n {
-        near.row(i).iter().for_each(|&y| put(i, y));
+        near.of(i).iter().for_each(|&y| put(i, y));
     }
     naming().for_each(|(i, x)| put(i, x));
     let mut union = Near { offsets: vec![0], places: Vec::with_capacity(places.len()), measures: Vec::new() };
