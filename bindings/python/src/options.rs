@@ -6,7 +6,7 @@ use adwave::denoise::Creases;
 use adwave::features::Response;
 use adwave::filter::Preset;
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
-use adwave::positions::{MoveDirection, Borders, PositionParams, Volume};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
 use adwave::saliency::Weighting;
 use adwave::shape::{CloudArea, MeshArea, WeldMode};

@@ -248,7 +248,9 @@ impl Prepared {
         };
         let params = constraints.params()?;
         let n = before.len();
-        let points = run(py, n, progress.as_ref(), |p| constrain_positions(&self.decomposer, before, after, &params, p))?;
+        let points = run(py, n, progress.as_ref(), |p| {
+            constrain_positions(&self.decomposer, before, after, &params, p)
+        })?;
         Ok(arrays::point_rows(py, points)?.into_any())
     }
 

@@ -47,7 +47,8 @@ fn simplify<'py>(
 ) -> PyResult<(ShapeData, Option<Bound<'py, PyAny>>, f64, f64)> {
     let content = shape.get();
     let own = content.shape(py)?;
-    let error = options.error.as_ref().map(length).transpose()?.map(|error| error.to_model_units(own.diagonal()));
+    let error =
+        options.error.as_ref().map(length).transpose()?.map(|error| error.to_model_units(own.diagonal()));
     let (file, kept, deviation) = match own {
         Shape::Mesh(mesh) => {
             let target = match (error, options.vertices) {
@@ -194,7 +195,8 @@ fn distances<'py>(
     let decomposer = &a.decomposer;
     let limit = limit.as_ref().map(length).transpose()?;
     let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.diagonal()));
-    let (Some(own), Some(surface)) = (Surface::new(decomposer.geometry()), Surface::new(b.decomposer.geometry()))
+    let (Some(own), Some(surface)) =
+        (Surface::new(decomposer.geometry()), Surface::new(b.decomposer.geometry()))
     else {
         return Err(value_error("a graph has no surface; give meshes or clouds"));
     };
@@ -209,7 +211,8 @@ fn distances<'py>(
         let outward = stage(outward_normals(decomposer.geometry(), a.normals.as_deref(), p))?;
         // The first shape is moved to the second, instead of the second to the first.
         let back = motion.inverse();
-        let points: Vec<[f64; 3]> = decomposer.geometry().points().iter().map(|point| back.apply(point)).collect();
+        let points: Vec<[f64; 3]> =
+            decomposer.geometry().points().iter().map(|point| back.apply(point)).collect();
         let normals: Vec<[f64; 3]> = outward.normals.iter().map(|normal| back.turn(normal)).collect();
         let found = stage(signed_distances(&points, &normals, &surface, limit, p))?;
         let is_signed = outward.info.has_outside();

@@ -50,12 +50,21 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let found = found.unwrap().unwrap();
     assert!(found.is_clear(), "{} of {}", found.n_agreeing, found.n_by_chance);
     let surface = Surface::new(other.geometry()).unwrap();
-    let (motion, info) =
-        align(decomposer.geometry().points(), &surface, found.motion, &AlignParams::default(), Progress::none())
-            .unwrap();
+    let (motion, info) = align(
+        decomposer.geometry().points(),
+        &surface,
+        found.motion,
+        &AlignParams::default(),
+        Progress::none(),
+    )
+    .unwrap();
     let diagonal = decomposer.diagonal();
-    let farthest =
-        decomposer.geometry().points().iter().map(|p| off(&motion.apply(p), &truth.apply(p))).fold(0.0, f64::max);
+    let farthest = decomposer
+        .geometry()
+        .points()
+        .iter()
+        .map(|p| off(&motion.apply(p), &truth.apply(p)))
+        .fold(0.0, f64::max);
     assert!(farthest < 0.002 * diagonal && info.overlap > 0.99, "{farthest}, {info:?}");
     let area = surface_area(other.geometry().points(), other.geometry().triangles());
     let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams::default());

@@ -62,7 +62,8 @@ pub(crate) fn compare(
         )));
     }
     let original = session.points();
-    let differential = Differential::from_walk(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
+    let differential =
+        Differential::from_walk(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
     let roughness = |points: &[[f64; 3]]| -> Result<f64, ApiError> {
         let offsets =
             differential.coordinates(points.as_flattened(), 3).map_err(|e| ApiError::from_classified(&e))?;
@@ -85,7 +86,8 @@ pub(crate) fn compare(
                 let degree = (8.0 / narrow).ceil().clamp(10.0, MAX_DEGREE) as usize;
                 let filter =
                     WindowedSinc::half_gain(frequency, degree).map_err(|e| ApiError::from_classified(&e))?;
-                let filtered = filter.apply(&differential, signal, 3).map_err(|e| ApiError::from_classified(&e))?;
+                let filtered =
+                    filter.apply(&differential, signal, 3).map_err(|e| ApiError::from_classified(&e))?;
                 Ok((filtered, json!({"degree": degree, "frequency": frequency})))
             })?
         }

@@ -3,7 +3,7 @@
 use crate::response::ApiError;
 use adwave::filter::{Gains, Layer};
 use adwave::operator::OperatorKind;
-use adwave::positions::{MoveDirection, Borders, PositionParams, Volume};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Region;
 use adwave_io::{Levels, Recipe};
 use serde::{Deserialize, Serialize};

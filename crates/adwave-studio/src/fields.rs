@@ -132,7 +132,8 @@ fn compute_saliency(session: &Session, prepared: &PreparedShape) -> Result<Vec<f
         decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule).accuracy(COLOR_ACCURACY);
     let outward = prepared.outward_normals(&session.input.file)?;
     let has_outside = outward.info.has_outside();
-    let wavelets = if has_outside { request.along_normals_in_one_pass(&outward.normals) } else { request.norms() };
+    let wavelets =
+        if has_outside { request.along_normals_in_one_pass(&outward.normals) } else { request.norms() };
     let wavelets = wavelets.map_err(|e| ApiError::from_classified(&e))?;
     saliency_f32(decomposer, &wavelets, Progress::none()).map_err(|e| ApiError::from_classified(&e))
 }

@@ -250,8 +250,14 @@ impl PreparedShape {
         before: &[[f64; 3]],
     ) -> Result<(Vec<[f64; 3]>, EditSummary), ApiError> {
         let edited = self.editor.edited().as_chunks().0.to_vec();
-        let points = constrain_positions(&self.decomposer, before, edited, &document.position_params(), Progress::none())
-            .map_err(|e| ApiError::from_classified(&e))?;
+        let points = constrain_positions(
+            &self.decomposer,
+            before,
+            edited,
+            &document.position_params(),
+            Progress::none(),
+        )
+        .map_err(|e| ApiError::from_classified(&e))?;
         let moved = displacement(before, &points);
         // The page computes in single precision.
         if !(moved.max as f32).is_finite() {

@@ -57,11 +57,11 @@ impl Reports {
 pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile) -> ApiResult {
     let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
     let points = shape.points().unwrap_or_default();
-    let walk = Decomposer::new(&shape);
-    let (n_levels, levels_reason) = walk.default_levels();
+    let decomposer = Decomposer::new(&shape);
+    let (n_levels, levels_reason) = decomposer.default_levels();
     let schedule = Schedule::dyadic(n_levels).map_err(|e| ApiError::from_classified(&e))?;
     let progress = session.progress();
-    let bands = walk.request(points.as_flattened(), 3, &schedule).progress(progress).bands();
+    let bands = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress).bands();
     let bands = bands.map_err(|e| ApiError::from_classified(&e))?;
     let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
     let normals = file_normals(file);
@@ -71,7 +71,7 @@ pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile)
         format: &format,
         fields: &names,
         shape: &shape,
-        walk: &walk,
+        decomposer: &decomposer,
         signal: COORDS,
         values: points.as_flattened(),
         normals: normals.as_deref(),

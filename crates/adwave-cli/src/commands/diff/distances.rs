@@ -69,7 +69,11 @@ pub(super) fn difference(
         }
         ByArg::Closest => false,
     };
-    if by_vertex { vectors(args, first, second, decomposer) } else { distances(args, first, second, decomposer, global) }
+    if by_vertex {
+        vectors(args, first, second, decomposer)
+    } else {
+        distances(args, first, second, decomposer, global)
+    }
 }
 
 /// From vertex to vertex.
