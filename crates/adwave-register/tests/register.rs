@@ -29,9 +29,9 @@ fn geometry(shape: &Shape) -> PreparedGeometry {
 fn both(first: &Shape, second: &Shape) -> [(Decomposer, ShapeFeatures); 2] {
     let walks = [prepared(first), prepared(second)];
     let lengths = common_lengths(&walks[0], &walks[1]).unwrap();
-    walks.map(|walk| {
-        let found = describe_shape(&walk, None, &lengths, 1.0, Progress::none()).unwrap();
-        (walk, found)
+    walks.map(|decomposer| {
+        let found = describe_shape(&decomposer, None, &lengths, 1.0, Progress::none()).unwrap();
+        (decomposer, found)
     })
 }
 

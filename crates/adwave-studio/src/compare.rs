@@ -62,11 +62,11 @@ pub(crate) fn compare(
         )));
     }
     let original = session.points();
-    let walk =
+    let differential =
         Differential::from_diffusion(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
     let roughness = |points: &[[f64; 3]]| -> Result<f64, ApiError> {
         let offsets =
-            walk.coordinates(points.as_flattened(), 3).map_err(|e| ApiError::from_classified(&e))?;
+            differential.coordinates(points.as_flattened(), 3).map_err(|e| ApiError::from_classified(&e))?;
         Ok((offsets.iter().map(|c| c * c).sum::<f64>() / n.max(1) as f64).sqrt())
     };
     let (before, target) = (roughness(original)?, roughness(edited)?);
@@ -86,7 +86,8 @@ pub(crate) fn compare(
                 let degree = (8.0 / narrow).ceil().clamp(10.0, MAX_DEGREE) as usize;
                 let filter =
                     WindowedSinc::half_gain(frequency, degree).map_err(|e| ApiError::from_classified(&e))?;
-                let filtered = filter.apply(&walk, signal, 3).map_err(|e| ApiError::from_classified(&e))?;
+                let filtered =
+                    filter.apply(&differential, signal, 3).map_err(|e| ApiError::from_classified(&e))?;
                 Ok((filtered, json!({"degree": degree, "frequency": frequency})))
             })?
         }

@@ -71,7 +71,9 @@ pub enum PositionsError {
     )]
     NoVolume,
     /// No common distance restores the volume.
-    #[error("no offset along the normals gives the old volume; filter less strongly, or let the volume go")]
+    #[error(
+        "no offset along the normals restores the volume; filter less strongly, or do not keep the volume"
+    )]
     VolumeLost,
     /// The call was cancelled.
     #[error(transparent)]

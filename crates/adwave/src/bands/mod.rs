@@ -16,6 +16,7 @@ mod real_series;
 mod schedule;
 mod series;
 mod shape_order;
+mod stages;
 mod transform;
 mod wavelets;
 

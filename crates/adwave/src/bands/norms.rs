@@ -53,7 +53,7 @@ impl Transform {
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Option<Wavelets>, BandsError> {
-        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() {
+        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() || self.is_staged(schedule) {
             return Ok(None);
         }
         let (n, n_levels) = (self.diffusion().n_vertices(), schedule.n_levels());
@@ -114,7 +114,7 @@ impl Transform {
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Option<Wavelets>, BandsError> {
-        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() {
+        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() || self.is_staged(schedule) {
             return Ok(None);
         }
         let (n, n_levels) = (self.diffusion().n_vertices(), schedule.n_levels());

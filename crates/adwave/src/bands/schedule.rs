@@ -49,7 +49,7 @@ pub enum ScheduleError {
         level: usize,
     },
     /// A number of voices that is 0 or beyond all use.
-    #[error("an octave of {n_voices} voices makes no sense; ask for 1 to {MAX_VOICES}")]
+    #[error("the number of voices per octave must be in 1..={MAX_VOICES}, got {n_voices}")]
     Voices {
         /// The number asked for.
         n_voices: usize,

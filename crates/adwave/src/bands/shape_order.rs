@@ -2,6 +2,7 @@
 //! in one pass.
 
 use super::error::{check_buffer, check_factors, check_signal};
+use super::stages::EXTRA_VECTORS;
 use super::{Bands, BandsError, BandsInfo, Schedule, Transform};
 use crate::pages::zeros;
 use crate::shape::VertexMap;
@@ -22,7 +23,10 @@ impl Transform {
     pub(super) fn forecast_wavelets(&self, n_channels: usize, schedule: &Schedule, n_vectors: u64) -> u64 {
         let vector = (self.diffusion().n_vertices() * n_channels * 8) as u64;
         // Fractional powers need one more vector, which measures their error.
-        let n_vectors = n_vectors + u64::from(schedule.first_real().is_some());
+        let mut n_vectors = n_vectors + u64::from(schedule.first_real().is_some());
+        if self.is_staged(schedule) {
+            n_vectors += EXTRA_VECTORS;
+        }
         n_vectors * vector + Self::forecast_bytes(self.diffusion(), n_channels)
     }
 

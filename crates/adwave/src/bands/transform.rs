@@ -112,7 +112,10 @@ impl Transform {
         let wrong = wavelets.iter().find(|w| w.len() != signal.len());
         check_buffer(wrong.map_or(len, |w| w.len() * wavelets.len()), schedule.n_levels() * signal.len())?;
         let steps = schedule.steps_from_zero();
-        let outcome = if self.engine == Engine::Chebyshev {
+        let stages = self.stages(schedule);
+        let outcome = if stages.len() > 1 {
+            self.staged_wavelets(&stages, signal, n_channels, wavelets, progress)?
+        } else if self.engine == Engine::Chebyshev {
             let prepared = self.evaluator(progress)?;
             let series = |level: usize, rung| self.band(&steps[level..level + 2], rung, prepared.growth);
             self.escalate(prepared, signal, n_channels, series, wavelets, progress)?
@@ -148,7 +151,10 @@ impl Transform {
         check_factors(factors, schedule)?;
         check_buffer(out.len(), signal.len())?;
         let steps = schedule.steps_from_zero();
-        let outcome = if self.engine == Engine::Chebyshev {
+        let stages = self.stages(schedule);
+        let outcome = if stages.len() > 1 {
+            self.staged_sum(&stages, signal, n_channels, factors, out, progress)?
+        } else if self.engine == Engine::Chebyshev {
             let prepared = self.evaluator(progress)?;
             let series = |_, rung| {
                 let band = |level: usize| self.band(&steps[level..level + 2], rung, prepared.growth);

@@ -112,7 +112,7 @@ fn check_tolerance(tolerance: f64) -> Result<(), BasisError> {
 #[derive(Debug, Error, PartialEq)]
 pub enum BasisError {
     /// The tolerance is negative or NaN, or it drops everything.
-    #[error("a drop tolerance of {0} makes no sense; give one of at least 0 and below 1, such as 1e-6")]
+    #[error("the drop tolerance must be at least 0 and below 1, got {0}; the default is 1e-6")]
     BadTolerance(f64),
     /// A schedule that squaring cannot reach: squaring gives powers of two only.
     #[error(
@@ -136,12 +136,12 @@ pub enum BasisError {
     },
     /// Heat diffusion, whose functions reach every vertex.
     #[error(
-        "the functions of heat on a surface reach every vertex, and have no sparse matrices; take the operator `walk`, or the functions of single vertices"
+        "the functions of heat on a surface reach every vertex and have no sparse matrices; use the operator `walk`, or the functions of single vertices"
     )]
     Heat,
     /// The matrices would exceed the memory limit.
     #[error(
-        "level {n_levels} of {n_vertices} vertices needs about {needed} bytes with all levels before it, more than the limit of {limit}; ask for fewer levels, for single vertices, for bands of a signal in place of the functions, or raise the limit"
+        "level {n_levels} of {n_vertices} vertices needs about {needed} bytes with all levels before it, more than the limit of {limit}; ask for fewer levels, for single vertices, for bands of a signal instead of the functions, or raise the limit"
     )]
     TooLarge {
         /// Number of levels asked for.
@@ -174,7 +174,7 @@ pub enum BasisError {
         n_vertices: usize,
     },
     /// The coarse scaling function does not have more steps than the fine one.
-    #[error("a wavelet from {fine} to {coarse} steps is none: the second must be larger and at most 2^31")]
+    #[error("a wavelet needs increasing steps up to 2^31, got {fine} and {coarse}")]
     BadSteps {
         /// Number of steps of the finer scaling function.
         fine: u64,

@@ -19,7 +19,7 @@ pub enum DenoiseError {
         value: f64,
     },
     /// The length of the signal does not match the shape.
-    #[error("{found} values are not one of each channel for each vertex, which would be {expected}")]
+    #[error("the signal must have {expected} values, one per channel and vertex, got {found}")]
     SignalLength {
         /// Number of values given.
         found: usize,

@@ -56,7 +56,7 @@ impl Feature {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum FeatureError {
     /// There are fewer than 3 levels; a feature needs a finer and a coarser level.
-    #[error("features need at least 3 levels and there are {n_levels}; take more levels")]
+    #[error("features need at least 3 levels, got {n_levels}; use more levels")]
     TooFewLevels {
         /// Number of levels.
         n_levels: usize,

@@ -27,7 +27,7 @@ pub struct Agreement {
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum AgreementError {
     /// The map and the fixations have different lengths.
-    #[error("the map has {n_map} values, what it is compared with has {n_fixations}; they must be as many")]
+    #[error("the map and the fixations must have the same length, got {n_map} and {n_fixations}")]
     WrongLength {
         /// Number of map values.
         n_map: usize,

@@ -36,10 +36,12 @@ pub enum DiffusionError {
         sum: f64,
     },
     /// The compressed rows are inconsistent.
-    #[error("the compressed rows of the diffusion operator do not fit together: {0}")]
+    #[error("the compressed rows of the diffusion operator are inconsistent: {0}")]
     Layout(#[from] RowsError),
     /// The lists of rows, columns and values have different lengths.
-    #[error("{n_rows} rows, {n_columns} columns and {n_values} values are not one of each for every entry")]
+    #[error(
+        "the lists of rows, columns and values must have one entry each per matrix entry, got {n_rows}, {n_columns} and {n_values}"
+    )]
     Lengths {
         /// Number of rows.
         n_rows: usize,
@@ -49,7 +51,7 @@ pub enum DiffusionError {
         n_values: usize,
     },
     /// The number of flags does not match the number of vertices.
-    #[error("{n_flags} flags do not say which of {n_vertices} vertices are masked; give one per vertex")]
+    #[error("there must be one mask flag per vertex, got {n_flags} for {n_vertices} vertices")]
     MaskLength {
         /// Number of flags.
         n_flags: usize,

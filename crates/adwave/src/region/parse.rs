@@ -56,7 +56,7 @@ pub enum RegionSyntaxError {
     NotAKeyValue(String),
     /// The text ends too early or has extra characters.
     #[error(
-        "the region does not read on at '{}'; parts are joined by '&' and '|', negated by '!', grouped by '(' and ')'",
+        "unexpected text '{}' in the region; parts are joined by '&' and '|', negated by '!', grouped by '(' and ')'",
         one_line(.0)
     )]
     Unexpected(String),

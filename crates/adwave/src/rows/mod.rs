@@ -24,7 +24,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum RowsError {
     /// The list of offsets is empty.
-    #[error("there are no offsets; a matrix without rows has the one offset 0")]
+    #[error("the list of offsets is empty; a matrix without rows has the single offset 0")]
     NoOffsets,
     /// The arrays have inconsistent lengths.
     #[error("offsets run from {first} to {last}, for {n_columns} columns and {n_values} values")]
@@ -65,9 +65,7 @@ pub enum RowsError {
         column: usize,
     },
     /// There are more entries than SciPy's 32-bit index can count.
-    #[error(
-        "{nnz} entries in {n_rows} rows are more than a 32-bit index can count; take the form of 64-bit indices"
-    )]
+    #[error("{nnz} entries in {n_rows} rows exceed a 32-bit index; use 64-bit indices")]
     TooManyEntries {
         /// Number of entries.
         nnz: usize,

@@ -27,7 +27,7 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 pub enum SaliencyError {
     /// No level is left.
     #[error(
-        "saliency skips the {skip} finest levels and there are {n_levels}; take more levels or skip fewer"
+        "saliency skips the {skip} finest levels, but there are only {n_levels}; use more levels or skip fewer"
     )]
     NoLevelLeft {
         /// Number of skipped levels.

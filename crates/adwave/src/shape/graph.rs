@@ -35,7 +35,7 @@ pub enum GraphError {
     },
     /// The lists of nodes and weights have different lengths.
     #[error(
-        "{n_rows} first nodes, {n_columns} second nodes and {n_weights} weights are not one of each for every edge"
+        "the lists of first nodes, second nodes and weights must have one entry per edge, got {n_rows}, {n_columns} and {n_weights}"
     )]
     Lengths {
         /// Number of first nodes.
