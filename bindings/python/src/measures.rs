@@ -85,7 +85,7 @@ fn saliency_map<'py>(
         if chosen.is_none() && is_geometry {
             let found = stage(outward_normals(decomposer.geometry(), own.normals.as_deref(), p))?;
             if found.info.has_outside() {
-                along = Some(stage(request.along_normals(&found.normals))?);
+                along = Some(stage(request.normal_components(&found.normals))?);
             }
             sides = if params.sign == Sign::Signed && along.is_some() {
                 format!("+ convex, - concave; {}", found.info)

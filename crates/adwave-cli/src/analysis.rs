@@ -160,7 +160,7 @@ impl Analysis {
         };
         let (wavelets, has_sign) = match &outward {
             Some(outward) if outward.info.has_outside() => {
-                (self.ask(global, |request| request.along_normals(&outward.normals))?, true)
+                (self.ask(global, |request| request.normal_components(&outward.normals))?, true)
             }
             _ => (self.wavelets(global, None)?, self.signal.n_channels == 1),
         };

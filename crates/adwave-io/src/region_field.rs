@@ -50,7 +50,7 @@ fn shape_saliency(file: &ShapeFile, decomposer: &Decomposer) -> Option<Vec<f64>>
     let normals = file_normals(file);
     let found = outward_normals(decomposer.geometry(), normals.as_deref(), Progress::none()).ok()?;
     let wavelets =
-        if found.info.has_outside() { request.along_normals(&found.normals) } else { request.norms() };
+        if found.info.has_outside() { request.normal_components(&found.normals) } else { request.norms() };
     Some(saliency(decomposer, &wavelets.ok()?, &SaliencyParams::default(), Progress::none()).ok()?.map)
 }
 

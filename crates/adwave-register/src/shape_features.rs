@@ -110,7 +110,7 @@ pub fn describe_shape(
     let schedule = Schedule::lengths(lengths, decomposer.diffusion().step_length())?;
     let request =
         decomposer.request(points.as_flattened(), 3, &schedule).accuracy(ACCURACY).progress(progress);
-    let wavelets = if is_signed { request.along_normals(&outward.normals)? } else { request.norms()? };
+    let wavelets = if is_signed { request.normal_components(&outward.normals)? } else { request.norms()? };
     let params = FeatureParams::default()
         .with_theta(theta)
         .with_response(Response::Sigma)

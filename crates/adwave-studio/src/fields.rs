@@ -133,7 +133,7 @@ fn compute_saliency(session: &Session, prepared: &PreparedShape) -> Result<Vec<f
     let outward = prepared.outward_normals(&session.input.file)?;
     let has_outside = outward.info.has_outside();
     let wavelets =
-        if has_outside { request.along_normals_in_one_pass(&outward.normals) } else { request.norms() };
+        if has_outside { request.normal_components_in_one_pass(&outward.normals) } else { request.norms() };
     let wavelets = wavelets.map_err(|e| ApiError::from_classified(&e))?;
     saliency_f32(decomposer, &wavelets, Progress::none()).map_err(|e| ApiError::from_classified(&e))
 }

@@ -75,7 +75,7 @@ impl<'a> Progress<'a> {
         Self { cancel: Some(cancel), ..self }
     }
 
-    /// The same handle without reports, for a stage inside a call that reports its own progress.
+    /// This handle without reports, for a stage inside a call that reports its own progress.
     #[must_use]
     pub fn quiet(self) -> Self {
         Self { report: None, counter: None, ..self }

@@ -14,9 +14,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 const ROUNDING: f64 = 1e-13;
 /// Rounding of single precision in some hundred sums of numbers up to 1.
 const SINGLE_ROUNDING: f64 = 1e-6;
-/// What the Chebyshev sum of one vertex may err by, times √(π(y)/π(x)) ≤ 30 on the graphs here.
+/// Error of the Chebyshev sum of one vertex, times √(π(y)/π(x)) ≤ 30 on the graphs here.
 const ONE_VERTEX_ERROR: f64 = 1e-9;
-/// How far the two methods may differ in a value, and in the number of entries.
+/// Largest difference of the two methods in a value, and in the number of entries.
 const METHODS_DIFFER: f64 = 1e-5;
 const COUNTS_DIFFER: f64 = 0.02;
 

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 const WIDTH: f64 = 0.12;
 /// Squares along a side, and levels up to the same σ: the mesh, 4 times and 16 times as fine.
 const MESHES: [(u32, usize); 3] = [(60, 9), (120, 11), (240, 13)];
-/// How far the size may be off what the bump's width asks for, and change when the mesh is refined.
+/// Largest error of the size relative to the bump's width, and change when the mesh is refined.
 const SIZE: f64 = 0.15;
 /// The plane's border and the size of its triangles, where a closed form has neither.
 const CLOSED_FORM: f64 = 0.03;

@@ -73,7 +73,7 @@ fn cloud(points: Vec<[f64; 3]>) -> Shape {
     Shape::Cloud(PointCloud::new(points).unwrap())
 }
 
-/// How far the eigenvalues of one list are from those of another, at most.
+/// Largest relative distance between two lists of eigenvalues.
 fn apart(found: &[f64], expected: &[f64]) -> f64 {
     found.iter().zip(expected).map(|(f, e)| (f / e - 1.0).abs()).fold(0.0, f64::max)
 }

@@ -7,7 +7,7 @@ use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape, enclosed_volume, triangulate};
 use adwave::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 
-/// What the default accuracy allows each of two ways to the same result, on shapes of about unit size.
+/// Allowed difference by the default accuracy of two ways to the same result, on shapes of about unit size.
 const ACCURACY: f64 = 2e-9;
 
 struct Fixture {

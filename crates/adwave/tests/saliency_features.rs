@@ -1,4 +1,4 @@
-//! What must hold for saliency and features: constants give none, and the way a shape is placed, scaled, listed or refined does not matter.
+//! Laws of saliency and features: constants give none, and the way a shape is placed, scaled, listed or refined does not matter.
 
 mod common;
 
@@ -17,7 +17,7 @@ use adwave::{Decomposer, Progress};
 
 /// Sums of a few bands in another order.
 const ROUNDING: f64 = 1e-12;
-/// What rotating or scaling rounds, through the walk, relative to the map's largest value.
+/// Rounding of rotation or scaling, through the walk, relative to the map's largest value.
 const COMMUTES: f64 = 1e-6;
 
 const RESPONSES: [Response; 4] =

@@ -1,4 +1,4 @@
-//! What must hold for saliency with a sign: bumps are above 0, dents below, and neither scale nor the way triangles run matters.
+//! Laws of signed saliency: bumps are above 0, dents below, and neither scale nor the way triangles run matters.
 
 use adwave::bands::Schedule;
 use adwave::operator::{OperatorKind, OperatorParams};
@@ -37,7 +37,7 @@ fn map(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: OperatorKind) -> Vec<f
     assert!(outward.info.has_outside());
     let schedule = Schedule::dyadic(N_LEVELS).unwrap();
     let request = decomposer.request(points.as_flattened(), 3, &schedule);
-    let along = request.along_normals(&outward.normals).unwrap();
+    let along = request.normal_components(&outward.normals).unwrap();
     // By hand.
     let whole = request.wavelets().unwrap();
     for j in 1..=N_LEVELS {
@@ -52,7 +52,7 @@ fn map(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: OperatorKind) -> Vec<f
 
 #[test]
 fn a_drawn_map_is_within_less_than_a_color_of_the_exact_one() {
-    /// What the studio asks for.
+    /// Request of the studio.
     const ACCURACY: f64 = 3e-3;
     const COLORS: f64 = 256.0;
     let Sample { points, faces } = Sample::from_name("creature", Some(20_000)).unwrap();
@@ -74,10 +74,10 @@ fn a_drawn_map_is_within_less_than_a_color_of_the_exact_one() {
         for size in [0.0, 1e-3, 0.02] {
             let edited: Vec<[f64; 3]> = points.iter().map(|p| p.map(|c| c + size * noise())).collect();
             let request = decomposer.request(edited.as_flattened(), 3, &schedule);
-            let exact = request.along_normals(&outward.normals).unwrap();
+            let exact = request.normal_components(&outward.normals).unwrap();
             let exact =
                 saliency(&decomposer, &exact, &SaliencyParams::default(), Progress::none()).unwrap().map;
-            let drawn = request.accuracy(ACCURACY).along_normals_in_one_pass(&outward.normals).unwrap();
+            let drawn = request.accuracy(ACCURACY).normal_components_in_one_pass(&outward.normals).unwrap();
             let drawn = saliency_f32(&decomposer, &drawn, Progress::none()).unwrap();
             let mut sizes: Vec<f64> = exact.iter().map(|v| v.abs()).collect();
             sizes.sort_by(f64::total_cmp);

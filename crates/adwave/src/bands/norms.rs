@@ -107,7 +107,7 @@ impl Transform {
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
-    pub(crate) fn along_normals_in_one_pass(
+    pub(crate) fn normal_components_in_one_pass(
         &self,
         mean: &[f64],
         normals: &[[f64; 3]],
@@ -191,8 +191,9 @@ mod tests {
             let exact = transform.decompose_mean(&mean, 3, &schedule, none);
             let exact = exact.expect("a signal").into_along(&normals);
             let transform = transform.with_params(&transform.params().with_accuracy(accuracy));
-            let found =
-                transform.expect("an accuracy").along_normals_in_one_pass(&mean, &normals, &schedule, none);
+            let found = transform
+                .expect("an accuracy")
+                .normal_components_in_one_pass(&mean, &normals, &schedule, none);
             let found = found.expect("a signal").expect("no powers");
             assert_eq!((&found.steps, &found.sigma), (&exact.steps, &exact.sigma));
             assert!(found.info.error_bound <= accuracy, "{:?}", found.info);

@@ -80,7 +80,7 @@ impl Series {
         Self { coefficients, tail, total, rest: TruncationBound::default() }
     }
 
-    /// The same polynomial, never truncated whatever the signal.
+    /// This polynomial without a tail, so that it is never truncated.
     pub(super) fn without_tail(self) -> Self {
         let tail = vec![0.0; self.coefficients.len()];
         Self { tail, total: 0.0, rest: TruncationBound::default(), ..self }

@@ -36,7 +36,7 @@ pub(super) struct Piece {
     level: usize,
     /// Steps from the start of the stage at which the piece begins and ends.
     steps: [f64; 2],
-    /// Whether an earlier stage computed the beginning of the level.
+    /// True if an earlier stage computed the beginning of the level.
     continues: bool,
 }
 
@@ -60,7 +60,7 @@ impl Transform {
         if can_be_cut && jumps > long { cut(&steps, rate) } else { vec![pieces(&steps, 0.0, f64::INFINITY)] }
     }
 
-    /// Whether [`stages`](Self::stages) gives more than one.
+    /// True if [`stages`](Self::stages) returns more than one stage.
     pub(super) fn is_staged(&self, schedule: &Schedule) -> bool {
         self.stages(schedule).len() > 1
     }
@@ -130,7 +130,7 @@ impl Transform {
         out.fill(0.0);
         for (k, stage) in stages.iter().enumerate() {
             let is_last = k + 1 == stages.len();
-            // The sum that is asked for, and what the stage takes off the signal.
+            // The weighted sum, and the part that the stage removes from the signal.
             let series = |i: usize, grid| {
                 let bands: Vec<Series> =
                     stage.iter().map(|piece| self.band(&piece.steps, grid, growth)).collect();

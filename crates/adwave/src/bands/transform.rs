@@ -47,7 +47,7 @@ impl Transform {
         Ok(Self { diffusion, params, engine, prepared: Arc::default() })
     }
 
-    /// The same operator with other parameters; the tiles are shared. O(1).
+    /// This operator with other parameters; the tiles are shared. O(1).
     ///
     /// # Errors
     /// As for [`new`](Self::new).

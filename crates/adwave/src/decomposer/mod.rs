@@ -133,7 +133,7 @@ impl Decomposer {
         })
     }
 
-    /// The same shape with the flagged vertices masked (flags in the order of the shape), for a signal that is
+    /// This shape with the flagged vertices masked (flags in the order of the shape), for a signal that is
     /// unknown there (see [`missing`](crate::mask::missing)). The diffusion goes around masked vertices.
     /// O(entries).
     ///

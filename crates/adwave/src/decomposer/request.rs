@@ -19,8 +19,8 @@ use std::borrow::Cow;
 /// | [`bands_into`](Self::bands_into) | the same, into the caller's buffer | the shape's | n·d |
 /// | [`wavelets`](Self::wavelets) | W_f(1..J) | analysis | J·n·d |
 /// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n; less for large signals |
-/// | [`along_normals`](Self::along_normals) | W_f(1..J)·n, along the normals | analysis | as for norms |
-/// | [`along_normals_in_one_pass`](Self::along_normals_in_one_pass) | the same up to rounding | analysis | J·n |
+/// | [`normal_components`](Self::normal_components) | W_f(1..J)·n, along the normals | analysis | as for norms |
+/// | [`normal_components_in_one_pass`](Self::normal_components_in_one_pass) | the same up to rounding | analysis | J·n |
 /// | [`weighted`](Self::weighted) | Σ_j a_j·W_f(j) by one polynomial | the shape's | 2·n·d |
 /// | [`filter`](Self::filter), [`filter_layers`](Self::filter_layers) | the edited signal (eq. 18), once | the shape's | 2·n·d for one layer |
 /// | [`editor`](Self::editor) | an [`Editor`](crate::Editor) that keeps the bands | both | (J + 3)·n·d |
@@ -191,31 +191,31 @@ impl<'a> BandsRequest<'a> {
     ///
     /// # Panics
     /// Unless the signal has three channels and there is one normal per welded vertex.
-    pub fn along_normals(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
+    pub fn normal_components(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
         let n_welded = self.decomposer.geometry().n_vertices();
         assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
         self.one_channel(RowMeasure::Along(normals))
     }
 
-    /// [`along_normals`](Self::along_normals) up to rounding, in a third of its memory and less time, for pictures
+    /// [`normal_components`](Self::normal_components) up to rounding, in a third of its memory and less time, for pictures
     /// of signed saliency ([`saliency_f32`](crate::saliency::saliency_f32)).
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
     ///
     /// # Panics
-    /// As for [`along_normals`](Self::along_normals).
-    pub fn along_normals_in_one_pass(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
+    /// As for [`normal_components`](Self::normal_components).
+    pub fn normal_components_in_one_pass(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
         let n_welded = self.decomposer.geometry().n_vertices();
         assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
         let (filled, transform) = (self.filled()?, self.transform()?);
-        let found = transform.along_normals_in_one_pass(
+        let found = transform.normal_components_in_one_pass(
             &self.mean(&filled)?,
             normals,
             self.schedule,
             self.progress,
         )?;
-        let Some(mut found) = found else { return self.along_normals(normals) };
+        let Some(mut found) = found else { return self.normal_components(normals) };
         self.clear_masked(&mut found);
         Ok(found)
     }

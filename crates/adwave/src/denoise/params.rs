@@ -76,7 +76,7 @@ impl DenoiseParams {
 pub struct DenoiseInfo {
     /// Standard deviation of the noise along the normals in model units, estimated or given.
     pub noise: f64,
-    /// The same in mean edge lengths of a mesh, or mean neighbor distances of a cloud.
+    /// Standard deviation in mean edge lengths of a mesh, or mean neighbor distances of a cloud.
     pub noise_in_edges: f64,
     /// Weight of the unchanged normals in the result; 1 if nothing is to be done.
     pub kept: f64,

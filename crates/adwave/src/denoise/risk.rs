@@ -65,7 +65,7 @@ impl Risk {
         self.best_among(self.toward.len())
     }
 
-    /// The same among the first n estimates; the others have weight 0.
+    /// Weights of the best mixture of the first n estimates; the others have weight 0.
     pub(super) fn best_among(&self, n: usize) -> Vec<f64> {
         let mut weights = vec![0.0; self.toward.len()];
         weights[0] = 1.0;

@@ -58,7 +58,7 @@ impl TiledDiffusion {
         Ok(Self { diffusion, tiles, own, depth, target, n_around, spare, pool })
     }
 
-    /// The same operator in tiles of another size.
+    /// This operator in tiles of another size.
     #[cfg(test)]
     pub(crate) fn with_tiles(&self, own: usize, depth: usize) -> Self {
         Self::cut(Arc::clone(&self.diffusion), own, depth, Progress::none()).expect("nobody can stop this")

@@ -11,7 +11,7 @@ use std::ops::Range;
 /// A strip of so many points across.
 const ACROSS: usize = 12;
 const ALONG: usize = 900;
-/// Which of its points, counted along, the part is asked for.
+/// Indices of the points of the part.
 const OWN: Range<usize> = 400..500;
 
 /// A roof along the strip, with noise.

@@ -17,7 +17,7 @@ fn noise(n: usize) -> Vec<f64> {
     noise_of(n, 5)
 }
 
-/// The same for any seed.
+/// Noise for any seed.
 fn noise_of(n: usize, seed: u64) -> Vec<f64> {
     let mut state = seed;
     let mut uniform = || {

@@ -15,7 +15,7 @@ const RESPONSE: f64 = 1e-10;
 const RESPONSES: [Response; 4] =
     [Response::Normalized, Response::Literal, Response::Channels, Response::Sigma];
 
-/// What is changed in the search, to see that the tests would notice.
+/// Mutations of the search, which the tests must notice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Search {
     Paper,
@@ -79,7 +79,7 @@ fn mean_over(values: &[f64], is_masked: &[bool]) -> f64 {
     known.iter().sum::<f64>() / known.len() as f64
 }
 
-/// What Algorithm 2 needs of a shape.
+/// Input of Algorithm 2.
 struct Prepared {
     phi: Vec<Matrix>,
     /// σ_1 … σ_J.

@@ -1,4 +1,4 @@
-//! What must hold for heat on every shape.
+//! Laws of heat on every shape.
 
 use crate::meshes::{
     Noise, Points, Triangles, jittered_grid, sample, sector, uneven_rectangle, uneven_sphere,
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 /// Sums of a row's few entries.
 const ROW_SUM: f64 = 1e-14;
-/// What the default accuracy promises of a band.
+/// Default accuracy of a band.
 const ACCURACY: f64 = 1e-10;
 /// A few bands, or what they are made of, computed from coordinates that are rounded differently.
 const COMMUTES: f64 = 1e-9;

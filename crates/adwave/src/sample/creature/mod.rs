@@ -1,4 +1,4 @@
-//! The creature: a standing figure with shell, ears, snout, claws and tail, in place of the scanned armadillo of
+//! The creature: a standing figure with shell, ears, snout, claws and tail, instead of the scanned armadillo of
 //! shape-processing papers.
 //!
 //! It is an implicit surface in model units, so every number of vertices samples the same shape: parts made of
