@@ -25,7 +25,7 @@ class Edited(NamedTuple):
 def studio(shape: object, faces: object = None, *, port: int = 0, open_browser: bool = True) -> Edited:
     """Open an equalizer for a shape in the browser, and wait until it is done there.
 
-    A slider for each band, a brush that paints gains, layers, undo. *Done* in the page's file menu, or Ctrl-C here (in a notebook its stop button), ends
+    A slider for each band, a brush that paints gains, layers, undo. *Quit studio* in the page's file menu, or Ctrl-C here (in a notebook its stop button), ends
     it, and gives the edit either way.
 
     Parameters
