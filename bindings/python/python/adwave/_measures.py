@@ -190,9 +190,9 @@ class Features(np.ndarray):
     Examples
     --------
     >>> import adwave as aw
-    >>> found = aw.features(aw.sample("creature", vertices=2000), best=3)
-    >>> found["position"].shape
-    (3, 3)
+    >>> found = aw.features(aw.sample("creature", vertices=5000), best=3)
+    >>> found["position"].shape, found["vertex"].dtype
+    ((3, 3), dtype('int64'))
     """
 
     descriptors: NDArray[np.float64] | None
@@ -243,10 +243,10 @@ class FeatureOptions:
     Examples
     --------
     >>> import adwave as aw
-    >>> shape = aw.sample("creature", vertices=2000)
-    >>> found = aw.features(shape, best=5, options=aw.FeatureOptions(descriptors=True))
-    >>> found.descriptors.shape[0]
-    5
+    >>> shape = aw.sample("creature", vertices=5000)
+    >>> found = aw.features(shape, best=3, options=aw.FeatureOptions(descriptors=True))
+    >>> len(found.descriptors)
+    3
     """
 
     response: Response = "normalized"

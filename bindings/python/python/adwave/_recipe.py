@@ -142,6 +142,7 @@ class Recipe:
         >>> import adwave as aw
         >>> recipe = aw.Recipe.from_layers([aw.Layer("enhance")], levels=4)
         >>> print(recipe.text)
+        field = "coords"
         levels = 4
         <BLANKLINE>
         [[layer]]

@@ -113,7 +113,7 @@ class Repeatability(NamedTuple):
     Examples
     --------
     >>> import adwave as aw
-    >>> found = aw.repeatability(aw.sample("creature", vertices=1000), trials=aw.Trials(noise=[], runs=1))
+    >>> found = aw.repeatability(aw.sample("creature", vertices=2000), trials=aw.Trials(noise=[], runs=1))
     >>> found.levels.dtype.names
     ('change', 'level', 'sigma', 'features', 'found')
     """
@@ -300,4 +300,5 @@ _LEVEL = [
 
 def _columns(found: Features) -> dict[str, NDArray[Any]]:
     names = ("vertex", "position", "level", "sigma", "response", "channel")
-    return {name: np.ascontiguousarray(found[name]) for name in names}
+    # Copies: a column of one feature is contiguous, but not aligned.
+    return {name: np.array(found[name], order="C") for name in names}

@@ -179,7 +179,7 @@ def lee_saliency(shape: object, *, progress: ProgressLike = None) -> tuple[NDArr
     Examples
     --------
     >>> import adwave as aw
-    >>> saliency, curvature = aw.baselines.lee_saliency(aw.sample("creature", vertices=1000))
+    >>> saliency, curvature = aw.baselines.lee_saliency(aw.sample("creature", vertices=2000))
     >>> bool(saliency.min() >= 0)
     True
     """
