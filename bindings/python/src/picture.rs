@@ -98,10 +98,9 @@ fn render_picture<'py>(
     };
     let up = match up {
         Some(up) => up.parse::<Up>().map_err(|e| value(e.to_string()))?,
-        None if matches!(
-            content.file.format(),
-            Some(Format::Las | Format::Laz | Format::Ept | Format::Gifti | Format::FreeSurfer)
-        ) =>
+        None if content.file.format().is_some_and(|f| {
+            [Format::LAS, Format::LAZ, Format::EPT, Format::GIFTI, Format::FREESURFER].contains(&f)
+        }) =>
         {
             Up::Z
         }

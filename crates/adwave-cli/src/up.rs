@@ -35,11 +35,14 @@ impl Upward {
         if let Some(up) = asked {
             return Self { up, why: Why::Asked };
         }
-        match input.file.format() {
-            Some(Format::Las | Format::Laz | Format::Ept) => return Self { up: Up::Z, why: Why::Las },
-            Some(Format::Gifti) => return Self { up: Up::Z, why: Why::Gifti },
-            Some(Format::FreeSurfer) => return Self { up: Up::Z, why: Why::FreeSurfer },
-            _ => {}
+        let why = match input.file.format() {
+            Some(format) if [Format::LAS, Format::LAZ, Format::EPT].contains(&format) => Some(Why::Las),
+            Some(format) if format == Format::GIFTI => Some(Why::Gifti),
+            Some(format) if format == Format::FREESURFER => Some(Why::FreeSurfer),
+            _ => None,
+        };
+        if let Some(why) = why {
+            return Self { up: Up::Z, why };
         }
         let up = Up::guess(input.shape.points().unwrap_or_default(), || is_open(&input.shape));
         Self { up, why: if up == Up::Z { Why::Land } else { Why::Usual } }

@@ -44,6 +44,8 @@
 #![allow(clippy::cast_possible_wrap)]
 
 mod bytes;
+#[cfg(feature = "las")]
+mod cloud_part;
 mod error;
 mod files;
 mod formats;
@@ -55,37 +57,53 @@ mod provenance;
 mod recipe;
 mod region_field;
 mod registry;
+mod report;
 mod signal;
 mod text;
+#[cfg(feature = "texture")]
 mod texture;
 
+#[cfg(feature = "las")]
+pub use cloud_part::{read_cloud_part, read_cloud_part_with};
 pub use error::{ReadError, WriteError};
 pub use files::atomic::{atomic_write, atomic_write_with, remove_temporaries, write_together};
 pub use formats::csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
-pub use formats::csv::write::{csv_number, push_csv_row, write_csv_fields};
+pub use formats::csv::write::write_csv_fields;
+#[cfg(feature = "more")]
 pub use formats::dmat::read::{parse_dmat_field, read_dmat_field};
+#[cfg(feature = "neuro")]
 pub use formats::gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
+#[cfg(feature = "neuro")]
 pub use formats::gifti::write::{write_gifti_fields, write_gifti_fields_with};
-pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels, read_cloud_part, read_cloud_part_with};
+#[cfg(feature = "las")]
+pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels};
+#[cfg(feature = "las")]
 pub use formats::las::stream::{LasLayout, LasReader, LasWriter};
-pub use formats::mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};
+#[cfg(feature = "graph")]
+pub use formats::mtx::write::{write_matrix_market, write_matrix_market_with};
 pub use formats::npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
 pub use limits::ReadLimits;
 pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
 pub use model::field::{Field, FieldValues, ValueType};
+pub use model::format::Format;
 pub use model::shape::{ShapeFileError, ShapeKind};
 pub use model::shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
+pub use model::sparse_rows::{MatrixValues, SparseRows};
 pub use model::subset::Subset;
+#[cfg(feature = "texture")]
+pub use model::texture::TextureError;
 pub use provenance::{Provenance, ProvenanceInput};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use region_field::region_field;
-pub use registry::format::Format;
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
-pub use registry::surface_values::{parse_surface_values, read_surface_values};
-pub use registry::write::{WriteReport, write_bytes, write_bytes_with, write_path, write_path_with};
+pub use registry::values::{parse_surface_values, read_surface_values};
+pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
+pub use report::WriteReport;
 pub use signal::{
     COORDS, DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
     named_axis, named_signal, with_axis, written_signal,
 };
-pub use texture::{TextureError, texture_colors};
+pub use text::csv::{csv_number, push_csv_row};
+#[cfg(feature = "texture")]
+pub use texture::texture_colors;

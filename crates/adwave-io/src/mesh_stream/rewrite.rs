@@ -11,7 +11,7 @@ use super::obj::ObjStream;
 use super::ply::PlyStream;
 use crate::formats::ply::header::Element;
 use crate::formats::ply::update::{RowWriter, write_header};
-use crate::model::original::{RowEdit, Separator, TextRows};
+use crate::model::text_rows::{RowEdit, Separator, TextRows};
 use crate::{Field, FieldValues, Format, ReadError, ShapeFile, WriteError};
 
 /// What [`rewrite_mesh`] asks for: the new coordinates of the next vertices, and their values of each new field.
@@ -51,7 +51,7 @@ pub fn rewrite_mesh<E: From<ReadError> + From<WriteError>>(
         Source::Ply(ply) => Rewriter { path, fields, out, progress }.ply(*ply, edit),
         Source::Obj(_) if !fields.is_empty() => {
             let what = format!("the vertex field `{}`", fields[0]);
-            Err(WriteError::CannotHold { format: Format::Obj, what }.into())
+            Err(WriteError::CannotHold { format: Format::OBJ, what }.into())
         }
         Source::Obj(obj) => Rewriter { path, fields, out, progress }.obj(*obj, edit),
     }

@@ -4,7 +4,10 @@ use std::io::Write;
 
 use adwave::Progress;
 
+use crate::model::context::WriteContext;
 use crate::model::field::ByteOrder;
+use crate::model::source_document::Update;
+use crate::model::text_rows::{RowEdit, TextRows};
 use crate::progress::at_row;
 use crate::{ShapeFile, WriteError};
 
@@ -30,6 +33,42 @@ pub(crate) struct BinaryRows {
     /// How many coordinates there are: 3, or 2 of the plane.
     pub(crate) n_axes: usize,
     pub(crate) order: ByteOrder,
+}
+
+/// A text or a binary file with its coordinates in place.
+#[derive(Debug)]
+pub(crate) enum CoordinateRows {
+    Text(TextRows),
+    Binary(BinaryRows),
+}
+
+impl CoordinateRows {
+    /// Updates a document of which nothing but coordinates can change.
+    pub(crate) fn update_coordinates(
+        &self,
+        shape: &ShapeFile,
+        context: &mut WriteContext<'_>,
+    ) -> Result<Update, WriteError> {
+        if !shape.edited.is_empty() {
+            return Ok(Update::DoesNotFit);
+        }
+        self.write_all(shape, context)?;
+        Ok(Update::Written)
+    }
+
+    /// Writes the whole original with the coordinates of the shape.
+    pub(crate) fn write_all(
+        &self,
+        shape: &ShapeFile,
+        context: &mut WriteContext<'_>,
+    ) -> Result<(), WriteError> {
+        match self {
+            Self::Text(rows) => rows.write_all(shape, &RowEdit::default(), context.out, context.progress),
+            Self::Binary(rows) => {
+                rows.write_range((0, rows.bytes.len()), shape, context.out, context.progress)
+            }
+        }
+    }
 }
 
 impl BinaryRows {

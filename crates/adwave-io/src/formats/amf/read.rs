@@ -248,7 +248,7 @@ impl Assembly<'_> {
 
     fn finish(self, n_volumes: u32) -> Result<ShapeFile, ReadError> {
         let mut shape = self.joined.into_shape(self.progress)?;
-        shape.format = Some(Format::Amf);
+        shape.format = Some(Format::AMF);
         shape.vertex_fields.extend(field(&self.colors));
         if n_volumes > 1 {
             shape.face_fields.push(Field::new("volume", 1, FieldValues::U32(self.volumes)));

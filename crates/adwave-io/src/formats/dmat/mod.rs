@@ -2,3 +2,44 @@
 
 pub(crate) mod read;
 pub(crate) mod write;
+
+use crate::Format;
+use crate::model::format::{ContentKind, Evidence, FormatDescriptor, Sample};
+
+impl Format {
+    /// Matrix of libigl, text.
+    pub const DMAT: Self = Self::new(&DMAT);
+    /// Matrix of libigl, binary.
+    pub const DMAT_BINARY: Self = Self::new(&DMAT_BINARY);
+}
+
+pub(crate) static DMAT: FormatDescriptor = FormatDescriptor {
+    name: "dmat",
+    title: "DMAT of libigl, text",
+    extensions: &["dmat"],
+    reads: "matrices of three columns as points, others with `--field`",
+    writes: "points",
+    loses: "faces, fields",
+    content: ContentKind::Cloud,
+    recognize: |file| {
+        let is_named = file.is_named(Format::DMAT).then_some(Evidence::NameAlone);
+        is_named.or_else(|| read::begins_as_dmat(file.bytes).then_some(Evidence::Layout))
+    },
+    read: Some(|bytes, c| read::read_dmat(&bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_dmat(shape, c.format, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.dmat", bytes: include_bytes!("samples/a.dmat") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static DMAT_BINARY: FormatDescriptor = FormatDescriptor {
+    name: "dmat-binary",
+    title: "DMAT of libigl, binary",
+    reads: "as text",
+    writes: "points",
+    loses: "faces, fields",
+    form_of: Some(&DMAT),
+    extensions: &[],
+    recognize: |_| None,
+    samples: &[],
+    ..DMAT
+};

@@ -6,3 +6,23 @@
 
 pub(crate) mod read;
 pub(crate) mod record;
+
+use crate::Format;
+use crate::model::format::{ContentKind, Evidence, FormatDescriptor};
+
+impl Format {
+    /// ASTM E57, read only.
+    pub const E57: Self = Self::new(&E57);
+}
+
+pub(crate) static E57: FormatDescriptor = FormatDescriptor {
+    name: "e57",
+    title: "ASTM E57",
+    extensions: &["e57"],
+    reads: "all scans where their poses put them, in Cartesian or spherical coordinates, with all their records",
+    loses: "records without a place, pictures",
+    content: ContentKind::Cloud,
+    recognize: |file| file.bytes.starts_with(b"ASTM-E57").then_some(Evidence::Signature),
+    read: Some(|bytes, c| read::read_e57(bytes, c.limits, c.progress)),
+    ..FormatDescriptor::NEW
+};

@@ -6,3 +6,59 @@
 pub(crate) mod overlay;
 pub(crate) mod read;
 pub(crate) mod write;
+
+use crate::Format;
+use crate::model::format::{ContentKind, Evidence, FormatDescriptor};
+
+impl Format {
+    /// FreeSurfer surface.
+    pub const FREESURFER: Self = Self::new(&FREESURFER);
+}
+
+pub(crate) static FREESURFER: FormatDescriptor = FormatDescriptor {
+    name: "freesurfer",
+    title: "FreeSurfer surface",
+    extensions: &["white", "pial", "inflated", "sphere", "orig", "smoothwm"],
+    reads: "triangles and both forms of quadrangles; values alone (curv, annot, MGH, MGZ) with `--field`",
+    writes: "triangles in 32-bit floats",
+    keeps: "creator, volume information",
+    loses: "fields, faces of more than three corners",
+    is_single_precision: true,
+    recognize: |file| read::is_surface(file.bytes).then_some(Evidence::Signature),
+    read: Some(|bytes, c| read::read_surface(&bytes, c.name, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_surface(shape, &mut c.report, c.out, c.progress)),
+    ..FormatDescriptor::NEW
+};
+
+const VALUES: FormatDescriptor = FormatDescriptor { content: ContentKind::Values, ..FormatDescriptor::NEW };
+
+pub(crate) static CURV: FormatDescriptor = FormatDescriptor {
+    name: "curv",
+    title: "FreeSurfer values, curv",
+    recognize: |file| overlay::is_curv(file.bytes).then_some(Evidence::Signature),
+    name_foreign: |file| {
+        overlay::is_curv(file.bytes)
+            .then_some("FreeSurfer's values at vertices: give it as a field of a surface")
+    },
+    read_values: Some(|bytes, _, c| Ok(vec![overlay::read_curv(bytes, c.progress)?])),
+    ..VALUES
+};
+
+pub(crate) static MGH: FormatDescriptor = FormatDescriptor {
+    name: "mgh",
+    title: "FreeSurfer values, MGH",
+    recognize: |file| overlay::is_mgh(file.bytes).then_some(Evidence::Signature),
+    name_foreign: |file| {
+        overlay::is_mgh(file.bytes).then_some("an MGH volume or overlay: give it as a field of a surface")
+    },
+    read_values: Some(|bytes, _, c| Ok(vec![overlay::read_mgh(bytes, c.progress)?])),
+    ..VALUES
+};
+
+pub(crate) static ANNOTATION: FormatDescriptor = FormatDescriptor {
+    name: "annot",
+    title: "FreeSurfer annotation",
+    recognize: |file| overlay::is_annotation(file.bytes).then_some(Evidence::Layout),
+    read_values: Some(|bytes, _, c| Ok(vec![overlay::read_annotation(bytes, c.progress)?])),
+    ..VALUES
+};

@@ -3,3 +3,23 @@
 
 pub(crate) mod grid;
 pub(crate) mod read;
+
+use crate::Format;
+use crate::model::format::{Evidence, FormatDescriptor, Sample};
+
+impl Format {
+    /// Objects of Geomview, read only.
+    pub const GEOMVIEW: Self = Self::new(&GEOMVIEW);
+}
+
+pub(crate) static GEOMVIEW: FormatDescriptor = FormatDescriptor {
+    name: "geomview",
+    title: "Geomview",
+    extensions: &["oogl", "list", "quad", "vect", "skel"],
+    reads: "MESH grids, QUAD, VECT, SKEL, OFF, and lists of these; normals, colors; the fourth coordinate divides",
+    loses: "appearance, transforms, curved surfaces",
+    recognize: |file| read::is_geomview(file).then_some(Evidence::Keyword),
+    read: Some(|bytes, c| read::read_geomview(&bytes, c.limits, c.progress)),
+    samples: &[Sample { name: "a.list", bytes: include_bytes!("samples/a.list") }],
+    ..FormatDescriptor::NEW
+};

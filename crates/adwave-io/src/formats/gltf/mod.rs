@@ -14,5 +14,53 @@ pub(crate) mod json;
 pub(crate) mod matrix;
 pub(crate) mod read;
 pub(crate) mod scene;
+#[cfg(feature = "texture")]
+mod texture;
 pub(crate) mod update;
 pub(crate) mod write;
+
+use crate::Format;
+use crate::model::format::{Evidence, FormatDescriptor, ProvenanceRoom, Sample};
+
+impl Format {
+    /// glTF 2.0 as one binary file.
+    pub const GLB: Self = Self::new(&GLB);
+    /// glTF 2.0 as text.
+    pub const GLTF: Self = Self::new(&GLTF);
+}
+
+pub(crate) static GLB: FormatDescriptor = FormatDescriptor {
+    name: "glb",
+    title: "glTF 2.0, binary",
+    extensions: &["glb", "vrm"],
+    reads: "meshes, lines and points where the scene's nodes put them, all attributes, sparse and quantized ones too",
+    writes: "triangles, lines, points and fields in 32-bit floats and whole numbers up to 16 bits",
+    keeps: "materials, pictures, nodes, animations, all else; only positions and fields that changed are replaced",
+    loses: "polygons (cut into triangles), face fields, weights of edges; compression by Draco or meshopt is not read",
+    holds_fields: true,
+    is_single_precision: true,
+    provenance: ProvenanceRoom::Metadata,
+    recognize: |file| file.bytes.starts_with(b"glTF").then_some(Evidence::Signature),
+    read: Some(|bytes, c| read::read_gltf(bytes, c.folder, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_gltf(shape, c.format, &mut c.report, c.out, c.progress)),
+    #[cfg(feature = "texture")]
+    texture: Some(texture::colors),
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static GLTF: FormatDescriptor = FormatDescriptor {
+    name: "gltf",
+    title: "glTF 2.0, text",
+    extensions: &["gltf"],
+    reads: "as GLB; buffers in the text or beside the file",
+    writes: "as GLB, with buffers and pictures in the text",
+    keeps: "as GLB",
+    loses: "as GLB",
+    recognize: |file| {
+        // Every glTF says `asset`.
+        let is_json = file.text.starts_with(b"{") && memchr::memmem::find(file.text, b"\"asset\"").is_some();
+        is_json.then_some(Evidence::Signature)
+    },
+    samples: &[Sample { name: "a.gltf", bytes: include_bytes!("samples/a.gltf") }],
+    ..GLB
+};

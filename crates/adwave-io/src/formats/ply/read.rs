@@ -5,9 +5,8 @@
 
 use crate::formats::ply::body::Body;
 use crate::formats::ply::fixed;
-use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlyOriginal, parse_header};
+use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlySource, parse_header};
 use crate::model::grouping::group;
-use crate::model::original::Original;
 use crate::progress::{at_row, collect};
 use crate::provenance::in_comments;
 use crate::text::line_of;
@@ -28,7 +27,7 @@ pub(crate) fn read_ply(
     let mut shape = ShapeFile::empty();
     shape.n_vertices = n_vertices as usize;
     shape.provenance = in_comments(&bytes, "comment adwave").map(Arc::new);
-    shape.format = Some(if header.encoding == Encoding::Ascii { Format::PlyAscii } else { Format::Ply });
+    shape.format = Some(if header.encoding == Encoding::Ascii { Format::PLY_ASCII } else { Format::PLY });
     let mut rows = (header.body, header.body);
     let mut field_properties = Vec::new();
     let mut body = Body { bytes: &bytes, position: header.body, encoding: header.encoding, progress };
@@ -61,8 +60,8 @@ pub(crate) fn read_ply(
     keep_fields_of_all_faces(&mut shape);
     name_comments(&bytes, &header, &mut shape);
     if let Some(vertex) = vertex {
-        let original = PlyOriginal { bytes, header, vertex, rows, field_properties };
-        shape.original = Some(Arc::new(Original::Ply(original)));
+        let original = PlySource { bytes, header, vertex, rows, field_properties };
+        shape.set_source(original);
     }
     Ok(shape)
 }

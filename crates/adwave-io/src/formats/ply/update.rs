@@ -6,32 +6,33 @@ use std::io::Write;
 use adwave::Progress;
 
 use crate::formats::ply::body::Body;
-use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlyOriginal};
+use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlySource};
 use crate::formats::ply::write::{Style, note_rounding, property_lines, push_fields};
+use crate::model::context::WriteContext;
+use crate::model::source_document::{SourceDocument, Update};
 use crate::progress::at_row;
 use crate::text::{is_space, parse_f32, parse_f64};
-use crate::{Field, FieldValues, ReadError, ShapeFile, ValueType, WriteError, WriteReport};
+use crate::{Field, FieldValues, ReadError, ShapeFile, ValueType, WriteError};
 
-/// Writes the original with other coordinates and fields.
-pub(crate) fn update_ply(
-    shape: &ShapeFile,
-    ply: &PlyOriginal,
-    out: &mut dyn Write,
-    progress: Progress<'_>,
-) -> Result<WriteReport, WriteError> {
-    let mut report = WriteReport::default();
-    let fields: Vec<&Field> = shape.vertex_fields.iter().filter(|f| shape.edited.contains(&f.name)).collect();
-    note_rounding(&fields, &mut report);
-    let element = &ply.header.elements[ply.vertex];
-    let replaced = |p: usize| {
-        ply.field_properties.iter().any(|(name, members)| members.contains(&p) && shape.edited.contains(name))
-    };
-    let dropped: Vec<bool> = (0..element.properties.len()).map(replaced).collect();
-    write_header((&ply.bytes, &ply.header), ply.vertex, &dropped, &fields, out)?;
-    out.write_all(&ply.bytes[ply.header.body..ply.rows.0])?;
-    write_rows(shape, ply, &dropped, &fields, out, progress)?;
-    out.write_all(&ply.bytes[ply.rows.1..])?;
-    Ok(report)
+impl SourceDocument for PlySource {
+    /// Writes the original with other coordinates and fields.
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        let is_edited = |f: &&Field| shape.edited.contains(&f.name);
+        let fields: Vec<&Field> = shape.vertex_fields.iter().filter(is_edited).collect();
+        note_rounding(&fields, &mut context.report);
+        let element = &self.header.elements[self.vertex];
+        let replaced = |p: usize| {
+            let mut members = self.field_properties.iter();
+            members.any(|(name, members)| members.contains(&p) && shape.edited.contains(name))
+        };
+        let dropped: Vec<bool> = (0..element.properties.len()).map(replaced).collect();
+        let out = &mut *context.out;
+        write_header((&self.bytes, &self.header), self.vertex, &dropped, &fields, out)?;
+        out.write_all(&self.bytes[self.header.body..self.rows.0])?;
+        write_rows(shape, self, &dropped, &fields, out, context.progress)?;
+        out.write_all(&self.bytes[self.rows.1..])?;
+        Ok(Update::Written)
+    }
 }
 
 /// The header, `bytes` being those that it was parsed from, with the properties of new fields.
@@ -110,7 +111,7 @@ impl<'a> RowWriter<'a> {
 
 fn write_rows(
     shape: &ShapeFile,
-    ply: &PlyOriginal,
+    ply: &PlySource,
     dropped: &[bool],
     fields: &[&Field],
     out: &mut dyn Write,

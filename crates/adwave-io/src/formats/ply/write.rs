@@ -76,8 +76,8 @@ pub(crate) fn write_ply(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let style = if format == Format::Ply { Style::Bytes(ByteOrder::Little) } else { Style::Text };
-    let encoding = if format == Format::Ply { "binary_little_endian" } else { "ascii" };
+    let style = if format == Format::PLY { Style::Bytes(ByteOrder::Little) } else { Style::Text };
+    let encoding = if format == Format::PLY { "binary_little_endian" } else { "ascii" };
     let fields: Vec<&Field> = shape.vertex_fields.iter().collect();
     let face_fields: Vec<&Field> = shape.face_fields.iter().collect();
     note_rounding(&fields, report);

@@ -6,3 +6,30 @@
 pub(crate) mod model;
 pub(crate) mod read;
 pub(crate) mod write;
+
+use crate::Format;
+use crate::bytes::package::package_has;
+use crate::model::format::{Evidence, FormatDescriptor};
+
+impl Format {
+    /// 3D manufacturing format, an archive of XML.
+    pub const THREE_MF: Self = Self::new(&THREE_MF);
+}
+
+pub(crate) static THREE_MF: FormatDescriptor = FormatDescriptor {
+    name: "3mf",
+    title: "3D manufacturing format",
+    extensions: &["3mf"],
+    reads: "what is built, with components of all parts, transforms and units; colors of vertices or faces",
+    writes: "one object of triangles, colors of vertices or faces in bytes",
+    loses: "other fields, metadata, materials, textures, the unit of length",
+    recognize: |file| {
+        // An archive that was cut has lost its list of names, but its own name says what it was.
+        let is_cut_archive = || file.is_archive() && file.is_named(Format::THREE_MF);
+        let by_name = || is_cut_archive().then_some(Evidence::NameAlone);
+        package_has(file.bytes, ".model").then_some(Evidence::Signature).or_else(by_name)
+    },
+    read: Some(|bytes, c| read::read_3mf(&bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_3mf(shape, &mut c.report, c.out, c.progress)),
+    ..FormatDescriptor::NEW
+};

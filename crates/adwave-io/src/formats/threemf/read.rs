@@ -160,7 +160,7 @@ impl Assembly<'_> {
         let has_corners = self.models.values().any(|m| m.has_corners);
         let n_channels = if self.models.values().any(|m| m.has_alpha) { 4 } else { 3 };
         let mut shape = self.joined.into_shape(self.progress)?;
-        shape.format = Some(Format::ThreeMf);
+        shape.format = Some(Format::THREE_MF);
         let n = shape.faces.len();
         if self.colors.iter().flatten().any(Option::is_some) {
             self.colors.resize(n, [None; 3]);

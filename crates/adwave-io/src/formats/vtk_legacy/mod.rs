@@ -8,3 +8,26 @@ mod cells;
 pub(crate) mod read;
 mod scanner;
 pub(crate) mod write;
+
+use crate::Format;
+use crate::model::format::{Evidence, FormatDescriptor, Sample};
+
+impl Format {
+    /// Legacy VTK, text and binary.
+    pub const VTK: Self = Self::new(&VTK);
+}
+
+pub(crate) static VTK: FormatDescriptor = FormatDescriptor {
+    name: "vtk",
+    title: "legacy VTK",
+    extensions: &["vtk"],
+    reads: "text and binary up to version 5.1, all that VTP, VTU, VTI, VTR and VTS hold",
+    writes: "points, faces, lines, all fields, binary",
+    loses: "what is inside volumes, field data, tables of colors, values of lines",
+    holds_fields: true,
+    recognize: |file| file.bytes.starts_with(read::MAGIC).then_some(Evidence::Signature),
+    read: Some(|bytes, c| read::read_vtk(&bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_vtk(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.vtk", bytes: include_bytes!("samples/a.vtk") }],
+    ..FormatDescriptor::NEW
+};

@@ -1,39 +1,11 @@
-//! The bytes of the file that a shape came from, kept so that it can be written again with nothing lost: only the
-//! coordinates that changed are replaced, everything else is copied.
+//! Texts with one row of values per vertex, kept so that they can be written again: only the coordinates that changed
+//! are replaced, everything else is copied.
 
-use crate::formats::ply::header::PlyOriginal;
 use crate::progress::at_row;
 use crate::text::tokens::Tokens;
 use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
 use crate::{Precision, ShapeFile, WriteError};
 use adwave::Progress;
-
-/// What is kept of the original, by format.
-#[derive(Debug)]
-pub(crate) enum Original {
-    /// A text with one row per vertex.
-    Rows(TextRows),
-    /// A PLY, text or binary.
-    Ply(PlyOriginal),
-    /// A binary OFF.
-    OffBinary(crate::model::binary_rows::BinaryRows),
-    /// The header, names and points of an STL.
-    Stl(crate::formats::stl::read::StlOriginal),
-    /// A Gmsh mesh.
-    Msh(crate::formats::msh::write::MshOriginal),
-    /// A Medit mesh.
-    Medit(crate::formats::medit::write::MeditOriginal),
-    /// A GIFTI.
-    Gifti(crate::formats::gifti::update::GiftiOriginal),
-    /// A glTF or GLB.
-    Gltf(crate::formats::gltf::update::GltfOriginal),
-    /// A FreeSurfer surface.
-    FreeSurfer(crate::formats::freesurfer::read::FreeSurferOriginal),
-    /// A LAS or LAZ.
-    Las(crate::formats::las::write::LasOriginal),
-    /// The `VIEWPOINT` line and the width and height of a PCD.
-    Pcd(crate::formats::pcd::read::PcdOriginal),
-}
 
 /// What separates the values of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
