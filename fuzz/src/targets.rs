@@ -281,8 +281,8 @@ fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
     };
     // An OBJ is one by its name alone.
     let is_mesh = |f| match f {
-        Some(format) if [Format::PLY, Format::PLY_ASCII].contains(&format) => true,
-        Some(format) if format == Format::OBJ => Path::new(name).extension().is_some_and(|e| e == "obj"),
+        Some(Format::PLY | Format::PLY_ASCII) => true,
+        Some(Format::OBJ) => Path::new(name).extension().is_some_and(|e| e == "obj"),
         _ => false,
     };
     match read_bytes(bytes.to_vec(), Some(name), &LIMITS) {
@@ -347,9 +347,7 @@ fn unchanged(file: &ShapeFile, written: &[u8], name: &str) -> Result<(), String>
         return Err(format!("other points after writing and reading: {a:e} is now {b:e}"));
     }
     // Triangles are all that an STL has.
-    if !file.format().is_some_and(|f| [Format::STL, Format::STL_ASCII].contains(&f))
-        && file.faces() != again.faces()
-    {
+    if !matches!(file.format(), Some(Format::STL | Format::STL_ASCII)) && file.faces() != again.faces() {
         return Err("other faces after writing and reading".into());
     }
     Ok(())

@@ -98,9 +98,10 @@ fn render_picture<'py>(
     };
     let up = match up {
         Some(up) => up.parse::<Up>().map_err(|e| value(e.to_string()))?,
-        None if content.file.format().is_some_and(|f| {
-            [Format::LAS, Format::LAZ, Format::EPT, Format::GIFTI, Format::FREESURFER].contains(&f)
-        }) =>
+        None if matches!(
+            content.file.format(),
+            Some(Format::LAS | Format::LAZ | Format::EPT | Format::GIFTI | Format::FREESURFER)
+        ) =>
         {
             Up::Z
         }

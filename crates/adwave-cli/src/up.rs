@@ -35,14 +35,11 @@ impl Upward {
         if let Some(up) = asked {
             return Self { up, why: Why::Asked };
         }
-        let why = match input.file.format() {
-            Some(format) if [Format::LAS, Format::LAZ, Format::EPT].contains(&format) => Some(Why::Las),
-            Some(format) if format == Format::GIFTI => Some(Why::Gifti),
-            Some(format) if format == Format::FREESURFER => Some(Why::FreeSurfer),
-            _ => None,
-        };
-        if let Some(why) = why {
-            return Self { up: Up::Z, why };
+        match input.file.format() {
+            Some(Format::LAS | Format::LAZ | Format::EPT) => return Self { up: Up::Z, why: Why::Las },
+            Some(Format::GIFTI) => return Self { up: Up::Z, why: Why::Gifti },
+            Some(Format::FREESURFER) => return Self { up: Up::Z, why: Why::FreeSurfer },
+            _ => {}
         }
         let up = Up::guess(input.shape.points().unwrap_or_default(), || is_open(&input.shape));
         Self { up, why: if up == Up::Z { Why::Land } else { Why::Usual } }

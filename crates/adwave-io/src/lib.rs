@@ -48,6 +48,7 @@ mod bytes;
 mod cloud_part;
 mod error;
 mod files;
+mod format;
 mod formats;
 mod limits;
 mod mesh_stream;
@@ -57,7 +58,6 @@ mod provenance;
 mod recipe;
 mod region_field;
 mod registry;
-mod report;
 mod signal;
 mod text;
 #[cfg(feature = "texture")]
@@ -67,6 +67,7 @@ mod texture;
 pub use cloud_part::{read_cloud_part, read_cloud_part_with};
 pub use error::{ReadError, WriteError};
 pub use files::atomic::{atomic_write, atomic_write_with, remove_temporaries, write_together};
+pub use format::Format;
 pub use formats::csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
 pub use formats::csv::write::write_csv_fields;
 #[cfg(feature = "more")]
@@ -86,7 +87,7 @@ pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, wr
 pub use limits::ReadLimits;
 pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
 pub use model::field::{Field, FieldValues, ValueType};
-pub use model::format::Format;
+pub use model::report::WriteReport;
 pub use model::shape::{ShapeFileError, ShapeKind};
 pub use model::shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
 pub use model::sparse_rows::{MatrixValues, SparseRows};
@@ -99,7 +100,6 @@ pub use region_field::region_field;
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use registry::values::{parse_surface_values, read_surface_values};
 pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
-pub use report::WriteReport;
 pub use signal::{
     COORDS, DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
     named_axis, named_signal, with_axis, written_signal,

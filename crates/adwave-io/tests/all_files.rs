@@ -106,7 +106,7 @@ fn same_points(a: &ShapeFile, b: &ShapeFile) -> bool {
 /// The corners of each face; an STL has its own three vertices for each triangle.
 fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
     let what = format!("{} as {format}", name.display());
-    if [Format::STL, Format::STL_ASCII].contains(&format) {
+    if matches!(format, Format::STL | Format::STL_ASCII) {
         let triangles = triangulate(a.points(), a.faces());
         let soup: Vec<[f64; 3]> = triangles.iter().flatten().map(|&v| a.points()[v as usize]).collect();
         assert_eq!(soup.len(), b.points().len(), "{what}");
@@ -117,13 +117,13 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         }
         return;
     }
-    if [Format::GIFTI, Format::FREESURFER, Format::OFF_BINARY].contains(&format) {
+    if matches!(format, Format::GIFTI | Format::FREESURFER | Format::OFF_BINARY) {
         for (x, y) in a.points().as_flattened().iter().zip(b.points().as_flattened()) {
             assert!(same_bits(f64::from(*x as f32), *y), "{what}: {x} became {y}");
         }
         return;
     }
-    if [Format::GLB, Format::GLTF].contains(&format) {
+    if matches!(format, Format::GLB | Format::GLTF) {
         // Far from the origin they are about their center, with more digits than 32-bit floats have there.
         let reach =
             a.points().as_flattened().iter().filter(|x| x.is_finite()).fold(0.0_f64, |r, x| r.max(x.abs()));
@@ -143,13 +143,16 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         return;
     }
     assert!(same_points(a, b), "{what}: points");
-    if [Format::OBJ, Format::OFF, Format::PLY, Format::PLY_ASCII, Format::VTP, Format::VTU, Format::VTK]
-        .contains(&format)
-    {
+    if matches!(
+        format,
+        Format::OBJ | Format::OFF | Format::PLY | Format::PLY_ASCII | Format::VTP | Format::VTU | Format::VTK
+    ) {
         assert_eq!(a.faces(), b.faces(), "{what}: faces");
     }
-    if [Format::OBJ, Format::PLY, Format::PLY_ASCII, Format::VTP, Format::VTU, Format::VTK].contains(&format)
-    {
+    if matches!(
+        format,
+        Format::OBJ | Format::PLY | Format::PLY_ASCII | Format::VTP | Format::VTU | Format::VTK
+    ) {
         assert_eq!(a.edges().pairs, b.edges().pairs, "{what}: edges");
     }
 }
@@ -169,12 +172,12 @@ fn what_is_read_can_be_written_and_read_again() {
             let hint = format!("a.{}", format.name());
             let again = read_bytes(bytes, Some(&hint), &ReadLimits::default())
                 .unwrap_or_else(|e| panic!("{} as {format}: {e}", name.display()));
-            if [Format::LAS, Format::LAZ].contains(&format) {
+            if matches!(format, Format::LAS | Format::LAZ) {
                 assert_eq!(again.n_vertices(), shape.n_vertices(), "{}", name.display());
             } else if !format.holds_graphs() {
                 same_content(&name, format, &shape, &again);
             }
-            if [Format::PLY, Format::PLY_ASCII].contains(&format) {
+            if matches!(format, Format::PLY | Format::PLY_ASCII) {
                 for (a, b) in shape.vertex_fields().iter().zip(again.vertex_fields()) {
                     assert_eq!((&a.name, a.n_channels), (&b.name, b.n_channels), "{}", name.display());
                     let (x, y) = (a.to_f64(), b.to_f64());
@@ -199,16 +202,16 @@ fn an_unchanged_shape_is_written_byte_for_byte() {
     for (path, name) in all_files() {
         let Ok(shape) = read_path(&path, &ReadLimits::default()) else { continue };
         let format = shape.format().unwrap();
-        let kept = [
-            Format::OBJ,
-            Format::PLY,
-            Format::PLY_ASCII,
-            Format::OFF,
-            Format::XYZ,
-            Format::PCD_ASCII,
-            Format::GIFTI,
-        ]
-        .contains(&format);
+        let kept = matches!(
+            format,
+            Format::OBJ
+                | Format::PLY
+                | Format::PLY_ASCII
+                | Format::OFF
+                | Format::XYZ
+                | Format::PCD_ASCII
+                | Format::GIFTI
+        );
         if !kept || (format == Format::PLY && shape.n_vertices() == 0) {
             continue;
         }

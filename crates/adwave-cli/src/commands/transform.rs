@@ -207,8 +207,7 @@ pub(crate) fn fresh(file: &ShapeFile, path: &Path) -> ShapeFile {
 /// Frees the bytes that a shape was read from before long work, but for a scan that becomes one again: its coordinate system and
 /// the like are nowhere else.
 pub(crate) fn forget_original(file: &mut ShapeFile, path: &Path) {
-    let is_scan =
-        |format: Option<Format>| format.is_some_and(|f| [Format::LAS, Format::LAZ, Format::EPT].contains(&f));
+    let is_scan = |format: Option<Format>| matches!(format, Some(Format::LAS | Format::LAZ | Format::EPT));
     if !(is_scan(file.format()) && is_scan(Format::from_path(path))) {
         file.forget_original();
     }

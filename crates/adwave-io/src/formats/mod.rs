@@ -45,7 +45,7 @@ pub(crate) mod vtk_legacy;
 #[cfg(feature = "vtk")]
 pub(crate) mod vtk_xml;
 
-use crate::model::format::FormatDescriptor;
+use crate::model::format_descriptor::FormatDescriptor;
 
 /// All formats, in the order of messages and documents. Forms of one ending stand together, the one that its name
 /// means first; formats of values at the vertices of a surface stand last.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use crate::model::format_descriptor::FormatDescriptor;
+use crate::text;
 use crate::text::line_end;
-use crate::{Format, text};
 
 /// How many bytes are looked at.
 const LOOK: usize = 1 << 16;
@@ -32,8 +33,8 @@ impl<'a> FileHead<'a> {
     }
 
     /// Tells if the ending of the name means that format.
-    pub(crate) fn is_named(&self, format: Format) -> bool {
-        self.name.is_some_and(|name| format.matches_name(name))
+    pub(crate) fn is_named(&self, descriptor: &FormatDescriptor) -> bool {
+        self.name.is_some_and(|name| descriptor.matches_name(name))
     }
 
     /// Tells if the first 64 KiB can be text.

@@ -2,7 +2,7 @@
 
 use crate::formats::TABLE;
 use crate::model::file_head::FileHead;
-use crate::model::format::{ContentKind, Evidence};
+use crate::model::format_descriptor::{ContentKind, Evidence};
 use crate::registry::names::unknown_content;
 use crate::{Format, ReadError};
 
@@ -29,7 +29,7 @@ pub(crate) fn sniff(bytes: &[u8], name: Option<&str>) -> Result<Format, ReadErro
         let evidence = (descriptor.recognize)(&file);
         // Among equals the first in the table.
         if let Some(evidence) = evidence.filter(|&found| best.is_none_or(|(most, _)| found > most)) {
-            best = Some((evidence, Format::new(descriptor)));
+            best = Some((evidence, descriptor.format));
         }
     }
     if let Some((_, format)) = best.filter(|&(evidence, _)| evidence >= Evidence::Layout) {

@@ -8,7 +8,7 @@ use crate::files::read::parse_file;
 use crate::formats::TABLE;
 use crate::model::context::ReadContext;
 use crate::model::file_head::FileHead;
-use crate::model::format::SurfaceSize;
+use crate::model::format_descriptor::SurfaceSize;
 use crate::{Field, ReadError, ReadLimits};
 
 /// Reads the values that a file has for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as whole numbers

@@ -7,7 +7,7 @@ use adwave::Progress;
 
 use crate::files::atomic::atomic_write_with;
 use crate::model::context::WriteContext;
-use crate::model::format::ProvenanceRoom;
+use crate::model::format_descriptor::ProvenanceRoom;
 use crate::model::source_document::Update;
 use crate::progress::{Watched, all};
 use crate::provenance::{NAME, Provenance, WithComment};

@@ -5,15 +5,15 @@ pub(crate) mod write;
 
 use crate::Format;
 use crate::bytes::package::package_has;
-use crate::model::format::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
 
 impl Format {
     /// Additive manufacturing file, XML.
-    pub const AMF: Self = Self::new(&AMF);
+    pub const AMF: Self = Self::new("amf");
 }
 
 pub(crate) static AMF: FormatDescriptor = FormatDescriptor {
-    name: "amf",
+    format: Format::AMF,
     title: "Additive manufacturing file",
     extensions: &["amf"],
     reads: "objects placed by constellations, plain or zipped; colors of vertices, triangles, volumes and materials",
@@ -22,7 +22,7 @@ pub(crate) static AMF: FormatDescriptor = FormatDescriptor {
     recognize: |file| {
         let is_document = file.has_element("amf") || package_has(file.bytes, ".amf");
         // An archive that was cut has lost its list of names, but its own name says what it was.
-        let is_cut_archive = || file.is_archive() && file.is_named(Format::AMF);
+        let is_cut_archive = || file.is_archive() && file.is_named(&AMF);
         let by_name = || is_cut_archive().then_some(Evidence::NameAlone);
         is_document.then_some(Evidence::Signature).or_else(by_name)
     },

@@ -5,10 +5,11 @@
 mod models;
 pub(crate) mod read;
 
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor};
+use crate::Format;
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor};
 
 pub(crate) static CIFTI: FormatDescriptor = FormatDescriptor {
-    name: "cifti",
+    format: Format::new("cifti"),
     title: "CIFTI-2",
     content: ContentKind::Values,
     recognize: |file| read::is_nifti(file.bytes).then_some(Evidence::Signature),

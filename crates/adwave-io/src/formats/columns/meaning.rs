@@ -1,7 +1,7 @@
 //! What the columns of a row mean.
 
 use crate::model::file_head::FileHead;
-use crate::model::format::Evidence;
+use crate::model::format_descriptor::Evidence;
 use crate::text::is_blank;
 use crate::text::parse_f64;
 use adwave::{Cancelled, Progress};

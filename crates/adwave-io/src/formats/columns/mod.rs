@@ -5,7 +5,7 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::model::context::WriteContext;
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
 use crate::model::source_document::{SourceDocument, Update};
 use crate::model::text_rows::TextRows;
 use crate::{Format, ShapeFile, WriteError};
@@ -22,15 +22,15 @@ impl SourceDocument for ColumnsSource {
 
 impl Format {
     /// Rows of numbers, one a point: XYZ, TXT, ASC.
-    pub const XYZ: Self = Self::new(&XYZ);
+    pub const XYZ: Self = Self::new("xyz");
     /// Rows of numbers after a count: PTS, PWN.
-    pub const PTS: Self = Self::new(&PTS);
+    pub const PTS: Self = Self::new("pts");
     /// Comma-separated values with a row of names.
-    pub const CSV: Self = Self::new(&CSV);
+    pub const CSV: Self = Self::new("csv");
 }
 
 pub(crate) static XYZ: FormatDescriptor = FormatDescriptor {
-    name: "xyz",
+    format: Format::XYZ,
     title: "rows of numbers, one a point",
     extensions: &["xyz", "txt", "asc", "xyzn", "xyzrgb", "tsv"],
     reads: "points and columns, with a row of names or without",
@@ -40,7 +40,7 @@ pub(crate) static XYZ: FormatDescriptor = FormatDescriptor {
     content: ContentKind::Cloud,
     holds_fields: true,
     recognize: |file| {
-        let is_named = file.is_named(Format::XYZ) && file.is_text();
+        let is_named = file.is_named(&XYZ) && file.is_text();
         is_named.then_some(Evidence::Name).or_else(|| meaning::recognize_numbers(file))
     },
     has_lines: |_| true,
@@ -51,7 +51,7 @@ pub(crate) static XYZ: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static PTS: FormatDescriptor = FormatDescriptor {
-    name: "pts",
+    format: Format::PTS,
     title: "rows of numbers after a count",
     extensions: &["pts", "pwn"],
     reads: "points and columns",
@@ -59,13 +59,13 @@ pub(crate) static PTS: FormatDescriptor = FormatDescriptor {
     keeps: "all text but coordinates that moved",
     loses: "faces",
     holds_fields: false,
-    recognize: |file| (file.is_named(Format::PTS) && file.is_text()).then_some(Evidence::Name),
+    recognize: |file| (file.is_named(&PTS) && file.is_text()).then_some(Evidence::Name),
     samples: &[Sample { name: "a.pts", bytes: include_bytes!("samples/a.pts") }],
     ..XYZ
 };
 
 pub(crate) static CSV: FormatDescriptor = FormatDescriptor {
-    name: "csv",
+    format: Format::CSV,
     title: "comma-separated values with a row of names",
     extensions: &["csv"],
     reads: "points and columns",
@@ -73,7 +73,7 @@ pub(crate) static CSV: FormatDescriptor = FormatDescriptor {
     keeps: "all text but coordinates that moved",
     loses: "faces",
     holds_fields: false,
-    recognize: |file| (file.is_named(Format::CSV) && file.is_text()).then_some(Evidence::Name),
+    recognize: |file| (file.is_named(&CSV) && file.is_text()).then_some(Evidence::Name),
     samples: &[Sample { name: "a.csv", bytes: include_bytes!("samples/a.csv") }],
     ..XYZ
 };

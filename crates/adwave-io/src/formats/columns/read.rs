@@ -6,8 +6,8 @@
 
 use adwave::{Cancelled, Progress};
 
-use crate::formats::columns::ColumnsSource;
 use crate::formats::columns::meaning::{is_color_byte, name_columns};
+use crate::formats::columns::{CSV, ColumnsSource};
 use crate::model::grouping::group;
 use crate::model::text_rows::{Separator, TextRows};
 use crate::progress::{BYTES_PER_STEP, all, collect};
@@ -66,7 +66,7 @@ pub(crate) fn read_columns(
     let others = (0..k).filter(|c| !columns.contains(c)).map(|c| Ok((names[c].clone(), column(c)?)));
     shape.vertex_fields = group(others.collect::<Result<_, Cancelled>>()?, progress)?.0;
     shape.vertex_fields.extend(normals);
-    let is_csv = name.is_some_and(|name| Format::CSV.matches_name(std::path::Path::new(name)));
+    let is_csv = name.is_some_and(|name| CSV.matches_name(std::path::Path::new(name)));
     shape.format = Some(if table.count.is_some() {
         Format::PTS
     } else if is_csv || table.separator == Separator::Byte(b',') {

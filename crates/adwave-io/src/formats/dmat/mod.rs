@@ -4,17 +4,17 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
 
 impl Format {
     /// Matrix of libigl, text.
-    pub const DMAT: Self = Self::new(&DMAT);
+    pub const DMAT: Self = Self::new("dmat");
     /// Matrix of libigl, binary.
-    pub const DMAT_BINARY: Self = Self::new(&DMAT_BINARY);
+    pub const DMAT_BINARY: Self = Self::new("dmat-binary");
 }
 
 pub(crate) static DMAT: FormatDescriptor = FormatDescriptor {
-    name: "dmat",
+    format: Format::DMAT,
     title: "DMAT of libigl, text",
     extensions: &["dmat"],
     reads: "matrices of three columns as points, others with `--field`",
@@ -22,7 +22,7 @@ pub(crate) static DMAT: FormatDescriptor = FormatDescriptor {
     loses: "faces, fields",
     content: ContentKind::Cloud,
     recognize: |file| {
-        let is_named = file.is_named(Format::DMAT).then_some(Evidence::NameAlone);
+        let is_named = file.is_named(&DMAT).then_some(Evidence::NameAlone);
         is_named.or_else(|| read::begins_as_dmat(file.bytes).then_some(Evidence::Layout))
     },
     read: Some(|bytes, c| read::read_dmat(&bytes, c.limits, c.progress)),
@@ -32,12 +32,12 @@ pub(crate) static DMAT: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static DMAT_BINARY: FormatDescriptor = FormatDescriptor {
-    name: "dmat-binary",
+    format: Format::DMAT_BINARY,
     title: "DMAT of libigl, binary",
     reads: "as text",
     writes: "points",
     loses: "faces, fields",
-    form_of: Some(&DMAT),
+    form_of: Some(Format::DMAT),
     extensions: &[],
     recognize: |_| None,
     samples: &[],

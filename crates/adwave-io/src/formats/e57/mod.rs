@@ -8,15 +8,15 @@ pub(crate) mod read;
 pub(crate) mod record;
 
 use crate::Format;
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor};
 
 impl Format {
     /// ASTM E57, read only.
-    pub const E57: Self = Self::new(&E57);
+    pub const E57: Self = Self::new("e57");
 }
 
 pub(crate) static E57: FormatDescriptor = FormatDescriptor {
-    name: "e57",
+    format: Format::E57,
     title: "ASTM E57",
     extensions: &["e57"],
     reads: "all scans where their poses put them, in Cartesian or spherical coordinates, with all their records",

@@ -8,15 +8,15 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor};
 
 impl Format {
     /// FreeSurfer surface.
-    pub const FREESURFER: Self = Self::new(&FREESURFER);
+    pub const FREESURFER: Self = Self::new("freesurfer");
 }
 
 pub(crate) static FREESURFER: FormatDescriptor = FormatDescriptor {
-    name: "freesurfer",
+    format: Format::FREESURFER,
     title: "FreeSurfer surface",
     extensions: &["white", "pial", "inflated", "sphere", "orig", "smoothwm"],
     reads: "triangles and both forms of quadrangles; values alone (curv, annot, MGH, MGZ) with `--field`",
@@ -33,7 +33,7 @@ pub(crate) static FREESURFER: FormatDescriptor = FormatDescriptor {
 const VALUES: FormatDescriptor = FormatDescriptor { content: ContentKind::Values, ..FormatDescriptor::NEW };
 
 pub(crate) static CURV: FormatDescriptor = FormatDescriptor {
-    name: "curv",
+    format: Format::new("curv"),
     title: "FreeSurfer values, curv",
     recognize: |file| overlay::is_curv(file.bytes).then_some(Evidence::Signature),
     name_foreign: |file| {
@@ -45,7 +45,7 @@ pub(crate) static CURV: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static MGH: FormatDescriptor = FormatDescriptor {
-    name: "mgh",
+    format: Format::new("mgh"),
     title: "FreeSurfer values, MGH",
     recognize: |file| overlay::is_mgh(file.bytes).then_some(Evidence::Signature),
     name_foreign: |file| {
@@ -56,7 +56,7 @@ pub(crate) static MGH: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static ANNOTATION: FormatDescriptor = FormatDescriptor {
-    name: "annot",
+    format: Format::new("annot"),
     title: "FreeSurfer annotation",
     recognize: |file| overlay::is_annotation(file.bytes).then_some(Evidence::Layout),
     read_values: Some(|bytes, _, c| Ok(vec![overlay::read_annotation(bytes, c.progress)?])),

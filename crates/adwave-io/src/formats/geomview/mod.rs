@@ -5,15 +5,15 @@ pub(crate) mod grid;
 pub(crate) mod read;
 
 use crate::Format;
-use crate::model::format::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
 
 impl Format {
     /// Objects of Geomview, read only.
-    pub const GEOMVIEW: Self = Self::new(&GEOMVIEW);
+    pub const GEOMVIEW: Self = Self::new("geomview");
 }
 
 pub(crate) static GEOMVIEW: FormatDescriptor = FormatDescriptor {
-    name: "geomview",
+    format: Format::GEOMVIEW,
     title: "Geomview",
     extensions: &["oogl", "list", "quad", "vect", "skel"],
     reads: "MESH grids, QUAD, VECT, SKEL, OFF, and lists of these; normals, colors; the fourth coordinate divides",

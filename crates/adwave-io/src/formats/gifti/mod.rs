@@ -7,15 +7,15 @@ pub(crate) mod update;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
 
 impl Format {
     /// GIFTI surface.
-    pub const GIFTI: Self = Self::new(&GIFTI);
+    pub const GIFTI: Self = Self::new("gifti");
 }
 
 pub(crate) static GIFTI: FormatDescriptor = FormatDescriptor {
-    name: "gifti",
+    format: Format::GIFTI,
     title: "GIFTI",
     extensions: &["gii"],
     reads: "surfaces with their fields; fields alone with `--field`",

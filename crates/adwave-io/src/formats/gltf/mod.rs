@@ -20,17 +20,17 @@ pub(crate) mod update;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{Evidence, FormatDescriptor, ProvenanceRoom, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, Sample};
 
 impl Format {
     /// glTF 2.0 as one binary file.
-    pub const GLB: Self = Self::new(&GLB);
+    pub const GLB: Self = Self::new("glb");
     /// glTF 2.0 as text.
-    pub const GLTF: Self = Self::new(&GLTF);
+    pub const GLTF: Self = Self::new("gltf");
 }
 
 pub(crate) static GLB: FormatDescriptor = FormatDescriptor {
-    name: "glb",
+    format: Format::GLB,
     title: "glTF 2.0, binary",
     extensions: &["glb", "vrm"],
     reads: "meshes, lines and points where the scene's nodes put them, all attributes, sparse and quantized ones too",
@@ -49,7 +49,7 @@ pub(crate) static GLB: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static GLTF: FormatDescriptor = FormatDescriptor {
-    name: "gltf",
+    format: Format::GLTF,
     title: "glTF 2.0, text",
     extensions: &["gltf"],
     reads: "as GLB; buffers in the text or beside the file",

@@ -7,7 +7,7 @@ pub(crate) mod graphml;
 pub(crate) mod tgf;
 pub(crate) mod write;
 
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
 
 use std::collections::HashMap;
 
@@ -56,22 +56,22 @@ pub(crate) fn check(shape: &ShapeFile, format: Format, report: &mut WriteReport)
 
 impl Format {
     /// Trivial graph format.
-    pub const TGF: Self = Self::new(&TGF);
+    pub const TGF: Self = Self::new("tgf");
     /// List of edges, as SNAP and NetworkX have it.
-    pub const EDGE_LIST: Self = Self::new(&EDGE_LIST);
+    pub const EDGE_LIST: Self = Self::new("edgelist");
     /// GraphML.
-    pub const GRAPHML: Self = Self::new(&GRAPHML);
+    pub const GRAPHML: Self = Self::new("graphml");
 }
 
 pub(crate) static TGF: FormatDescriptor = FormatDescriptor {
-    name: "tgf",
+    format: Format::TGF,
     title: "Trivial graph format",
     extensions: &["tgf"],
     reads: "graphs; labels of three numbers as points, of edges as weights",
     writes: "points, edges with weights",
     loses: "faces, fields, other labels",
     content: ContentKind::Graph,
-    recognize: |file| (file.is_named(Format::TGF) && file.is_text()).then_some(Evidence::NameAlone),
+    recognize: |file| (file.is_named(&TGF) && file.is_text()).then_some(Evidence::NameAlone),
     has_lines: |_| true,
     read: Some(|bytes, c| tgf::read_tgf(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_tgf(shape, &mut c.report, c.out, c.progress)),
@@ -80,14 +80,14 @@ pub(crate) static TGF: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static EDGE_LIST: FormatDescriptor = FormatDescriptor {
-    name: "edgelist",
+    format: Format::EDGE_LIST,
     title: "list of edges",
     extensions: &["edgelist", "edges", "el"],
     reads: "graphs, as SNAP and NetworkX write them; weights",
     writes: "edges with weights",
     loses: "points, faces, fields, names",
     content: ContentKind::Graph,
-    recognize: |file| (file.is_named(Format::EDGE_LIST) && file.is_text()).then_some(Evidence::NameAlone),
+    recognize: |file| (file.is_named(&EDGE_LIST) && file.is_text()).then_some(Evidence::NameAlone),
     has_lines: |_| true,
     read: Some(|bytes, c| edge_list::read_edge_list(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_edge_list(shape, &mut c.report, c.out, c.progress)),
@@ -96,7 +96,7 @@ pub(crate) static EDGE_LIST: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static GRAPHML: FormatDescriptor = FormatDescriptor {
-    name: "graphml",
+    format: Format::GRAPHML,
     title: "GraphML",
     extensions: &["graphml"],
     reads: "graphs; points from `x`, `y`, `z` or `pos`, weights, numbers of nodes as fields",

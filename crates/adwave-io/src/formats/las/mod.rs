@@ -11,19 +11,19 @@ pub(crate) mod stream;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor, ProvenanceRoom};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, ProvenanceRoom};
 
 impl Format {
     /// LAS, uncompressed.
-    pub const LAS: Self = Self::new(&LAS);
+    pub const LAS: Self = Self::new("las");
     /// LAS, compressed.
-    pub const LAZ: Self = Self::new(&LAZ);
+    pub const LAZ: Self = Self::new("laz");
     /// Entwine point tiles: a folder, read only.
-    pub const EPT: Self = Self::new(&EPT);
+    pub const EPT: Self = Self::new("ept");
 }
 
 pub(crate) static LAS: FormatDescriptor = FormatDescriptor {
-    name: "las",
+    format: Format::LAS,
     title: "LAS, uncompressed",
     extensions: &["las"],
     reads: "versions 1.0 to 1.4, all dimensions, extra bytes",
@@ -40,7 +40,7 @@ pub(crate) static LAS: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static LAZ: FormatDescriptor = FormatDescriptor {
-    name: "laz",
+    format: Format::LAZ,
     title: "LAS, compressed",
     extensions: &["laz"],
     reads: "as LAS; COPC, also by box and level",
@@ -52,7 +52,7 @@ pub(crate) static LAZ: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static EPT: FormatDescriptor = FormatDescriptor {
-    name: "ept",
+    format: Format::EPT,
     title: "Entwine point tiles",
     reads: "a folder with `ept.json` whose tiles are LAZ, also by box and level",
     loses: "tiles of types `binary` and `zstandard`",

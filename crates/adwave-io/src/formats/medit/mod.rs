@@ -7,17 +7,17 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
 
 impl Format {
     /// Medit of INRIA, text.
-    pub const MEDIT: Self = Self::new(&MEDIT);
+    pub const MEDIT: Self = Self::new("medit");
     /// Medit of INRIA, binary.
-    pub const MEDIT_BINARY: Self = Self::new(&MEDIT_BINARY);
+    pub const MEDIT_BINARY: Self = Self::new("meshb");
 }
 
 pub(crate) static MEDIT: FormatDescriptor = FormatDescriptor {
-    name: "medit",
+    format: Format::MEDIT,
     title: "Medit, text",
     extensions: &["mesh"],
     reads: "triangles, quadrilaterals, else the boundary of volume cells, else edges; references",
@@ -32,7 +32,7 @@ pub(crate) static MEDIT: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static MEDIT_BINARY: FormatDescriptor = FormatDescriptor {
-    name: "meshb",
+    format: Format::MEDIT_BINARY,
     title: "Medit, binary",
     extensions: &["meshb"],
     reads: "versions 1 to 4, both byte orders, as text",

@@ -12,17 +12,17 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
 
 impl Format {
     /// Gmsh, binary.
-    pub const MSH: Self = Self::new(&MSH);
+    pub const MSH: Self = Self::new("msh");
     /// Gmsh, text.
-    pub const MSH_ASCII: Self = Self::new(&MSH_ASCII);
+    pub const MSH_ASCII: Self = Self::new("msh-ascii");
 }
 
 pub(crate) static MSH: FormatDescriptor = FormatDescriptor {
-    name: "msh",
+    format: Format::MSH,
     title: "Gmsh, binary",
     extensions: &["msh"],
     reads: "versions 2 and 4, both byte orders: triangles, quadrilaterals, higher orders by their corners, else the boundary of \
@@ -41,13 +41,13 @@ pub(crate) static MSH: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static MSH_ASCII: FormatDescriptor = FormatDescriptor {
-    name: "msh-ascii",
+    format: Format::MSH_ASCII,
     title: "Gmsh, text",
     reads: "as binary",
     writes: "version 2.2 with all fields",
     keeps: "all text but coordinates that moved and fields that changed",
     loses: "as binary",
-    form_of: Some(&MSH),
+    form_of: Some(Format::MSH),
     extensions: &[],
     recognize: |_| None,
     samples: &[Sample { name: "a.msh", bytes: include_bytes!("samples/a.msh") }],

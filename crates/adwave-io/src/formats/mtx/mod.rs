@@ -4,15 +4,15 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
 
 impl Format {
     /// MatrixMarket coordinate matrix, read as a weighted graph.
-    pub const MTX: Self = Self::new(&MTX);
+    pub const MTX: Self = Self::new("mtx");
 }
 
 pub(crate) static MTX: FormatDescriptor = FormatDescriptor {
-    name: "mtx",
+    format: Format::MTX,
     title: "MatrixMarket",
     extensions: &["mtx"],
     reads: "coordinate matrices as weighted graphs",

@@ -15,8 +15,8 @@ pub(crate) mod write;
 
 use crate::Format;
 use crate::model::file_head::FileHead;
-use crate::model::format::Evidence;
-use crate::model::format::{FormatDescriptor, ProvenanceRoom, Sample};
+use crate::model::format_descriptor::Evidence;
+use crate::model::format_descriptor::{FormatDescriptor, ProvenanceRoom, Sample};
 use crate::text::words;
 
 /// First words of statements by which an OBJ is known.
@@ -35,16 +35,16 @@ fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
         return Some(Evidence::Statement);
     }
     let is_likely = || first.is_none() || file.statements().any(is_statement);
-    (file.is_named(Format::OBJ) && is_likely()).then_some(Evidence::Name)
+    (file.is_named(&OBJ) && is_likely()).then_some(Evidence::Name)
 }
 
 impl Format {
     /// Wavefront OBJ.
-    pub const OBJ: Self = Self::new(&OBJ);
+    pub const OBJ: Self = Self::new("obj");
 }
 
 pub(crate) static OBJ: FormatDescriptor = FormatDescriptor {
-    name: "obj",
+    format: Format::OBJ,
     title: "Wavefront OBJ",
     extensions: &["obj"],
     reads: "points, faces, lines, texture coordinates, normals, vertex colors",

@@ -8,8 +8,8 @@ pub(crate) mod write;
 use crate::model::binary_rows::CoordinateRows;
 use crate::model::context::WriteContext;
 use crate::model::file_head::FileHead;
-use crate::model::format::Evidence;
-use crate::model::format::{FormatDescriptor, Sample};
+use crate::model::format_descriptor::Evidence;
+use crate::model::format_descriptor::{FormatDescriptor, Sample};
 use crate::model::source_document::{SourceDocument, Update};
 use crate::text::words;
 use crate::{Format, ShapeFile, WriteError};
@@ -43,7 +43,7 @@ fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
         return Some(Evidence::Statement);
     }
     let begins_with_counts = || file.statements().next().is_some_and(is_counts);
-    (file.is_named(Format::OFF) && begins_with_counts()).then_some(Evidence::Name)
+    (file.is_named(&OFF) && begins_with_counts()).then_some(Evidence::Name)
 }
 
 /// Tells if a line is three whole numbers.
@@ -53,13 +53,13 @@ fn is_counts(line: &[u8]) -> bool {
 
 impl Format {
     /// Object file format with its variants (COFF, NOFF, STOFF, …), text.
-    pub const OFF: Self = Self::new(&OFF);
+    pub const OFF: Self = Self::new("off");
     /// Object file format, binary.
-    pub const OFF_BINARY: Self = Self::new(&OFF_BINARY);
+    pub const OFF_BINARY: Self = Self::new("off-binary");
 }
 
 pub(crate) static OFF: FormatDescriptor = FormatDescriptor {
-    name: "off",
+    format: Format::OFF,
     title: "Object file format, text",
     extensions: &["off", "coff", "noff", "cnoff", "stoff"],
     reads: "OFF, COFF, NOFF, STOFF, nOFF and their mixtures, by lines or by words; 4OFF divided by the fourth coordinate",
@@ -75,13 +75,13 @@ pub(crate) static OFF: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static OFF_BINARY: FormatDescriptor = FormatDescriptor {
-    name: "off-binary",
+    format: Format::OFF_BINARY,
     title: "Object file format, binary",
     reads: "big-endian, as Geomview has it, with the same variants",
     writes: "points in 32-bit floats, faces, fields of 32-bit floats that it has",
     keeps: "all bytes but coordinates that moved",
     loses: "other fields",
-    form_of: Some(&OFF),
+    form_of: Some(Format::OFF),
     extensions: &[],
     is_single_precision: true,
     recognize: |_| None,

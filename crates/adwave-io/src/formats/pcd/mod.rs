@@ -6,22 +6,22 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
 
 /// Words with which a header without the remark before it begins.
 const HEADER_WORDS: [&[u8]; 3] = [b"VERSION", b"FIELDS", b"COLUMNS"];
 
 impl Format {
     /// Point Cloud Library, binary.
-    pub const PCD: Self = Self::new(&PCD);
+    pub const PCD: Self = Self::new("pcd");
     /// Point Cloud Library, text.
-    pub const PCD_ASCII: Self = Self::new(&PCD_ASCII);
+    pub const PCD_ASCII: Self = Self::new("pcd-ascii");
     /// Point Cloud Library, compressed.
-    pub const PCD_COMPRESSED: Self = Self::new(&PCD_COMPRESSED);
+    pub const PCD_COMPRESSED: Self = Self::new("pcd-compressed");
 }
 
 pub(crate) static PCD: FormatDescriptor = FormatDescriptor {
-    name: "pcd",
+    format: Format::PCD,
     title: "Point Cloud Library, binary",
     extensions: &["pcd"],
     reads: "points and fields; points without a place are left out",
@@ -41,13 +41,13 @@ pub(crate) static PCD: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static PCD_ASCII: FormatDescriptor = FormatDescriptor {
-    name: "pcd-ascii",
+    format: Format::PCD_ASCII,
     title: "Point Cloud Library, text",
     reads: "points and fields",
     writes: "points and fields",
     keeps: "all text but coordinates that moved",
     loses: "faces",
-    form_of: Some(&PCD),
+    form_of: Some(Format::PCD),
     extensions: &[],
     recognize: |_| None,
     samples: &[Sample { name: "a.pcd", bytes: include_bytes!("samples/a.pcd") }],
@@ -55,13 +55,13 @@ pub(crate) static PCD_ASCII: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static PCD_COMPRESSED: FormatDescriptor = FormatDescriptor {
-    name: "pcd-compressed",
+    format: Format::PCD_COMPRESSED,
     title: "Point Cloud Library, compressed",
     reads: "as binary",
     writes: "points and fields",
     keeps: "view point, width and height, points without a place",
     loses: "faces",
-    form_of: Some(&PCD),
+    form_of: Some(Format::PCD),
     extensions: &[],
     recognize: |_| None,
     ..PCD

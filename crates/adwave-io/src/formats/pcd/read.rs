@@ -44,7 +44,10 @@ impl SourceDocument for PcdSource {
         format: Format,
         progress: Progress<'_>,
     ) -> Result<Option<ShapeFile>, WriteError> {
-        let whole = self.whole.as_ref().filter(|_| format.family() == Format::PCD);
+        let whole = self
+            .whole
+            .as_ref()
+            .filter(|_| matches!(format, Format::PCD | Format::PCD_ASCII | Format::PCD_COMPRESSED));
         Ok(whole.map(|whole| whole.with(shape, progress)).transpose()?)
     }
 

@@ -69,8 +69,8 @@ pub(crate) fn write_pcd(
         _ => ("0 0 0 1 0 0 0", n, 1),
     };
     let encoding = match format {
-        format if format == Format::PCD => "binary",
-        format if format == Format::PCD_COMPRESSED => "binary_compressed",
+        Format::PCD => "binary",
+        Format::PCD_COMPRESSED => "binary_compressed",
         _ => "ascii",
     };
     writeln!(out, "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7")?;

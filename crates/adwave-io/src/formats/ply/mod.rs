@@ -8,17 +8,17 @@ pub(crate) mod update;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{Evidence, FormatDescriptor, ProvenanceRoom, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, Sample};
 
 impl Format {
     /// PLY, binary.
-    pub const PLY: Self = Self::new(&PLY);
+    pub const PLY: Self = Self::new("ply");
     /// PLY, text.
-    pub const PLY_ASCII: Self = Self::new(&PLY_ASCII);
+    pub const PLY_ASCII: Self = Self::new("ply-ascii");
 }
 
 pub(crate) static PLY: FormatDescriptor = FormatDescriptor {
-    name: "ply",
+    format: Format::PLY,
     title: "PLY, binary",
     extensions: &["ply"],
     reads: "all elements and properties, both byte orders",
@@ -37,12 +37,12 @@ pub(crate) static PLY: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static PLY_ASCII: FormatDescriptor = FormatDescriptor {
-    name: "ply-ascii",
+    format: Format::PLY_ASCII,
     title: "PLY, text",
     reads: "all elements and properties",
     writes: "all fields",
     keeps: "header, elements, properties",
-    form_of: Some(&PLY),
+    form_of: Some(Format::PLY),
     extensions: &[],
     recognize: |_| None,
     samples: &[Sample { name: "a.ply", bytes: include_bytes!("samples/a.ply") }],

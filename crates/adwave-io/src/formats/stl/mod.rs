@@ -5,7 +5,7 @@ pub(crate) mod write;
 
 use crate::Format;
 use crate::model::file_head::FileHead;
-use crate::model::format::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
 
 /// Recognizes a binary STL: many begin with `solid` too, so that only the length tells.
 fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
@@ -14,19 +14,19 @@ fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
         return Some(Evidence::Length);
     }
     // One that is cut, or longer than it says.
-    let is_likely = (n_bytes >= 84 && file.bytes.starts_with(b"solid")) || file.is_named(Format::STL);
+    let is_likely = (n_bytes >= 84 && file.bytes.starts_with(b"solid")) || file.is_named(&STL);
     (!file.is_text() && is_likely).then_some(Evidence::Name)
 }
 
 impl Format {
     /// Stereolithography, binary.
-    pub const STL: Self = Self::new(&STL);
+    pub const STL: Self = Self::new("stl");
     /// Stereolithography, text.
-    pub const STL_ASCII: Self = Self::new(&STL_ASCII);
+    pub const STL_ASCII: Self = Self::new("stl-ascii");
 }
 
 pub(crate) static STL: FormatDescriptor = FormatDescriptor {
-    name: "stl",
+    format: Format::STL,
     title: "Stereolithography, binary",
     extensions: &["stl"],
     reads: "triangles, normals, attributes",
@@ -41,13 +41,13 @@ pub(crate) static STL: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static STL_ASCII: FormatDescriptor = FormatDescriptor {
-    name: "stl-ascii",
+    format: Format::STL_ASCII,
     title: "Stereolithography, text",
     reads: "triangles, normals, solids",
     writes: "triangles, solids",
     keeps: "names of solids, normals of triangles that did not move",
     loses: "which triangles share a vertex, other fields",
-    form_of: Some(&STL),
+    form_of: Some(Format::STL),
     extensions: &[],
     is_single_precision: false,
     recognize: |file| {

@@ -9,15 +9,15 @@ pub(crate) mod write;
 
 use crate::Format;
 use crate::bytes::package::package_has;
-use crate::model::format::{Evidence, FormatDescriptor};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor};
 
 impl Format {
     /// 3D manufacturing format, an archive of XML.
-    pub const THREE_MF: Self = Self::new(&THREE_MF);
+    pub const THREE_MF: Self = Self::new("3mf");
 }
 
 pub(crate) static THREE_MF: FormatDescriptor = FormatDescriptor {
-    name: "3mf",
+    format: Format::THREE_MF,
     title: "3D manufacturing format",
     extensions: &["3mf"],
     reads: "what is built, with components of all parts, transforms and units; colors of vertices or faces",
@@ -25,7 +25,7 @@ pub(crate) static THREE_MF: FormatDescriptor = FormatDescriptor {
     loses: "other fields, metadata, materials, textures, the unit of length",
     recognize: |file| {
         // An archive that was cut has lost its list of names, but its own name says what it was.
-        let is_cut_archive = || file.is_archive() && file.is_named(Format::THREE_MF);
+        let is_cut_archive = || file.is_archive() && file.is_named(&THREE_MF);
         let by_name = || is_cut_archive().then_some(Evidence::NameAlone);
         package_has(file.bytes, ".model").then_some(Evidence::Signature).or_else(by_name)
     },

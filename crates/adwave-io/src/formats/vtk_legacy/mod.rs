@@ -10,15 +10,15 @@ mod scanner;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
 
 impl Format {
     /// Legacy VTK, text and binary.
-    pub const VTK: Self = Self::new(&VTK);
+    pub const VTK: Self = Self::new("vtk");
 }
 
 pub(crate) static VTK: FormatDescriptor = FormatDescriptor {
-    name: "vtk",
+    format: Format::VTK,
     title: "legacy VTK",
     extensions: &["vtk"],
     reads: "text and binary up to version 5.1, all that VTP, VTU, VTI, VTR and VTS hold",

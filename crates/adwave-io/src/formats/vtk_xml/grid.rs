@@ -65,7 +65,7 @@ fn grid_points<'n: 'a, 'a>(
         if kinds.iter().all(|kind| *kind == ValueType::F32) { Precision::F32 } else { Precision::F64 }
     };
     match format {
-        format if format == Format::VTI => {
+        Format::VTI => {
             let three =
                 |name, other| Ok::<_, ReadError>(numbers::<f64, 3>(data, name)?.unwrap_or([other; 3]));
             let (origin, spacing) = (three("Origin", 0.0)?, three("Spacing", 1.0)?);
@@ -75,7 +75,7 @@ fn grid_points<'n: 'a, 'a>(
             let first = extent.map(|[first, _]| first);
             Ok((GridPoints::Image { origin, matrix, first }, Precision::F64))
         }
-        format if format == Format::VTR => {
+        Format::VTR => {
             let Some(section) = piece.children().find(|node| node.has_tag_name("Coordinates")) else {
                 return Err(at(piece, "the grid has no coordinates; save the file again"));
             };
@@ -171,8 +171,8 @@ fn joined<'n: 'a, 'a>(
         all.check_without_values()?;
     }
     let points = match format {
-        format if format == Format::VTI => image.ok_or_else(missing)?,
-        format if format == Format::VTR => GridPoints::Axes(axes(&parts, all).ok_or_else(missing)?),
+        Format::VTI => image.ok_or_else(missing)?,
+        Format::VTR => GridPoints::Axes(axes(&parts, all).ok_or_else(missing)?),
         _ => GridPoints::Listed(listed),
     };
     let is_flatter = |part: &Part| (0..3).any(|a| part.lattice.dims()[a] == 1 && all.dims()[a] > 1);

@@ -13,8 +13,8 @@ pub(crate) mod write;
 
 use crate::Format;
 use crate::model::file_head::FileHead;
-use crate::model::format::Evidence;
-use crate::model::format::{FormatDescriptor, ProvenanceRoom, Sample};
+use crate::model::format_descriptor::Evidence;
+use crate::model::format_descriptor::{FormatDescriptor, ProvenanceRoom, Sample};
 
 /// Recognizes VTK XML of the kind that `format` stands for.
 fn recognize(file: &FileHead<'_>, format: Format) -> Option<Evidence> {
@@ -24,19 +24,19 @@ fn recognize(file: &FileHead<'_>, format: Format) -> Option<Evidence> {
 
 impl Format {
     /// VTK XML PolyData.
-    pub const VTP: Self = Self::new(&VTP);
+    pub const VTP: Self = Self::new("vtp");
     /// VTK XML UnstructuredGrid.
-    pub const VTU: Self = Self::new(&VTU);
+    pub const VTU: Self = Self::new("vtu");
     /// VTK XML ImageData, read as its surface.
-    pub const VTI: Self = Self::new(&VTI);
+    pub const VTI: Self = Self::new("vti");
     /// VTK XML RectilinearGrid, read as its surface.
-    pub const VTR: Self = Self::new(&VTR);
+    pub const VTR: Self = Self::new("vtr");
     /// VTK XML StructuredGrid, read as its surface.
-    pub const VTS: Self = Self::new(&VTS);
+    pub const VTS: Self = Self::new("vts");
 }
 
 pub(crate) static VTP: FormatDescriptor = FormatDescriptor {
-    name: "vtp",
+    format: Format::VTP,
     title: "VTK XML PolyData",
     extensions: &["vtp"],
     reads: "points, polygons, strips, lines, all arrays; text, base64 and appended data, by zlib or plain",
@@ -53,7 +53,7 @@ pub(crate) static VTP: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static VTU: FormatDescriptor = FormatDescriptor {
-    name: "vtu",
+    format: Format::VTU,
     title: "VTK XML UnstructuredGrid",
     extensions: &["vtu"],
     reads: "as VTP; of volumes the boundary, cells of higher order by their corners",
@@ -69,7 +69,7 @@ pub(crate) static VTU: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static VTI: FormatDescriptor = FormatDescriptor {
-    name: "vti",
+    format: Format::VTI,
     title: "VTK XML ImageData",
     extensions: &["vti"],
     reads: "flat images as quadrilaterals, others as their boundary, with all arrays",
@@ -81,7 +81,7 @@ pub(crate) static VTI: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static VTR: FormatDescriptor = FormatDescriptor {
-    name: "vtr",
+    format: Format::VTR,
     title: "VTK XML RectilinearGrid",
     extensions: &["vtr"],
     reads: "as VTI",
@@ -93,7 +93,7 @@ pub(crate) static VTR: FormatDescriptor = FormatDescriptor {
 };
 
 pub(crate) static VTS: FormatDescriptor = FormatDescriptor {
-    name: "vts",
+    format: Format::VTS,
     title: "VTK XML StructuredGrid",
     extensions: &["vts"],
     reads: "as VTI",

@@ -71,7 +71,7 @@ pub(crate) fn read_vtk_xml(
     if pieces.is_empty() {
         return Err(at(data, "there is no piece; save the file again"));
     }
-    if [Format::VTP, Format::VTU].contains(&format) {
+    if matches!(format, Format::VTP | Format::VTU) {
         let mut shape = read_cells(&frame, &pieces, format, extras, progress)?;
         shape.provenance = made;
         return Ok(shape);

@@ -1,5 +1,7 @@
 //! Writing the points of a LAS or LAZ in portions.
 
+use crate::formats::las::{LAS, LAZ};
+use crate::model::format_descriptor::FormatDescriptor;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -144,7 +146,8 @@ impl LasWriter {
         fields: &[String],
         provenance: Option<&Provenance>,
     ) -> Result<Self, WriteError> {
-        let format = [Format::LAS, Format::LAZ].into_iter().find(|format| format.matches_name(path));
+        let is_named = |descriptor: &&&FormatDescriptor| descriptor.matches_name(path);
+        let format = [&LAS, &LAZ].iter().find(is_named).map(|descriptor| descriptor.format);
         let Some(format) = format.filter(|_| !is_gzip(path)) else {
             return Err(WriteError::UnknownFormat { writable: ".las, .laz".into() });
         };
@@ -168,7 +171,7 @@ impl LasWriter {
         put(&mut head.header, 105, (list.record_bytes as u16).to_le_bytes());
         head.records.extend(provenance.and_then(provenance_record));
         let packer = match format {
-            format if format == Format::LAZ => Some(Packer::new(layout.format, layout.record_bytes)?),
+            Format::LAZ => Some(Packer::new(layout.format, layout.record_bytes)?),
             _ => None,
         };
         if let Some(packer) = &packer {
