@@ -15,28 +15,21 @@
 //!
 //! # Map
 //!
-//! | where | what |
+//! | room | content |
 //! |---|---|
-//! | `read`, `write` | a path or bytes, the format found or chosen |
-//! | `sniff`, `format`, `limits`, `error` | which format, its names, how much a file may ask for, what went wrong |
-//! | `shape_file`, `shape` | what was read, and the shape that it is |
-//! | `field`, `grouping` | values per vertex or face; columns as fields and back |
-//! | `cells`, `volume`, `instances` | cells of grids and volumes, and the surface around them; objects that are placed several times |
-//! | `original`, `binary_rows` | the bytes of a file that is written again with other coordinates |
-//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `gltf`, `e57`, `vtk_xml`, `vtk_legacy`, `freesurfer`, `msh`, `medit`, `amf`, `threemf`, `dmat`, `graph`, `geomview` | a folder per format: `read`, `write`, and what only this format needs |
-//! | `npy`, `csv` | arrays and tables as fields, and written |
-//! | `cifti`, `surface_values` | values at the vertices of a surface, in files of their own |
-//! | `single` | what 32-bit floats and triangles hold, for formats of such |
-//! | `subset` | a file with fewer vertices |
-//! | `signal` | signals by name: fields, what the shape gives itself, other files |
-//! | `texture` | colors of pictures at vertices |
-//! | `recipe` | edits as TOML |
-//! | `region_field` | fields that a region may name |
-//! | `atomic` | files replaced as a whole |
-//! | `progress` | how far reading and writing are, and whether to stop |
-//! | `numbers` | arrays of numbers, binary or text, as lists |
-//! | `text`, `lines`, `tokens`, `encoding`, `cursor` | numbers, words and lines of text formats; numbers of binary ones |
-//! | `xml`, `package` | documents of XML, and ZIP archives |
+//! | `error`, `format`, `limits`, `progress` | errors, the id of a format, bounds on reading, progress and cancellation |
+//! | `text`, `bytes`, `files` | lines, words and numbers of texts; numbers of binary files; files read and replaced |
+//! | `model` | what was read, fields, subsets; the description of a format; helpers that formats share |
+//! | `formats` | a folder per format, and the one table |
+//! | `registry` | formats by content and by name; reading and writing |
+//! | `mesh_stream`, `cloud_part`, `texture` | meshes in portions, parts of clouds, colors of pictures |
+//! | `signal`, `region_field`, `recipe`, `provenance` | signals and fields by name, edits as TOML, the origin of a result |
+//!
+//! # Features
+//!
+//! OBJ, PLY, STL, OFF, rows of numbers (XYZ, PTS, CSV) and NPY are always there. The other formats belong to features,
+//! all of them default: `las`, `gltf`, `vtk`, `neuro`, `e57`, `pcd`, `volume`, `graph`, `print3d`, `more`, and `texture`
+//! for colors of pictures.
 
 // Headers are a few lines of text; `write!` into a string would bring an error that cannot happen.
 #![allow(clippy::format_push_string, clippy::format_collect)]

@@ -1,6 +1,7 @@
 //! The bytes of a binary file with its coordinates in place, kept so that it can be written again with only these replaced.
 
 use std::io::Write;
+use std::ops::Range;
 
 use adwave::Progress;
 
@@ -64,9 +65,7 @@ impl CoordinateRows {
     ) -> Result<(), WriteError> {
         match self {
             Self::Text(rows) => rows.write_all(shape, &RowEdit::default(), context.out, context.progress),
-            Self::Binary(rows) => {
-                rows.write_range((0, rows.bytes.len()), shape, context.out, context.progress)
-            }
+            Self::Binary(rows) => rows.write_range(0..rows.bytes.len(), shape, context.out, context.progress),
         }
     }
 }
@@ -77,16 +76,16 @@ impl BinaryRows {
         self.runs.first().map_or(self.bytes.len(), |run| run.start)
     }
 
-    /// Writes bytes `from..to` of the original, in which all rows lie, with the coordinates of the shape.
+    /// Writes these bytes of the original, in which all rows lie, with the coordinates of the shape.
     pub(crate) fn write_range(
         &self,
-        (from, to): (usize, usize),
+        range: Range<usize>,
         shape: &ShapeFile,
         out: &mut dyn Write,
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
         const ROWS: usize = 4096;
-        let (mut copied, mut vertex) = (from, 0);
+        let (mut copied, mut vertex) = (range.start, 0);
         let mut buffer = Vec::new();
         for run in &self.runs {
             let mut row = 0;
@@ -107,7 +106,7 @@ impl BinaryRows {
                 vertex += n;
             }
         }
-        Ok(out.write_all(&self.bytes[copied..to])?)
+        Ok(out.write_all(&self.bytes[copied..range.end])?)
     }
 
     fn n_row_bytes(&self) -> usize {

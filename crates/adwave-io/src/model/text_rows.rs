@@ -1,6 +1,8 @@
 //! Texts with one row of values per vertex, kept so that they can be written again: only the coordinates that changed
 //! are replaced, everything else is copied.
 
+use std::ops::Range;
+
 use crate::progress::at_row;
 use crate::text::tokens::Tokens;
 use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
@@ -70,13 +72,13 @@ impl TextRows {
         out: &mut dyn std::io::Write,
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
-        self.write_range((0, self.bytes.len()), shape, edit, out, progress)
+        self.write_range(0..self.bytes.len(), shape, edit, out, progress)
     }
 
-    /// Writes bytes `from..to` of the original with the rows in it changed.
+    /// Writes these bytes of the original with the rows in it changed.
     pub(crate) fn write_range(
         &self,
-        (from, to): (usize, usize),
+        range: Range<usize>,
         shape: &ShapeFile,
         edit: &RowEdit<'_>,
         out: &mut dyn std::io::Write,
@@ -84,7 +86,7 @@ impl TextRows {
     ) -> Result<(), WriteError> {
         const FLUSH: usize = 1 << 18;
         let mut buffer = Vec::with_capacity(FLUSH + 1024);
-        let mut copied = from;
+        let mut copied = range.start;
         for (i, &row) in self.rows.iter().enumerate() {
             at_row(progress, i as u64, self.rows.len() as u64)?;
             let row = row as usize;
@@ -95,7 +97,7 @@ impl TextRows {
                 buffer.clear();
             }
         }
-        self.copy(copied, to, &mut buffer, out)?;
+        self.copy(copied, range.end, &mut buffer, out)?;
         Ok(out.write_all(&buffer)?)
     }
 

@@ -1,4 +1,6 @@
-//! AMF (ISO/ASTM 52915): XML, plain or in a ZIP archive. The XML by `roxmltree`; no crate reads the format.
+//! AMF (ISO/ASTM 52915): XML, plain or in a ZIP archive.
+//!
+//! Library: `roxmltree` for the XML, `zip` for the archive; no crate reads the format.
 
 pub(crate) mod read;
 pub(crate) mod write;

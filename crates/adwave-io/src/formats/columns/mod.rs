@@ -1,4 +1,7 @@
 //! Rows of numbers, one per point: XYZ, TXT, PTS, PWN, CSV.
+//!
+//! Library: none. Rows may be separated by any number of blanks and have remarks and counts between them, and the file
+//! is written again byte for byte.
 
 pub(crate) mod meaning;
 pub(crate) mod read;

@@ -47,7 +47,7 @@ pub(crate) fn update_columns(
         out.write_all(name.as_bytes())?;
     }
     let edit = RowEdit { dropped: &[], append: Some(&append) };
-    rows.write_range((names_end, rows.bytes.len()), shape, &edit, out, progress)?;
+    rows.write_range(names_end..rows.bytes.len(), shape, &edit, out, progress)?;
     Ok(Update::Written)
 }
 

@@ -1,4 +1,6 @@
-//! DMAT of libigl: one matrix, text or binary. No crate reads it.
+//! DMAT of libigl: one matrix, text or binary.
+//!
+//! Library: none; no crate reads it.
 
 pub(crate) mod read;
 pub(crate) mod write;

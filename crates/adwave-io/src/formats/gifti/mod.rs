@@ -1,4 +1,6 @@
 //! GIFTI: surfaces and values on them.
+//!
+//! Library: `roxmltree` for the XML, `flate2` and `base64` for the arrays. Updating a file keeps its text.
 
 mod array;
 mod numbers;

@@ -169,7 +169,8 @@ impl Changed<'_> {
                     [*x, *y, *z] = normal(&back, [(*x).into(), (*y).into(), (*z).into()]).map(|x| x as f32);
                 }
             };
-            let rows = rows(field, &attribute, (part.first, part.positions.count), turned, progress)?;
+            let rows =
+                rows(field, &attribute, part.first..part.first + part.positions.count, turned, progress)?;
             let old = part.attributes.iter().find(|(name, _)| {
                 *name == attribute.name || (attribute.channels.0 == 0 && field_name(name) == field.name)
             });

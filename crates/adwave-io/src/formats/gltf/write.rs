@@ -1,6 +1,7 @@
 //! A new file: one mesh in one buffer.
 
 use std::io::Write;
+use std::ops::Range;
 
 use adwave::Progress;
 use adwave::shape::bounding_box;
@@ -151,14 +152,15 @@ pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
     }
 }
 
-/// Rows `first..first + count` of a field as an attribute has them; `turned` changes each row of floats.
+/// Rows of a field as an attribute has them; `turned` changes each row of floats.
 pub(crate) fn rows(
     field: &Field,
     attribute: &Attribute,
-    (first, count): (usize, usize),
+    range: Range<usize>,
     turned: impl Fn(&mut [f32]) + Sync + Send,
     progress: Progress<'_>,
 ) -> Result<Rows, WriteError> {
+    let (first, count) = (range.start, range.len());
     let (from, n) = attribute.channels;
     let flips = attribute.name == "TEXCOORD_0";
     let index = |i: usize, c: usize| (first + i) * field.n_channels + from + c;
@@ -262,7 +264,7 @@ pub(crate) fn write_gltf(
     for field in &shape.vertex_fields {
         report_field(field, format, report, progress)?;
         for attribute in attributes(field) {
-            let rows = rows(field, &attribute, (0, n), |_| {}, progress)?;
+            let rows = rows(field, &attribute, 0..n, |_| {}, progress)?;
             named.set(&attribute.name, numbers.add(&rows, VERTICES, None).into());
         }
     }

@@ -1,6 +1,6 @@
 //! Graphs: TGF, lists of edges as of SNAP and NetworkX, and GraphML.
 //!
-//! Own readers of TGF and lists, which are a few words a line; GraphML by `roxmltree` (`petgraph` only writes it, and knows no fields).
+//! Library: `roxmltree` for GraphML (`petgraph` only writes it, and knows no fields); TGF and lists are a few words a line.
 
 pub(crate) mod edge_list;
 pub(crate) mod graphml;

@@ -1,4 +1,6 @@
 //! LAS 1.0 – 1.4 and its compressed form LAZ.
+//!
+//! Library: `laz` for compression; header, records and dimensions are read here.
 
 mod counts;
 pub(crate) mod extra;

@@ -1,6 +1,6 @@
 //! Medit meshes of INRIA: `.mesh` in text and `.meshb` in binary.
 //!
-//! An own reader: libMeshb is C and trusts the counts of a file; no crate reads the format.
+//! Library: none; libMeshb is C and trusts the counts of a file, and no crate reads the format.
 
 pub(crate) mod binary;
 pub(crate) mod read;

@@ -36,6 +36,13 @@ impl SourceDocument for MeditSource {
     }
 }
 
+/// A keyword of the text and its number in a binary file.
+#[derive(Clone, Copy)]
+struct Keyword {
+    name: &'static str,
+    number: i32,
+}
+
 /// Whole numbers of 32 bits that become references.
 fn references(fields: &[Field]) -> Option<&Field> {
     fields.iter().find(|f| {
@@ -99,9 +106,9 @@ pub(crate) fn write_medit(
         Writer { is_binary: format == Format::MEDIT_BINARY, version, position: 0, out, progress };
     writer.head()?;
     writer.vertices(shape, |i| reference(of_points, i))?;
-    writer.elements(("Edges", 5), &edges)?;
-    writer.elements(("Triangles", 6), &triangles)?;
-    writer.elements(("Quadrilaterals", 7), &quadrilaterals)?;
+    writer.elements(Keyword { name: "Edges", number: 5 }, &edges)?;
+    writer.elements(Keyword { name: "Triangles", number: 6 }, &triangles)?;
+    writer.elements(Keyword { name: "Quadrilaterals", number: 7 }, &quadrilaterals)?;
     writer.end()
 }
 
@@ -143,19 +150,23 @@ impl Writer<'_, '_> {
     }
 
     /// Begins `n` rows of `row_bytes` each.
-    fn begin(&mut self, (name, number): (&str, i32), n: usize, row_bytes: usize) -> Result<(), WriteError> {
+    fn begin(&mut self, keyword: Keyword, n: usize, row_bytes: usize) -> Result<(), WriteError> {
         if !self.is_binary {
-            return Ok(writeln!(self.out, "\n{name}\n{n}")?);
+            return Ok(writeln!(self.out, "\n{}\n{n}", keyword.name)?);
         }
         let after = self.position + 4 + self.n_place_bytes() + 4 + (n * row_bytes) as u64;
-        self.put(&number.to_le_bytes())?;
+        self.put(&keyword.number.to_le_bytes())?;
         self.place(after)?;
         self.put(&(n as i32).to_le_bytes())
     }
 
     fn vertices(&mut self, shape: &ShapeFile, reference: impl Fn(usize) -> i32) -> Result<(), WriteError> {
         let is_single = self.version == 1;
-        self.begin(("Vertices", 4), shape.points.len(), if is_single { 16 } else { 28 })?;
+        self.begin(
+            Keyword { name: "Vertices", number: 4 },
+            shape.points.len(),
+            if is_single { 16 } else { 28 },
+        )?;
         let mut row = Vec::new();
         for (i, point) in shape.points.iter().enumerate() {
             at_row(self.progress, i as u64, shape.points.len() as u64)?;
@@ -183,7 +194,7 @@ impl Writer<'_, '_> {
 
     fn elements<const N: usize>(
         &mut self,
-        keyword: (&str, i32),
+        keyword: Keyword,
         rows: &[([u32; N], i32)],
     ) -> Result<(), WriteError> {
         if rows.is_empty() {

@@ -1,7 +1,7 @@
 //! Gmsh MSH, versions 2 and 4, text and binary.
 //!
-//! An own reader: `mshio` (0.4) reads version 4.1 alone and no fields, and stops at the first section that it does not know;
-//! `gmsh-sys` needs the program itself.
+//! Library: none. `mshio` (0.4) reads version 4.1 alone and no fields, and stops at the first section that it does not
+//! know; `gmsh-sys` needs the program itself.
 
 pub(crate) mod elements;
 pub(crate) mod fields;

@@ -48,9 +48,9 @@ fn update_msh(
         if (from..to).contains(&first) {
             match &original.rows {
                 CoordinateRows::Text(rows) => {
-                    rows.write_range((from, to), shape, &RowEdit::default(), out, progress)?;
+                    rows.write_range(from..to, shape, &RowEdit::default(), out, progress)?;
                 }
-                CoordinateRows::Binary(rows) => rows.write_range((from, to), shape, out, progress)?,
+                CoordinateRows::Binary(rows) => rows.write_range(from..to, shape, out, progress)?,
             }
         } else {
             out.write_all(&bytes[from..to])?;
@@ -62,16 +62,16 @@ fn update_msh(
         piece(*start, *end, out)?;
     }
     piece(bytes.len(), bytes.len(), out)?;
-    let (is_binary, order) = match &original.rows {
-        CoordinateRows::Text(_) => (false, ByteOrder::Little),
-        CoordinateRows::Binary(rows) => (true, rows.order),
+    let order = match &original.rows {
+        CoordinateRows::Text(_) => None,
+        CoordinateRows::Binary(rows) => Some(rows.order),
     };
     if !shape.edited.is_empty() && !bytes.ends_with(b"\n") {
         out.write_all(b"\n")?;
     }
     let tag = |i: usize| original.tags.get(i).map_or(i as u32 + 1, |&tag| tag as u32);
     for field in shape.vertex_fields.iter().filter(|f| shape.edited.contains(&f.name)) {
-        write_values("NodeData", field, &tag, (is_binary, order), out, progress)?;
+        write_values("NodeData", field, &tag, order, out, progress)?;
     }
     Ok(Update::Written)
 }
@@ -121,7 +121,7 @@ pub(crate) fn write_msh(
     }
     writeln!(out, "{}$EndNodes", if is_binary { "\n" } else { "" })?;
     write_elements(shape, is_binary, report, out, progress)?;
-    let encoding = (is_binary, ByteOrder::Little);
+    let encoding = is_binary.then_some(ByteOrder::Little);
     for field in &shape.vertex_fields {
         write_values("NodeData", field, &|i| i as u32 + 1, encoding, out, progress)?;
     }
@@ -203,7 +203,7 @@ fn write_elements(
         }
     }
     writer.flush()?;
-    writeln!(writer.out, "{}$EndElements", if is_binary { "\n" } else { "" })?;
+    writeln!(writer.out, "{}$EndElements", if order.is_some() { "\n" } else { "" })?;
     Ok(())
 }
 
@@ -260,12 +260,12 @@ fn kind(n_corners: usize) -> i32 {
     n_corners as i32 - 1
 }
 
-/// Writes a field; a row of it belongs to the node or element of that tag.
+/// Writes a field, as text or as binary in a byte order; a row of it belongs to the node or element of that tag.
 fn write_values(
     section: &str,
     field: &Field,
     tag: &dyn Fn(usize) -> u32,
-    (is_binary, order): (bool, ByteOrder),
+    order: Option<ByteOrder>,
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
@@ -277,7 +277,7 @@ fn write_values(
         at_row(progress, i as u64, n as u64)?;
         row.clear();
         let values = (0..field.n_channels).map(|c| field.get(i, c));
-        if is_binary {
+        if let Some(order) = order {
             crate::model::field::Number::write_bytes(tag(i), order, &mut row);
             values.for_each(|x| crate::model::field::Number::write_bytes(x, order, &mut row));
         } else {
@@ -290,6 +290,6 @@ fn write_values(
         }
         out.write_all(&row)?;
     }
-    writeln!(out, "{}$End{section}", if is_binary { "\n" } else { "" })?;
+    writeln!(out, "{}$End{section}", if order.is_some() { "\n" } else { "" })?;
     Ok(())
 }

@@ -1,4 +1,6 @@
 //! MatrixMarket coordinate matrices: read as graphs, written from graphs and from sparse matrices.
+//!
+//! Library: none.
 
 pub(crate) mod read;
 pub(crate) mod write;

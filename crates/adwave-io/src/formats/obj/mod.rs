@@ -1,4 +1,6 @@
 //! Wavefront OBJ: one statement, the whole file, attributes of face corners, and writing.
+//!
+//! Library: none. Updating a file keeps its text, which needs the place of each row.
 
 pub(crate) mod attributes;
 pub(crate) mod line;

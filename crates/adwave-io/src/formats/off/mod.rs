@@ -1,4 +1,6 @@
 //! Object file format and its variants (COFF, NOFF, STOFF, …), text and binary.
+//!
+//! Library: none. Updating a file keeps its bytes, which needs the place of each row.
 
 pub(crate) mod binary;
 pub(crate) mod read;

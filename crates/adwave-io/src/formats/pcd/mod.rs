@@ -1,4 +1,6 @@
 //! Point Cloud Library files: text, binary, and compressed by LZF.
+//!
+//! Library: none. A text is written again byte for byte.
 
 mod lzf;
 pub(crate) mod missing;

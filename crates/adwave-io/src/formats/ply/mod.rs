@@ -1,4 +1,6 @@
 //! PLY, text and binary in both byte orders: header, rows, reading, writing from scratch, and the original updated.
+//!
+//! Library: none. Updating a file keeps its bytes, which needs the place of each row.
 
 pub(crate) mod body;
 pub(crate) mod fixed;

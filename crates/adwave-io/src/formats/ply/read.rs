@@ -108,8 +108,8 @@ fn read_vertices(
     if let Some(vertices) = fixed::read_vertices(body, element)? {
         shape.precision = if vertices.is_single { Precision::F32 } else { Precision::F64 };
         shape.points = vertices.points.into();
-        let fields = (&mut shape.vertex_fields, &mut shape.extras);
-        return attach_columns(element, vertices.columns, fields, body.progress);
+        let (fields, extras) = (&mut shape.vertex_fields, &mut shape.extras);
+        return attach_columns(element, vertices.columns, fields, extras, body.progress);
     }
     for row in 0..element.n_rows {
         at_row(body.progress, row, element.n_rows)?;
@@ -129,14 +129,15 @@ fn read_vertices(
     shape.precision = if single { Precision::F32 } else { Precision::F64 };
     shape.points =
         collect(shape.n_vertices, body.progress, |i| [xyz[0].get(i), xyz[1].get(i), xyz[2].get(i)])?.into();
-    attach_columns(element, columns, (&mut shape.vertex_fields, &mut shape.extras), body.progress)
+    attach_columns(element, columns, &mut shape.vertex_fields, &mut shape.extras, body.progress)
 }
 
 /// Makes fields of the columns; gives which properties each field is made of.
 fn attach_columns(
     element: &Element,
     columns: Vec<Option<FieldValues>>,
-    (fields, extras): (&mut Vec<crate::Field>, &mut Vec<String>),
+    fields: &mut Vec<crate::Field>,
+    extras: &mut Vec<String>,
     progress: Progress<'_>,
 ) -> Result<Vec<(String, Vec<usize>)>, ReadError> {
     let mut positions = Vec::new();
@@ -206,7 +207,7 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
         push_face(body, shape, &face, row, start)?;
     }
     let mut fields = Vec::new();
-    attach_columns(element, columns, (&mut fields, &mut shape.extras), body.progress)?;
+    attach_columns(element, columns, &mut fields, &mut shape.extras, body.progress)?;
     shape.face_fields.append(&mut fields);
     Ok(())
 }

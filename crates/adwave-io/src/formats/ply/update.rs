@@ -27,7 +27,7 @@ impl SourceDocument for PlySource {
         };
         let dropped: Vec<bool> = (0..element.properties.len()).map(replaced).collect();
         let out = &mut *context.out;
-        write_header((&self.bytes, &self.header), self.vertex, &dropped, &fields, out)?;
+        write_header(&self.bytes, &self.header, self.vertex, &dropped, &fields, out)?;
         out.write_all(&self.bytes[self.header.body..self.rows.0])?;
         write_rows(shape, self, &dropped, &fields, out, context.progress)?;
         out.write_all(&self.bytes[self.rows.1..])?;
@@ -37,7 +37,8 @@ impl SourceDocument for PlySource {
 
 /// The header, `bytes` being those that it was parsed from, with the properties of new fields.
 pub(crate) fn write_header(
-    (bytes, header): (&[u8], &Header),
+    bytes: &[u8],
+    header: &Header,
     vertex: usize,
     dropped: &[bool],
     fields: &[&Field],
@@ -84,14 +85,12 @@ impl<'a> RowWriter<'a> {
         Self { element, axes: axes.collect(), dropped, style }
     }
 
-    /// Appends the row at the body's position, its number being `at`, with the coordinates that are not `None` and with row `i` of
-    /// the fields.
+    /// Appends the row at the body's position, its number being `at`, with the coordinates that are not `None`.
     pub(crate) fn push(
         &self,
         body: &mut Body<'_>,
         at: u64,
         point: [Option<f64>; 3],
-        (fields, i): (&[&Field], usize),
         row: &mut Vec<u8>,
     ) -> Result<(), ReadError> {
         for (p, property) in self.element.properties.iter().enumerate() {
@@ -104,8 +103,12 @@ impl<'a> RowWriter<'a> {
                 _ => row.extend_from_slice(old),
             }
         }
-        push_fields(fields, i, self.style, row);
         Ok(())
+    }
+
+    /// Appends row `i` of the fields.
+    pub(crate) fn push_fields(&self, fields: &[&Field], i: usize, row: &mut Vec<u8>) {
+        push_fields(fields, i, self.style, row);
     }
 }
 
@@ -126,7 +129,8 @@ fn write_rows(
         row.clear();
         // The same bytes were read before, so this cannot fail; if it does, it is said.
         let point = shape.points[i].map(Some);
-        writer.push(&mut body, i as u64, point, (fields, i), &mut row).map_err(std::io::Error::other)?;
+        writer.push(&mut body, i as u64, point, &mut row).map_err(std::io::Error::other)?;
+        writer.push_fields(fields, i, &mut row);
         out.write_all(&row)?;
     }
     Ok(())

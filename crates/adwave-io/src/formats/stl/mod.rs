@@ -1,4 +1,6 @@
 //! Stereolithography, text and binary.
+//!
+//! Library: none. Headers, attributes and the names of solids are kept.
 
 pub(crate) mod read;
 pub(crate) mod write;

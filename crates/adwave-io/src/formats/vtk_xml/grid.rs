@@ -38,7 +38,8 @@ pub(super) fn read_grid<'n: 'a, 'a>(
     // The part that is there is the grid, whatever it was cut from.
     let extent = extent(*piece, if piece.has_attribute("Extent") { "Extent" } else { "WholeExtent" })?;
     let lattice = lattice(*piece, &extent)?;
-    let (points, precision) = grid_points(frame, data, *piece, &extent, lattice, format, progress)?;
+    let located = LocatedPiece { node: *piece, extent, lattice };
+    let (points, precision) = grid_points(frame, data, &located, format, progress)?;
     Ok(Grid {
         lattice,
         points,
@@ -51,16 +52,22 @@ pub(super) fn read_grid<'n: 'a, 'a>(
     })
 }
 
+/// A piece, the part of the whole grid that it is, and its points.
+struct LocatedPiece<'n, 'i> {
+    node: Node<'n, 'i>,
+    extent: Extent,
+    lattice: Lattice,
+}
+
 /// The places of the points of a piece.
 fn grid_points<'n: 'a, 'a>(
     frame: &Frame<'a>,
     data: Node<'n, '_>,
-    piece: Node<'n, '_>,
-    extent: &Extent,
-    lattice: Lattice,
+    piece: &LocatedPiece<'n, '_>,
     format: Format,
     progress: Progress<'_>,
 ) -> Result<(GridPoints, Precision), ReadError> {
+    let LocatedPiece { node: piece, extent, lattice } = *piece;
     let precision = |kinds: &[ValueType]| {
         if kinds.iter().all(|kind| *kind == ValueType::F32) { Precision::F32 } else { Precision::F64 }
     };
@@ -142,7 +149,8 @@ fn joined<'n: 'a, 'a>(
             return Err(at(piece, "the piece is not within the whole extent; save the file again"));
         }
         let offset = [0, 1, 2].map(|a| (extent[a][0] - whole[a][0]) as usize);
-        let (points, of_piece) = grid_points(frame, data, piece, &extent, lattice, format, progress)?;
+        let located = LocatedPiece { node: piece, extent, lattice };
+        let (points, of_piece) = grid_points(frame, data, &located, format, progress)?;
         if of_piece == Precision::F64 {
             precision = of_piece;
         }
