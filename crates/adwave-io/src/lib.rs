@@ -85,7 +85,6 @@ pub use model::shape::{ShapeFileError, ShapeKind};
 pub use model::shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
 pub use model::sparse_rows::{MatrixValues, SparseRows};
 pub use model::subset::Subset;
-#[cfg(feature = "texture")]
 pub use model::texture::TextureError;
 pub use provenance::{Provenance, ProvenanceInput};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::model::context::{ReadContext, WriteContext};
 use crate::model::file_head::FileHead;
 use crate::model::texture::TextureFn;
-use crate::{Field, Format, ReadError, ShapeFile, WriteError};
+use crate::{Field, Format, ReadError, ReadLimits, ShapeFile, WriteError};
 
 /// Kind of content that files of a format hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,6 +114,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) read: Option<ReadFn>,
     pub(crate) read_folder: Option<ReadFolderFn>,
     pub(crate) read_values: Option<ReadValuesFn>,
+    /// Reader of the fields in a file with an ending of the format, without a shape.
+    pub(crate) read_fields: Option<fn(&Path, &ReadLimits) -> Result<Vec<Field>, ReadError>>,
     pub(crate) write: Option<WriteFn>,
     /// Colors of the pictures that a file names, at the vertices.
     pub(crate) texture: Option<TextureFn>,
@@ -141,6 +143,7 @@ impl FormatDescriptor {
         read: None,
         read_folder: None,
         read_values: None,
+        read_fields: None,
         write: None,
         texture: None,
         samples: &[],

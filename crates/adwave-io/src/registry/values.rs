@@ -28,6 +28,20 @@ pub fn read_surface_values(
     parse_file(path, limits, progress, |bytes| parse(&bytes, &size, limits, progress))
 }
 
+/// Reads the fields of a file, by the ending of its name if a format of fields has it, else as
+/// [`read_surface_values`].
+pub(crate) fn read_value_file(
+    path: &Path,
+    size: &SurfaceSize<'_>,
+    limits: &ReadLimits,
+) -> Result<Vec<Field>, ReadError> {
+    let named = TABLE.iter().filter(|format| format.matches_name(path)).find_map(|format| format.read_fields);
+    match named {
+        Some(read) => read(path, limits),
+        None => read_surface_values(path, size.structure, size.n_vertices, limits),
+    }
+}
+
 /// As [`read_surface_values`], from bytes that are not compressed as a whole.
 ///
 /// # Errors

@@ -60,6 +60,7 @@ fn write_rows(n: usize, fields: &[Field], out: &mut dyn Write) -> Result<(), Wri
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text::csv::csv_number;
 
     #[test]
     fn what_is_written_is_read_back() {

@@ -28,6 +28,7 @@ pub(crate) static DMAT: FormatDescriptor = FormatDescriptor {
         is_named.or_else(|| read::begins_as_dmat(file.bytes).then_some(Evidence::Layout))
     },
     read: Some(|bytes, c| read::read_dmat(&bytes, c.limits, c.progress)),
+    read_fields: Some(|path, limits| Ok(vec![read::read_dmat_field(path, limits)?])),
     write: Some(|shape, c| write::write_dmat(shape, c.format, &mut c.report, c.out, c.progress)),
     samples: &[Sample { name: "a.dmat", bytes: include_bytes!("samples/a.dmat") }],
     ..FormatDescriptor::NEW

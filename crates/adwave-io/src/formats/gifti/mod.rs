@@ -29,6 +29,7 @@ pub(crate) static GIFTI: FormatDescriptor = FormatDescriptor {
         (file.text.starts_with(b"<") && read::is_gifti(file.head)).then_some(Evidence::Signature)
     },
     read: Some(|bytes, c| read::read_gifti(bytes, c.folder, c.limits, c.progress)),
+    read_fields: Some(read::read_gifti_fields),
     write: Some(|shape, c| write::write_gifti(shape, &mut c.report, c.out, c.progress)),
     samples: &[Sample { name: "a.gii", bytes: include_bytes!("samples/a.gii") }],
     ..FormatDescriptor::NEW

@@ -8,7 +8,7 @@ use crate::ReadError;
 use crate::formats::msh::input::Input;
 use crate::formats::msh::kinds::Kind;
 use crate::formats::msh::nodes::{NONE, Tags};
-use crate::model::field::Number;
+use crate::model::field::{ByteOrder, Number};
 use crate::model::volume::Cells;
 use crate::progress::{at_row, extend};
 

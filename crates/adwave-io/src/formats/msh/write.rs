@@ -203,7 +203,7 @@ fn write_elements(
         }
     }
     writer.flush()?;
-    writeln!(writer.out, "{}$EndElements", if order.is_some() { "\n" } else { "" })?;
+    writeln!(writer.out, "{}$EndElements", if is_binary { "\n" } else { "" })?;
     Ok(())
 }
 

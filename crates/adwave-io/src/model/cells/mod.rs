@@ -4,13 +4,19 @@
 //! Cells of higher order count by their corners, so that points between these are no vertices of the surface.
 
 mod boundary;
+#[cfg(feature = "vtk")]
 mod dataset;
+#[cfg(feature = "vtk")]
 mod grid;
+#[cfg(feature = "vtk")]
 mod kinds;
+#[cfg(feature = "vtk")]
 mod surface;
 
 pub(crate) use boundary::VolumeFaces;
+#[cfg(feature = "vtk")]
 pub(crate) use dataset::Dataset;
+#[cfg(feature = "vtk")]
 pub(crate) use grid::{Grid, GridPoints, Lattice};
 
 use adwave::shape::Polygons;
