@@ -1,5 +1,5 @@
-//! Writes small files of every format into a folder, for `crates/adwave-io/oracles/check.py` to read with other libraries:
-//! `cargo run -p adwave-bench-helpers --bin oracle_files -- FOLDER`.
+//! Writes small files of every format into a folder, which `crates/adwave-io/oracles/check.py` reads with other
+//! libraries: `cargo run -p adwave-bench-helpers --bin oracle_files -- FOLDER`.
 
 use std::path::PathBuf;
 

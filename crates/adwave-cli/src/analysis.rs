@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 /// A shape that is prepared for a signal.
 pub(crate) struct Analysis {
     pub(crate) input: Input,
-    pub(crate) walk: Decomposer,
+    pub(crate) decomposer: Decomposer,
     pub(crate) signal: Signal,
     pub(crate) schedule: Schedule,
     params: BandsParams,
@@ -104,11 +104,11 @@ impl Analysis {
         let mut watch = Stopwatch::start();
         // First the signal: a name that does not exist shows before the operator is built.
         let signal = signal::load(global, &input, field.name(), field.texture.as_deref())?;
-        let walk = prepare(global, &input.shape, &shape.operator_for(levels)?)?;
-        let walk = signal::mask(walk, &signal, field.name(), global)?;
-        let (schedule, why) = schedule_reaching(share, levels, &walk, global)?;
+        let decomposer = prepare(global, &input.shape, &shape.operator_for(levels)?)?;
+        let decomposer = signal::mask(decomposer, &signal, field.name(), global)?;
+        let (schedule, why) = schedule_reaching(share, levels, &decomposer, global)?;
         let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
-        Ok(Self { input, walk, signal, schedule, params, why, seconds })
+        Ok(Self { input, decomposer, signal, schedule, params, why, seconds })
     }
 
     /// Asks for something of the signal's bands, and notes how long that took.
@@ -119,7 +119,8 @@ impl Analysis {
     ) -> Result<T, CliError> {
         let mut watch = Stopwatch::start();
         let found = with_progress(global, "splitting", |progress| {
-            let request = self.walk.request(&self.signal.values, self.signal.n_channels, &self.schedule);
+            let request =
+                self.decomposer.request(&self.signal.values, self.signal.n_channels, &self.schedule);
             what(request.params(&self.params).progress(progress))
         })?;
         self.seconds.bands = watch.lap();
@@ -152,20 +153,20 @@ impl Analysis {
     ) -> Result<Map, CliError> {
         let outward = if map.is_along_normals() && self.is_geometry() {
             let normals = signal::file_normals(&self.input.file);
-            let found = outward_normals(self.walk.geometry(), normals.as_deref(), global.progress());
+            let found = outward_normals(self.decomposer.geometry(), normals.as_deref(), global.progress());
             Some(found.map_err(|e| CliError::classified(&e))?)
         } else {
             None
         };
         let (wavelets, has_sign) = match &outward {
             Some(outward) if outward.info.has_outside() => {
-                (self.ask(global, |request| request.along(&outward.normals))?, true)
+                (self.ask(global, |request| request.along_normals(&outward.normals))?, true)
             }
             _ => (self.wavelets(global, None)?, self.signal.n_channels == 1),
         };
         let params = map.params(border);
         let mut watch = Stopwatch::start();
-        let mut saliency = saliency(&self.walk, &wavelets, &params, global.progress())
+        let mut saliency = saliency(&self.decomposer, &wavelets, &params, global.progress())
             .map_err(|e| CliError::classified(&e))?;
         if let Some(axis) = map.up {
             let Some(points) = self.input.shape.points() else {
@@ -189,20 +190,20 @@ impl Analysis {
 
     /// Widths σ_j of the levels 0 … J in model units.
     pub(crate) fn sigma(&self) -> Vec<f64> {
-        self.schedule.sigma(self.walk.diffusion().step_length())
+        self.schedule.sigma(self.decomposer.diffusion().step_length())
     }
 
     /// `NAME: N vertices, coords` and why so many levels.
     pub(crate) fn headline(&self, field: &str) -> String {
-        let n = self.walk.n_vertices();
-        let masked = self.walk.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
+        let n = self.decomposer.n_vertices();
+        let masked = self.decomposer.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
         let masked = if masked > 0 { format!(", {masked} of them masked") } else { String::new() };
         format!("{}: {n} vertices{masked}, {field}\n{}\n", self.input.name, self.why)
     }
 
     /// σ_j in % of the bounding box's diagonal.
     pub(crate) fn percent(&self, sigma: f64) -> f64 {
-        let diagonal = self.walk.diagonal();
+        let diagonal = self.decomposer.diagonal();
         if diagonal > 0.0 { 100.0 * sigma / diagonal } else { 0.0 }
     }
 

@@ -148,7 +148,7 @@ pub(crate) fn schedule_of(
     global: &Global<'_>,
 ) -> Result<Schedule, CliError> {
     let diagonal = decomposer.diagonal();
-    let sigma: Vec<f64> = widths.iter().map(|width| width.in_units(diagonal)).collect();
+    let sigma: Vec<f64> = widths.iter().map(|width| width.to_model_units(diagonal)).collect();
     let schedule = Schedule::lengths(&sigma, decomposer.diffusion().step_length())?;
     let edge = decomposer.mean_length();
     if diagonal > 0.0 && sigma[0] < edge {

@@ -86,7 +86,7 @@ pub(crate) fn make_sample(
     noise: Option<f64>,
     seed: u64,
 ) -> Result<ShapeFile, CliError> {
-    let mut sample = Sample::by_name(name, n_vertices).map_err(CliError::input)?;
+    let mut sample = Sample::from_name(name, n_vertices).map_err(CliError::input)?;
     if let Some(sigma) = noise {
         sample.add_noise(NoiseSigma::MeanEdge(sigma), seed).map_err(CliError::input)?;
     }

@@ -32,13 +32,13 @@ pub(crate) fn load(
 
 /// The same with the vertices masked where the signal is NaN.
 pub(crate) fn mask(
-    walk: Decomposer,
+    decomposer: Decomposer,
     signal: &Signal,
     name: &str,
     global: &Global<'_>,
 ) -> Result<Decomposer, CliError> {
-    let Some(flags) = missing(&signal.values, signal.n_channels) else { return Ok(walk) };
-    let masked = walk.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    let Some(flags) = missing(&signal.values, signal.n_channels) else { return Ok(decomposer) };
+    let masked = decomposer.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
     let n_missing = flags.iter().filter(|&&f| f).count();
     note(global, &format!("{name} is NaN at {n_missing} of {} vertices, which are masked", flags.len()));
     Ok(masked)

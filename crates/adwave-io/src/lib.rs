@@ -1,17 +1,18 @@
 //! Readers and writers.
 //!
-//! [`read_path`] and [`read_bytes`] find the format from the content first and from the name second, and give a
+//! [`read_path`] and [`read_bytes`] identify the format by the content first and by the name second, and return a
 //! [`ShapeFile`]: points, faces, edges and every attribute as a named [`Field`]. [`write_path`] and [`write_bytes`]
-//! write it; in the format that it came from nothing is lost but what was changed, in another format a
-//! [`WriteReport`] names what did not fit.
+//! write it; writing in the original format loses nothing but the changed content, and for another format a
+//! [`WriteReport`] lists what it cannot store.
 //!
-//! [`LasReader`] and [`LasWriter`] take the points of a LAS or LAZ in portions, for scans that do not fit in memory.
-//! [`read_cloud_part`] reads what lies in a box of a COPC, EPT, LAS or LAZ, and of the first two no more levels than a resolution needs.
+//! [`LasReader`] and [`LasWriter`] process the points of a LAS or LAZ in blocks, for scans that do not fit in memory.
+//! [`read_cloud_part`] reads the points of a COPC, EPT, LAS or LAZ in a box, and for the first two only the levels
+//! needed for a resolution.
 //!
-//! [`Format::table`] says what is read, written, kept and lost of each format; `docs/FORMATS.md` has it. Arrays are read from NPY and
-//! written as NPY and NPZ.
+//! [`Format::table`] lists the content read, written, kept and lost by each format; `docs/FORMATS.md` contains it.
+//! Arrays are read from NPY and written as NPY and NPZ.
 //!
-//! All may be compressed by gzip.
+//! All files may be compressed by gzip.
 //!
 //! # Map
 //!
@@ -31,7 +32,7 @@
 //! all of them default: `las`, `gltf`, `vtk`, `neuro`, `e57`, `pcd`, `volume`, `graph`, `print3d`, `more`, and `texture`
 //! for colors of pictures.
 
-// Headers are a few lines of text; `write!` into a string would bring an error that cannot happen.
+// Headers are a few lines of text; `write!` into a string would return an error that cannot occur.
 #![allow(clippy::format_push_string, clippy::format_collect)]
 // Counts are below 2^32 where they become signed.
 #![allow(clippy::cast_possible_wrap)]

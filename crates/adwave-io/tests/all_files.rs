@@ -1,5 +1,5 @@
-//! Every file of the test inputs gives a shape or an error of one line, soon, and what is read can be written and
-//! read again.
+//! Tests on all input files: each gives a shape or an error of one line, in limited time, and a shape can be written
+//! and read again.
 
 mod common;
 
@@ -36,7 +36,7 @@ fn all_files() -> Vec<(PathBuf, PathBuf)> {
     all.into_iter().map(|p| (p.clone(), p.strip_prefix(root).unwrap().to_path_buf())).collect()
 }
 
-/// Files that no reader can make sense of.
+/// Files that no reader can interpret.
 const BROKEN: &[&str] = &[
     "messy/tinyobjloader/models/invalid-relative-texture-index.obj",
     "messy/tinyobjloader/models/invalid-relative-vertex-index.obj",
@@ -78,16 +78,16 @@ fn every_file_gives_a_shape_or_an_error_of_one_line() {
         outcomes.insert(name, outcome);
     }
     let shape = |name: &Path| !outcomes[name].starts_with("ERROR");
-    // Formats that are read must be read wherever such a file is sound; the broken ones are known.
+    // Supported formats must be read from every valid file; the broken files are listed.
     for name in outcomes.keys() {
         let ending = name.extension().and_then(|e| e.to_str()).unwrap_or("");
         let ours = matches!(ending, "obj" | "ply" | "off" | "stl" | "pcd" | "las" | "xyz" | "pwn")
             || matches!(ending, "vtk" | "vtp" | "vtu" | "vti" | "vtr" | "vts");
-        // A GIFTI of values alone is a field and no shape.
+        // A GIFTI of values only is a field, not a shape.
         let file = name.file_name().and_then(|f| f.to_str()).unwrap_or("");
         let is_surface = ["flat", "infl", "pial", "sphere", "white"].iter().any(|s| file.starts_with(s));
         let ours = ours || (file.ends_with(".gii.gz") && is_surface);
-        // No library for these compressions is kept that this one uses.
+        // These compressions have no maintained library.
         let is_packed = file.contains("lz4") || file.contains("lzma");
         let broken = is_packed || BROKEN.iter().any(|b| Path::new(b) == name);
         assert_eq!(shape(name), ours && !broken, "{}: {}", name.display(), outcomes[name]);
@@ -138,7 +138,7 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         && a.points().iter().any(|p| !is_there(&p))
         && a.points().iter().any(|p| is_there(&p))
     {
-        // Points without a place are left out of it.
+        // Points without a position are dropped.
         assert!(a.points().iter().filter(is_there).eq(b.points()), "{what}: points");
         return;
     }
@@ -165,10 +165,10 @@ fn what_is_read_can_be_written_and_read_again() {
             let mut bytes = Vec::new();
             if let Err(error) = write_bytes(&shape, format, &mut bytes) {
                 let message = error.to_string();
-                assert!(message.contains("cannot hold") && !message.contains('\n'), "{message}");
+                assert!(message.contains("cannot store") && !message.contains('\n'), "{message}");
                 continue;
             }
-            // The names of the formats are no file endings for the text forms; the content must tell.
+            // The names of text formats are not file extensions; the content must identify them.
             let hint = format!("a.{}", format.name());
             let again = read_bytes(bytes, Some(&hint), &ReadLimits::default())
                 .unwrap_or_else(|e| panic!("{} as {format}: {e}", name.display()));
@@ -194,8 +194,7 @@ fn what_is_read_can_be_written_and_read_again() {
     }
 }
 
-/// What the writers make of a file that nothing was changed in: for the formats that keep their text and for PLY
-/// exactly the bytes that were read.
+/// Formats that keep their text, and PLY, write exactly the bytes that were read.
 #[data_test]
 fn an_unchanged_shape_is_written_byte_for_byte() {
     let mut n = 0;
@@ -225,7 +224,7 @@ fn an_unchanged_shape_is_written_byte_for_byte() {
             file = plain;
         }
         if bytes != file {
-            // Only a PLY without an element of vertices has no rows to keep.
+            // Only a PLY without a vertex element has no rows to keep.
             assert!(shape.n_vertices() == 0, "{} changed", name.display());
         }
         n += 1;

@@ -1,4 +1,4 @@
-//! Fields from outside: GIFTI, tables, textures; what they hold, and what is wrong with bad ones.
+//! Tests of external fields: GIFTI, tables, textures; their content, and errors of invalid ones.
 
 mod common;
 
@@ -162,7 +162,7 @@ fn a_table_names_its_columns_or_numbers_them() {
     }
 }
 
-/// A folder with a square of two triangles, its material and its picture: left red, right blue.
+/// Creates a folder with a square of two triangles, its material and its picture: left red, right blue.
 fn textured(obj: &str, mtl: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let mut picture = image::RgbImage::new(8, 8);

@@ -1,4 +1,4 @@
-//! glTF and GLB: what the scene shows is read, what moved is written into its place, all else stays.
+//! Tests of glTF and GLB: the scene is read, moved points are written in place, all other content stays.
 
 mod common;
 
@@ -8,7 +8,7 @@ use adwave_io::{
 use adwave_test_data::data_test;
 use base64::Engine as _;
 
-/// A buffer in the text.
+/// Buffer in the text.
 fn data(bytes: &[u8]) -> String {
     format!(
         "data:application/octet-stream;base64,{}",
@@ -22,7 +22,7 @@ fn floats(values: &[f32]) -> Vec<u8> {
 
 const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
-/// One triangle that `nodes` show.
+/// Triangle shown by `nodes`.
 fn triangle(nodes: &str, roots: &str) -> String {
     format!(
         "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":{roots}}}],\"nodes\":{nodes},\
@@ -56,7 +56,7 @@ fn nodes_put_meshes_into_the_scene() {
     ));
     // The third node is in no scene.
     assert_eq!(shape.points(), [[10.0, 0.0, 0.0], [12.0, 0.0, 0.0], [10.0, -2.0, 0.0]]);
-    // A mirror turns the order of the corners.
+    // A reflection reverses the order of the corners.
     assert_eq!(shape.faces().iter().next().unwrap(), [0, 2, 1]);
     assert_eq!(shape.precision(), Precision::F64);
     assert_eq!(shape.extras(), ["1 material", "the tree of 3 nodes"]);
@@ -115,7 +115,7 @@ fn a_field_that_is_added_joins_each_mesh() {
 
 #[test]
 fn sparse_and_quantized_positions() {
-    // Row 2 is replaced; positions are bytes that stand for fractions, every four bytes.
+    // Row 2 is replaced; positions are bytes that represent fractions, with a stride of four bytes.
     let mut bytes = vec![0, 0, 0, 0, 255, 0, 0, 0, 0, 51, 0, 0];
     bytes.extend([2, 0, 0, 0]);
     bytes.extend([0, 255, 0]);
@@ -228,7 +228,7 @@ fn buffers_and_pictures_beside_the_file_go_with_it() {
     }
 }
 
-/// `(file, vertices, faces, edges)`, as trimesh and pygltflib count them.
+/// `(file, vertices, faces, edges)` as counted by trimesh and pygltflib.
 const SAMPLES: &[(&str, usize, usize, usize)] = &[
     ("BoxTextured-glTF-Binary/BoxTextured.glb", 24, 12, 0),
     ("SimpleMorph/glTF/SimpleMorph.gltf", 3, 1, 0),

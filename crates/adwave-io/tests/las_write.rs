@@ -1,4 +1,4 @@
-//! LAS and LAZ are written: over what was read, so that all else stays, and anew.
+//! Tests of writing LAS and LAZ: over the original, so that all other content stays, and new files.
 
 use adwave_io::{Field, FieldValues, Format, ReadLimits, ShapeFile, Subset, read_bytes, write_bytes};
 use adwave_test_data::data_test;
@@ -69,7 +69,7 @@ fn what_was_read_is_written_with_all_that_it_had() {
         assert!(farthest(&moved, &again) < 1e-7 && again.points()[8] == shape.points()[8]);
         assert_eq!(again.field("color"), shape.field("color"));
         assert!(again.field("intensity").unwrap().to_f64().iter().all(|v| *v == 9.0));
-        // A new field becomes extra bytes, and changes in its place when it comes back with other values.
+        // A new field becomes extra bytes, and is updated in place when it is written again with other values.
         moved.add_vertex_field(Field::new("gaze", 1, FieldValues::F32(vec![1.5; 300]))).unwrap();
         let mut again = read(&written(&moved, format), name);
         assert_eq!(again.field("gaze"), moved.field("gaze"));

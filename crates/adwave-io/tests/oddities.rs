@@ -1,4 +1,4 @@
-//! What files in the wild do, one by one, and what the errors say.
+//! Tests of unusual files found in practice, and of error messages.
 
 use std::fmt::Write;
 
@@ -51,7 +51,7 @@ fn obj_edit_keeps_groups_comments_and_line_ends() {
 fn obj_errors_name_line_and_token() {
     assert_eq!(
         error("v 0 0 0\nv 1 x2 0\n", "a.obj"),
-        "line 2: a vertex has \"x2\" where a number belongs; correct it"
+        "line 2: a vertex must have numbers, got \"x2\"; correct it"
     );
     assert_eq!(
         error("v 0 0 0\n\nf 1 2 3\n", "a.obj"),
@@ -59,14 +59,14 @@ fn obj_errors_name_line_and_token() {
     );
     assert_eq!(
         error("v 1 2 3\nv 1 2\n", "a.obj"),
-        "line 2: a vertex has 2 numbers and needs 3; add the missing ones"
+        "line 2: a vertex needs 3 numbers, got 2; add the missing ones"
     );
     assert!(error("v 0 0 0\nl 1 7\n", "a.obj").starts_with("line 2: "));
 }
 
 #[test]
 fn obj_pieces_join_in_order() {
-    // Large enough to be cut into several pieces, with indices that count back over the cuts.
+    // Large enough for several chunks, with negative indices across their borders.
     let n = 60_000;
     let mut text = String::new();
     for i in 0..n {
@@ -163,7 +163,7 @@ fn ply_strips_stand_beside_faces_and_a_number_is_no_list_of_corners() {
     let text = format!("{points}element face 1\nproperty uchar vertex_indices\n{rows}3\n");
     assert!(error(&text, "a.ply").contains("no list `vertex_indices`"));
 
-    // Faces of one length are read by another way; the strips before them stay too.
+    // Faces of equal size are read by another path; the strips before them stay too.
     let text = format!("{points}{strips}{face}end_header\n").replace("ascii", "binary_little_endian");
     let mut binary = text.into_bytes();
     binary.extend([0_f32, 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.].iter().flat_map(|x| x.to_le_bytes()));
@@ -198,7 +198,7 @@ fn stl_is_told_apart_by_its_length() {
     assert_eq!((shape.format(), shape.n_vertices()), (Some(Format::STL), 3));
     assert_eq!(shape.face_fields()[1].values, FieldValues::U16(vec![261]));
     let cut = error(&binary[..120], "a.stl");
-    assert_eq!(cut, "ends at byte 120 of 134 needed, in element `triangle`, row 0; get the whole file");
+    assert_eq!(cut, "the file ends at byte 120 of 134, in element `triangle`, row 0; get the whole file");
     let ascii = read(
         "solid vertex facet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 .5\nendloop\nendfacet\nendsolid\n",
         "a",
@@ -316,7 +316,7 @@ fn an_archive_that_was_cut_is_said_to_be_cut() {
     bytes.truncate(bytes.len() - 20);
     for name in ["a.3mf", "a.amf"] {
         let error = read_bytes(bytes.clone(), Some(name), &ReadLimits::default()).unwrap_err().to_string();
-        assert!(error.starts_with("the ZIP archive is broken"), "{error}");
+        assert!(error.starts_with("the ZIP archive is damaged"), "{error}");
         assert!(error.ends_with("get the whole file"), "{error}");
     }
 }

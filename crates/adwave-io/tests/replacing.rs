@@ -1,4 +1,4 @@
-//! A file is replaced as a whole or not at all.
+//! Tests that a file is replaced completely or not at all.
 
 use std::fs;
 use std::io::Write;
@@ -70,7 +70,7 @@ fn several_files_are_written_all_or_none() {
     assert_eq!(names(folder.path()), ["a"]);
     write_together(|| whole("a").and_then(|()| whole("b"))).unwrap();
     assert_eq!((fs::read(at("a")).unwrap().as_slice(), names(folder.path()).len()), (&b"new"[..], 2));
-    // Afterwards each file is for itself again.
+    // Afterwards each file is replaced on its own again.
     whole("c").unwrap();
     assert_eq!(names(folder.path()), ["a", "b", "c"]);
 }
@@ -80,7 +80,7 @@ fn a_missing_folder_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let shape = ShapeFile::from_cloud(vec![[0.0; 3]]);
     let error = write_path(&shape, &folder.path().join("no/a.ply"), None).unwrap_err().to_string();
-    assert!(error.contains("does not exist; make it first"), "{error}");
+    assert!(error.contains("does not exist; create it first"), "{error}");
     let error = write_path(&shape, &folder.path().join("a.blend"), None).unwrap_err().to_string();
     assert!(error.contains("use one of the endings .obj"), "{error}");
 }
@@ -109,7 +109,7 @@ fn permissions_links_and_devices_are_respected() {
         |path: &std::path::Path, text: &str| atomic_write(path, |w| Ok(w.write_all(text.as_bytes())?));
     let mode = |path: &std::path::Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
     write(&path, "one").unwrap();
-    // What any new file gets here.
+    // Permissions of any new file here.
     fs::File::create(folder.path().join("plain")).unwrap();
     assert_eq!(mode(&path), mode(&folder.path().join("plain")));
     fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();

@@ -1,8 +1,9 @@
-//! Large vectors in large pages, and memory back to the system.
+//! Large vectors in large pages, and return of freed memory to the system.
 #![allow(unsafe_code)]
 
-/// `len` zeros. Where the system has them, in pages of 2 MiB: the first touch of a gigabyte in pages of 4 KiB costs more
-/// time than all products of a transform, and looking such pages up takes as long as reading what is in them.
+/// A vector of `len` zeros, in pages of 2 MiB if the system supports them. The first touch of a gigabyte in pages
+/// of 4 KiB takes longer than all products of a transform, and address translation for such pages takes as long as
+/// reading them.
 ///
 /// ```
 /// assert_eq!(adwave::pages::zeros::<f64>(3), [0.0; 3]);
@@ -13,38 +14,39 @@ pub fn zeros<T: Clone + Default>(len: usize) -> Vec<T> {
     vector
 }
 
-/// Gives memory that was freed back to the system, where the C library keeps it for later: after work that frees gigabytes in small
-/// pieces and before work that wants as much in large ones. Takes milliseconds a gigabyte; nothing on other systems than Linux with glibc.
+/// Returns freed memory to the system if the C library keeps it, after work that frees gigabytes in small pieces
+/// and before work that needs as much in large pieces. Takes milliseconds per gigabyte; does nothing except on
+/// Linux with glibc.
 pub fn release_freed() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: it takes no pointer, and touches no memory that is in use.
+    // SAFETY: the function takes no pointer and touches no memory in use.
     unsafe {
         libc::malloc_trim(0);
     }
 }
 
-/// From now on the whole process keeps memory that it frees for what it wants next, until [`release_freed`], where the C library would
-/// give large vectors back to the system at once: for programs that make and drop gigabytes again and again, as each page that
-/// the system gives anew has to be cleared first. Takes some percent more memory; nothing on other systems than Linux with glibc.
+/// Makes the process keep freed memory for later allocations until [`release_freed`], instead of returning large
+/// vectors to the system at once. It is for programs that repeatedly allocate gigabytes, because the system clears
+/// every page that it hands out again. Takes a few percent more memory; does nothing except on Linux with glibc.
 pub fn keep_freed() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: it sets two numbers of the allocator, under its lock.
+    // SAFETY: the call sets two numbers of the allocator, under its lock.
     unsafe {
         libc::mallopt(libc::M_MMAP_MAX, 0);
         libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
     }
 }
 
-/// From now on the process keeps vectors below 32 MiB that it frees for what it wants next, and gives back what a heap has free at its end only
-/// above `most` bytes: for programs that answer many questions of one size, which otherwise have the same pages cleared for each. Nothing
-/// on other systems than Linux with glibc.
+/// Makes the process keep freed vectors below 32 MiB for later allocations, and return the free end of a heap only
+/// above `most` bytes. It is for programs that answer many requests of one size, for which the same pages would
+/// otherwise be cleared each time. Does nothing except on Linux with glibc.
 ///
 /// ```
 /// adwave::pages::keep_some_freed(64 << 20);
 /// ```
 pub fn keep_some_freed(most: usize) {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: it sets two numbers of the allocator, under its lock.
+    // SAFETY: the call sets two numbers of the allocator, under its lock.
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 32 << 20); // the greatest that glibc takes
         libc::mallopt(libc::M_TRIM_THRESHOLD, i32::try_from(most).unwrap_or(i32::MAX));
@@ -53,7 +55,7 @@ pub fn keep_some_freed(most: usize) {
     let _ = most;
 }
 
-/// Below this there is nothing to gain.
+/// Size in bytes below which large pages have no advantage.
 #[cfg(target_os = "linux")]
 const LARGE: usize = 4 << 20;
 
@@ -65,8 +67,9 @@ fn prefer_large_pages(start: *const u8, bytes: usize) {
     }
     let skip = start.align_offset(PAGE);
     let len = (bytes - skip) / PAGE * PAGE;
-    // SAFETY: the callers own the `bytes` from `start`, and `skip` is less than PAGE and so than LARGE ≤ bytes: the range
-    // lies within them. The advice changes no byte of it, and a system that cannot follow it says so in a result that does not matter.
+    // SAFETY: the callers own the `bytes` from `start`, and `skip` is less than PAGE and so less than LARGE ≤
+    // bytes: the range lies within them. The advice changes no byte of it, and a system that cannot follow it
+    // reports that in a result that can be ignored.
     unsafe {
         libc::madvise(start.add(skip).cast_mut().cast(), len, libc::MADV_HUGEPAGE);
     }

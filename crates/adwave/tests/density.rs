@@ -205,7 +205,7 @@ fn steps_that_keep_creases_do_not_cross_them() {
         assert!(bands.unwrap().coarsest().iter().all(|v| v.is_finite()));
         turned / n
     };
-    let bracket = Sample::by_name("bracket", Some(4000)).unwrap();
+    let bracket = Sample::from_name("bracket", Some(4000)).unwrap();
     for kind in [OperatorKind::Walk, OperatorKind::Surface] {
         let plain = OperatorParams::default().with_kind(kind);
         let keeping = plain.with_keep_creases(true);

@@ -22,7 +22,7 @@ const COMMUTES: f64 = 1e-10;
 const LEVELS: usize = 8;
 
 fn sample(name: &str, n_vertices: usize) -> (Vec<[f64; 3]>, Polygons) {
-    let sample = Sample::by_name(name, Some(n_vertices)).unwrap();
+    let sample = Sample::from_name(name, Some(n_vertices)).unwrap();
     (sample.points, sample.faces)
 }
 

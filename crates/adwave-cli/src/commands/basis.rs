@@ -134,7 +134,7 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
             .map_err(write_error)?;
         files.push(path);
     } else {
-        basis = basis.in_shape_order(vertex_map)?;
+        basis = basis.to_shape_order(vertex_map)?;
     }
     let extension = if matrix_market { "mtx" } else { "npz" };
     for level in 1..=levels {

@@ -8,7 +8,7 @@ use crate::output::{bands_params, number, print, schedule, table, write_shape};
 use crate::progress::{prepare, with_progress, with_spinner};
 use crate::shape_input::{Input, load};
 use crate::signal::{self, COORDS};
-use adwave_baselines::compare::{Comparison, Method, Outcome, Subject, compare};
+use adwave_baselines::compare::{Comparison, ComparisonInput, Method, Outcome, compare};
 use adwave_io::{Field, FieldValues};
 use clap::Args;
 use clap::ValueEnum;
@@ -92,12 +92,12 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let input = with_spinner(global, "reading", || load(&args.shape, global))?;
     let signal = signal::load(global, &input, field, args.field.texture.as_deref())?;
     let start = Instant::now();
-    let walk = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
+    let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
     let prepare_seconds = Some(start.elapsed().as_secs_f64());
-    let (schedule, why) = schedule(&args.levels, &walk, global)?;
-    let subject = Subject {
+    let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
+    let comparison_input = ComparisonInput {
         shape: &input.shape,
-        walk: &walk,
+        decomposer: &decomposer,
         prepare_seconds,
         schedule: &schedule,
         params: &params,
@@ -105,8 +105,9 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
         n_channels: signal.n_channels,
         n_harmonics: args.harmonics.get(),
     };
-    let comparison =
-        with_progress(global, "comparing", |progress| compare(&subject, args.method.into(), progress))?;
+    let comparison = with_progress(global, "comparing", |progress| {
+        compare(&comparison_input, args.method.into(), progress)
+    })?;
 
     let shown = |value: Option<f64>| value.map_or("–".to_owned(), number);
     let mut text = format!(

@@ -11,7 +11,7 @@ use adwave::filter::{Edit, Gains, Layer, Preset, displacement};
 use adwave::region::{Length, Region};
 use adwave::shape::{Mesh, Shape, bounding_box, enclosed_volume};
 use adwave_io::{Field, FieldValues, Levels, Recipe, ShapeFile, atomic_write, write_recipe};
-use adwave_report::demo::{DemoText, PICTURES, ShownEdit, demo};
+use adwave_report::demo::{DemoEdit, DemoText, PICTURES, demo};
 use adwave_report::page::Link;
 use adwave_report::shape_report::{COORDS, Subject};
 use adwave_report::{Table, column};
@@ -76,7 +76,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
             write_recipe(&at("local-edit.toml"), &recipe).map_err(CliError::input)?;
         }
         edits.push((name, moved.rms, moved.max, 100.0 * (after - volume) / volume, ms));
-        shown.push(ShownEdit {
+        shown.push(DemoEdit {
             name,
             words: if name == LOCAL_EDIT { "is `suppress` on one half only, with a soft seam" } else { "" },
             points,
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         format: "built-in",
         fields: &[],
         shape: &shape,
-        walk: &decomposer,
+        decomposer: &decomposer,
         signal: COORDS,
         values: coords,
         normals: None,

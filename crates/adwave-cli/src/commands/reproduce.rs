@@ -4,7 +4,9 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::print;
 use crate::progress::bar;
-use adwave_report::reproduce::{Context, Event, FIGURES, Figure, Made, Models, Target, reproduce, select};
+use adwave_report::reproduce::{
+    Context, Event, FIGURES, Figure, Models, ReproducedFigure, Target, reproduce, select,
+};
 use clap::Args;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
@@ -54,7 +56,7 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global<'_>) -> Result<(), CliEr
     }
     let models = models(args, &figures)?;
     let found: Vec<Value> = models
-        .found()
+        .files()
         .map(|(name, path)| json!({"name": name, "file": path.display().to_string()}))
         .collect();
     let line = Line::new(global, figures.len());
@@ -93,7 +95,7 @@ fn models(args: &ReproduceArgs, figures: &[&Figure]) -> Result<Models, CliError>
     Ok(models)
 }
 
-fn describe(made: &Made) -> Value {
+fn describe(made: &ReproducedFigure) -> Value {
     let outcome = &made.outcome;
     json!({
         "id": outcome.id,
@@ -108,7 +110,7 @@ fn describe(made: &Made) -> Value {
     })
 }
 
-fn summary(made: &[Made], index: &Path, took: Duration) -> String {
+fn summary(made: &[ReproducedFigure], index: &Path, took: Duration) -> String {
     let count = |keyword: &str| made.iter().filter(|m| m.outcome.verdict.keyword() == keyword).count();
     format!(
         "{} of {} as the paper claims, {} in part, {} not, in {:.1} s\n{}\n",
@@ -144,7 +146,7 @@ impl<'a> Line<'a> {
         self.bar.set_position(done);
     }
 
-    fn end(&self, made: &Made) {
+    fn end(&self, made: &ReproducedFigure) {
         if !self.global.quiet && self.n_figures > 1 {
             let outcome = &made.outcome;
             let verdict = outcome.verdict.headline().to_lowercase();

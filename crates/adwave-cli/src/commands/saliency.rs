@@ -78,7 +78,7 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
     forget_original(&mut analysis.input.file, &args.output);
     let map = analysis.saliency(&args.map, &args.border, global)?;
     let levels = if args.per_level {
-        saliency_per_level(&analysis.walk, &map.wavelets, &map.params, global.progress())
+        saliency_per_level(&analysis.decomposer, &map.wavelets, &map.params, global.progress())
             .map_err(|e| CliError::classified(&e))?
     } else {
         Vec::new()
@@ -129,8 +129,8 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
         "shape": analysis.input.name,
         "output": args.output.display().to_string(),
         "field": args.field.name(),
-        "vertices": analysis.walk.n_vertices(),
-        "operator": analysis.walk.operator_kind().name(),
+        "vertices": analysis.decomposer.n_vertices(),
+        "operator": analysis.decomposer.operator_kind().name(),
         "sides": map.sides_json(),
         "levels_reason": analysis.why,
         "levels": saliency.levels.iter().map(|l| json!({

@@ -7,7 +7,7 @@ use crate::output::{note, print};
 use crate::progress::with_spinner;
 use crate::shape_input::{Source, load_source};
 use adwave::pages::keep_some_freed;
-use adwave_studio::{Opened, Served, StudioParams, serve};
+use adwave_studio::{StudioAddress, StudioInput, StudioParams, serve};
 use clap::Args;
 use serde_json::json;
 use std::io::Write as _;
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     let path = Path::new(&input.name);
     let path = path.is_file().then(|| path.to_path_buf());
     let name = path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-    let opened = Opened {
+    let input = StudioInput {
         name: name.unwrap_or_else(|| input.name.clone()),
         path,
         file: input.file,
@@ -84,11 +84,11 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     let params = StudioParams { port: args.port, host: args.host, ..StudioParams::default() };
     let mut browser = None;
     let mut printed = Ok(());
-    let finished = serve(opened, &params, global.progress(), |served: &Served| {
-        let text = format!("{}\nCtrl-C ends it\n", served.address);
-        printed = print(global, &text, &json!({"address": served.address}));
+    let outcome = serve(input, &params, global.progress(), |address: &StudioAddress| {
+        let text = format!("{}\nCtrl-C ends it\n", address.url);
+        printed = print(global, &text, &json!({"address": address.url}));
         if !args.no_open {
-            browser = open(&served.address);
+            browser = open(&address.url);
             if browser.is_none() {
                 note(global, "no browser was found; open the address in one");
             }
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     });
     drop(browser);
     // Ctrl-C says more of how it ended than a reader of the address that is gone.
-    if finished.map_err(|e| CliError::of(&e))?.done { printed } else { Err(CliError::Cancelled) }
+    if outcome.map_err(|e| CliError::of(&e))?.is_done { printed } else { Err(CliError::Cancelled) }
 }
 
 /// Opens the browser by a file that leads to the address: the list of programs that run, which all users of the machine can read, has no

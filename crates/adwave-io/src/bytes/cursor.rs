@@ -1,10 +1,10 @@
-//! Numbers of binary files, one after the other.
+//! Sequential reading of numbers from binary files.
 
 use crate::ReadError;
 use crate::model::field::{ByteOrder, Number};
 use crate::text::tokens::check_rows;
 
-/// A place in a binary file.
+/// Read position in a binary file.
 #[derive(Clone)]
 pub(crate) struct Cursor<'a> {
     pub(crate) bytes: &'a [u8],
@@ -17,7 +17,7 @@ impl<'a> Cursor<'a> {
         Self { bytes, position, order }
     }
 
-    /// The bytes of `n` rows of `row_bytes` each.
+    /// Returns the bytes of `n` rows of `row_bytes` each.
     pub(crate) fn rows(&mut self, n: u64, row_bytes: u64, element: &str) -> Result<&'a [u8], ReadError> {
         check_rows(self.bytes.len(), self.position, n, row_bytes, element, 0)?;
         let start = self.position;
@@ -25,7 +25,7 @@ impl<'a> Cursor<'a> {
         Ok(&self.bytes[start..self.position])
     }
 
-    /// The next number.
+    /// Reads the next number.
     pub(crate) fn number<T: Number>(&mut self, element: &str, row: u64) -> Result<T, ReadError> {
         let end = self.position.saturating_add(size_of::<T>());
         let Some(bytes) = self.bytes.get(self.position..end) else {
@@ -40,7 +40,7 @@ impl<'a> Cursor<'a> {
         Ok(T::from_bytes(bytes, self.order))
     }
 
-    /// The next 32-bit whole number.
+    /// Reads the next 32-bit integer.
     pub(crate) fn i32(&mut self, element: &str) -> Result<i32, ReadError> {
         self.number(element, 0)
     }

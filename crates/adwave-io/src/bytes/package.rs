@@ -1,4 +1,4 @@
-//! ZIP archives that hold a shape: read with a limit on what they grow to.
+//! Reading of ZIP archives with a limit on the decompressed size.
 
 use std::collections::HashMap;
 use std::io::{Cursor, Read};
@@ -13,7 +13,7 @@ use crate::{ReadError, ReadLimits};
 /// An archive, and how many bytes may still come out of it.
 pub(crate) struct Package<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
-    /// The name of each file, by the same without slash and capitals.
+    /// Name of each file, by the normalized name.
     names: HashMap<String, String>,
     limit: u64,
     left: u64,
@@ -31,7 +31,7 @@ fn ends_with(name: &str, ending: &str) -> bool {
         && name.as_bytes()[name.len() - ending.len()..].eq_ignore_ascii_case(ending.as_bytes())
 }
 
-/// A name without slash and capitals.
+/// Normalizes a name: without a leading slash, in lower case.
 fn plain(name: &str) -> String {
     name.trim_start_matches('/').to_ascii_lowercase()
 }
@@ -39,39 +39,42 @@ fn plain(name: &str) -> String {
 impl<'a> Package<'a> {
     pub(crate) fn open(bytes: &'a [u8], limits: &ReadLimits) -> Result<Self, ReadError> {
         let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| {
-            ReadError::Whole(format!("the ZIP archive is broken ({}); get the whole file", one_line(&e)))
+            ReadError::Whole(format!("the ZIP archive is damaged ({}); get the whole file", one_line(&e)))
         })?;
         let names = archive.file_names().filter(|name| !name.ends_with('/'));
         let names = names.map(|name| (plain(name), name.to_owned())).collect();
         Ok(Self { archive, names, limit: limits.max_bytes, left: limits.max_bytes })
     }
 
-    /// The names of all files in the archive.
+    /// Names of all files in the archive.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.names.values().map(String::as_str)
     }
 
-    /// Whether there is a file of that name.
+    /// True if there is a file of that name.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.names.contains_key(&plain(name))
     }
 
-    /// The first name that ends so.
+    /// First name with this ending.
     pub(crate) fn find(&self, ending: &str) -> Option<String> {
         self.names().filter(|name| ends_with(name, ending)).min().map(ToString::to_string)
     }
 
-    /// The text of a file in the archive; its name may begin with a slash and have other capitals.
+    /// Reads the text of a file in the archive; case and a leading slash of its name are ignored.
     pub(crate) fn text(&mut self, name: &str, progress: Progress<'_>) -> Result<String, ReadError> {
         let own = self.names.get(&plain(name)).cloned();
         let shown: String = name.chars().filter(|c| !c.is_control()).take(80).collect();
         let broken = |what: &dyn std::fmt::Display| {
             let what = one_line(what);
-            ReadError::Whole(format!("part `{shown}` of the archive is broken ({what}); get the whole file"))
+            ReadError::Whole(format!(
+                "part `{shown}` of the archive is damaged ({what}); get the whole \
+                                     file"
+            ))
         };
         let Some(own) = own else {
             return Err(ReadError::Whole(format!(
-                "part `{shown}` is not in the archive; get the whole file"
+                "part `{shown}` is missing in the archive; get the whole file"
             )));
         };
         let file = self.archive.by_name(&own).map_err(|e| broken(&e))?;
@@ -91,6 +94,6 @@ impl<'a> Package<'a> {
             return Err(ReadError::Limit { what: "bytes", found, limit: self.limit });
         };
         self.left = left;
-        crate::text::encoding::to_utf8(bytes).map_err(|_| broken(&"it is no text"))
+        crate::text::encoding::to_utf8(bytes).map_err(|_| broken(&"it is not text"))
     }
 }

@@ -1,4 +1,4 @@
-//! Replacing a file as a whole: whoever reads it sees the old bytes or the new ones, never a part.
+//! Atomic replacement of files: a reader sees either the old bytes or the new ones, never a part.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -12,22 +12,22 @@ use adwave::Progress;
 
 use crate::WriteError;
 
-/// The temporary files that exist now.
+/// Temporary files that exist now.
 static TEMPORARIES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 fn with_temporaries<T>(change: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
     change(&mut TEMPORARIES.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
 }
 
-/// What the names of temporary files begin and end with.
+/// Prefix and suffix of the names of temporary files.
 const PREFIX: &str = ".adwave-";
 const SUFFIX: &str = ".tmp";
 
-/// Deletes the temporary files of all writes under way. A program calls it when it ends before they are done, for
-/// instance from what it does at Ctrl-C; those writes then fail, and the files that they would replace are unchanged.
+/// Deletes the temporary files of all writes in progress. A program calls it when it ends before they are complete,
+/// for instance in its Ctrl-C handler; those writes then fail, and the files that they would replace stay unchanged.
 ///
-/// It never waits long: where the list is being changed, by a thread that may be the one that ends here, the files stay for the
-/// next run to clear.
+/// It never blocks: if another thread is changing the list, perhaps the one that is ending here, the files remain and
+/// the next run deletes them.
 pub fn remove_temporaries() {
     const TRIES: u32 = 50;
     for _ in 0..TRIES {
@@ -45,7 +45,7 @@ fn remove(path: PathBuf) {
     let _ = fs::remove_file(path);
 }
 
-/// Takes a path off the list when it is renamed or deleted.
+/// Entry of [`TEMPORARIES`], removed when the file is renamed or deleted.
 struct Listed(PathBuf);
 
 impl Drop for Listed {
@@ -54,9 +54,9 @@ impl Drop for Listed {
     }
 }
 
-/// Larger files are flushed by a thread of their own, so that the wait can be ended: no system call does that.
+/// Size above which a file is flushed by a separate thread, so that the wait can be cancelled; a system call cannot.
 const WAITED_FOR: u64 = 1 << 23;
-/// Time between two questions whether to stop.
+/// Time between two checks for cancellation.
 const PATIENCE: Duration = Duration::from_millis(10);
 
 /// Flushes the file to the disk and closes it.
@@ -69,7 +69,7 @@ fn flush_to_disk(file: File, progress: Progress<'_>) -> Result<(), WriteError> {
     std::thread::Builder::new().spawn(move || {
         let flushed = file.sync_all();
         drop(file);
-        // Whoever waited may have been told to stop.
+        // The caller may have cancelled during the wait.
         let _ = sender.send(flushed);
     })?;
     loop {
@@ -83,9 +83,9 @@ fn flush_to_disk(file: File, progress: Progress<'_>) -> Result<(), WriteError> {
     }
 }
 
-/// Writes a file as a whole: into a temporary file in the same folder, flushed to the disk and renamed. An existing
-/// file keeps its permissions, and a symbolic link its target; what is no regular file (a pipe, `/dev/null`) is
-/// written directly. On an error the old file is as it was and no temporary file is left.
+/// Writes a file atomically: into a temporary file in the same folder, flushed to the disk and renamed. An existing
+/// file keeps its permissions, and a symbolic link its target; pipes and devices such as `/dev/null` are written
+/// directly. On an error the old file is unchanged and no temporary file remains.
 ///
 /// ```
 /// let folder = tempfile::tempdir().unwrap();
@@ -95,7 +95,7 @@ fn flush_to_disk(file: File, progress: Progress<'_>) -> Result<(), WriteError> {
 /// ```
 ///
 /// # Errors
-/// The folder is missing, a system call fails, or the error of `write`; each with the file's name.
+/// The folder is missing, a system call fails, or `write` fails; each error has the file's name.
 pub fn atomic_write<T>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
@@ -103,10 +103,12 @@ pub fn atomic_write<T>(
     atomic_write_with(path, Progress::none(), write)
 }
 
-/// [`atomic_write`](crate::atomic_write) that can also be stopped while the file is flushed to the disk; `write` asks for itself.
+/// [`atomic_write`](crate::atomic_write) that can also be cancelled while the file is flushed to the disk; `write`
+/// has to check for cancellation itself.
 ///
 /// # Errors
-/// As [`atomic_write`](crate::atomic_write), and [`WriteError::Cancelled`]; the old file is as it was then too.
+/// The errors of [`atomic_write`](crate::atomic_write), and [`WriteError::Cancelled`]; the old file is unchanged then
+/// too.
 pub fn atomic_write_with<T>(
     path: &Path,
     progress: Progress<'_>,
@@ -120,7 +122,7 @@ fn replace<T>(
     progress: Progress<'_>,
     write: impl FnOnce(&mut dyn Write) -> Result<T, WriteError>,
 ) -> Result<T, WriteError> {
-    // The link stays, its target is replaced; a link to nothing makes the target.
+    // The link stays and its target is replaced; a dangling link creates its target.
     let target = resolve(path)?;
     let old = fs::metadata(&target).ok();
     if old.as_ref().is_some_and(|m| !m.is_file()) {
@@ -136,25 +138,28 @@ fn replace<T>(
     Ok(result)
 }
 
-/// A file that is being written beside the one whose place it will take; nothing is left of it where it is dropped before.
+/// File that is written beside the one it will replace; dropping it before [`finish`](Self::finish) deletes it.
 pub(crate) struct Pending {
     pub(crate) out: BufWriter<File>,
     temporary: tempfile::TempPath,
     target: PathBuf,
-    /// The name that the user gave.
+    /// Name given by the user.
     named: PathBuf,
-    /// What is there now.
+    /// Metadata of the file to be replaced.
     old: Option<fs::Metadata>,
     listed: Option<Listed>,
 }
 
 impl Pending {
-    /// Begins a file that positions can be sought in: a pipe or a device is refused.
+    /// Creates a seekable file; a pipe or a device is an error.
     pub(crate) fn begin(path: &Path) -> Result<Self, WriteError> {
         let target = resolve(path)?;
         let old = fs::metadata(&target).ok();
         if old.as_ref().is_some_and(|m| !m.is_file()) {
-            return Err(io::Error::other("it is no regular file, and this is not written in one go").into());
+            return Err(io::Error::other(
+                "a regular file is needed here, because it is not written sequentially",
+            )
+            .into());
         }
         Self::beside(path, target, old)
     }
@@ -165,13 +170,13 @@ impl Pending {
             return Err(WriteError::NoFolder { folder: folder.display().to_string() });
         }
         clear(folder);
-        // A file that may not be written is not replaced either, though a rename could.
+        // A file without write permission is not replaced either, though a rename could do so.
         if old.is_some() {
             OpenOptions::new().write(true).open(&target)?;
         }
         let mut listed = None;
         let temporary = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |path| {
-            // On the list before it exists, so that none is missed; and with the permissions of any new file.
+            // Listed before it is created, so that none is missed, and with the default permissions of a new file.
             with_temporaries(|paths| paths.insert(path.to_path_buf()));
             let entry = Listed(path.to_path_buf());
             let file = OpenOptions::new().write(true).create_new(true).open(path)?;
@@ -183,7 +188,7 @@ impl Pending {
         Ok(Self { out, temporary, target, named: path.to_path_buf(), old, listed })
     }
 
-    /// Flushes the file to the disk and puts it in its place.
+    /// Flushes the file to the disk and renames it to its final name.
     pub(crate) fn finish(mut self, progress: Progress<'_>) -> Result<(), WriteError> {
         self.out.flush()?;
         let file = self.out.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -205,11 +210,11 @@ impl Pending {
     }
 }
 
-/// A file that is whole and on the disk, and not yet in its place.
+/// File that is complete and on the disk, but not renamed yet.
 struct Written {
     temporary: tempfile::TempPath,
     target: PathBuf,
-    /// The name that the user gave.
+    /// Name given by the user.
     named: PathBuf,
     _listed: Option<Listed>,
 }
@@ -221,12 +226,12 @@ impl Written {
 }
 
 thread_local! {
-    /// Where [`write_together`] runs: the files that wait for the last one.
+    /// Files waiting for the last one while [`write_together`] runs; `None` otherwise.
     static TOGETHER: RefCell<Option<Vec<Written>>> = const { RefCell::new(None) };
 }
 
-/// Puts the files that `work` writes on this thread in their places when all of them are written: where one fails (a disk that
-/// is full) every old file is as it was, and no new one is there. Within `work` a file cannot yet be read again.
+/// Renames the files that `work` writes on this thread only after all of them are complete. If one fails (on a full
+/// disk, say), every old file is unchanged and no new one exists. Within `work` a written file cannot be read yet.
 ///
 /// ```
 /// use adwave_io::{WriteError, atomic_write, write_together};
@@ -240,9 +245,9 @@ thread_local! {
 /// ```
 ///
 /// # Errors
-/// Those of `work`, and where a file that is written cannot be renamed: then those before it are in their places.
+/// The errors of `work`, and a file that cannot be renamed; the files before it have been replaced then.
 pub fn write_together<T, E: From<WriteError>>(work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
-    /// What waits is dropped also where `work` panics.
+    /// Drops the waiting files even if `work` panics.
     struct Waiting;
     impl Drop for Waiting {
         fn drop(&mut self) {
@@ -264,10 +269,10 @@ pub fn write_together<T, E: From<WriteError>>(work: impl FnOnce() -> Result<T, E
     Ok(result)
 }
 
-/// How old what a killed run left must be before the next one clears it.
+/// Age at which temporary files of a killed run are deleted.
 const LEFT_OVER: Duration = Duration::from_hours(24);
 
-/// Removes temporary files that a killed run left in a folder, once in each process.
+/// Deletes temporary files that a killed run left in a folder, once per process.
 fn clear(folder: &Path) {
     static CLEARED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     if !CLEARED.lock().unwrap_or_else(std::sync::PoisonError::into_inner).insert(folder.to_path_buf()) {
@@ -279,19 +284,19 @@ fn clear(folder: &Path) {
             && name.as_encoded_bytes().ends_with(SUFFIX.as_bytes());
         let age = || entry.metadata().ok().filter(fs::Metadata::is_file)?.modified().ok()?.elapsed().ok();
         if is_ours && age().is_some_and(|age| age > LEFT_OVER) {
-            // Whoever may not remove it has no harm from it.
+            // Missing permission to delete is harmless.
             let _ = fs::remove_file(entry.path());
         }
     }
 }
 
-/// A file that root replaces stays its owner's.
+/// Keeps the owner of a file that root replaces.
 #[cfg(unix)]
 fn keep_owner(file: &File, old: &fs::Metadata) {
     use std::os::unix::fs::{MetadataExt, fchown};
     let is_other = file.metadata().is_ok_and(|new| (new.uid(), new.gid()) != (old.uid(), old.gid()));
     if is_other {
-        // Others than root may not give files away; then the new one is theirs, as any file that they write.
+        // Other users cannot give files away; the new file belongs to them, like any file they write.
         let _ = fchown(file, Some(old.uid()), Some(old.gid()));
     }
 }
@@ -299,7 +304,7 @@ fn keep_owner(file: &File, old: &fs::Metadata) {
 #[cfg(not(unix))]
 fn keep_owner(_: &File, _: &fs::Metadata) {}
 
-/// The file that symbolic links lead to, which need not exist.
+/// Target of a chain of symbolic links; it need not exist.
 fn resolve(path: &Path) -> io::Result<PathBuf> {
     const MAX_LINKS: usize = 40;
     let mut target = path.to_path_buf();

@@ -1,4 +1,4 @@
-//! A mesh written again, in portions: other coordinates, and for a PLY new properties of its vertices.
+//! Rewriting of a mesh in blocks: new coordinates, and for a PLY new properties of its vertices.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -17,11 +17,11 @@ use crate::{Field, FieldValues, Format, ReadError, ShapeFile, WriteError};
 /// What [`rewrite_mesh`] asks for: the new coordinates of the next vertices, and their values of each new field.
 pub type VertexEdit<'a, E> = dyn FnMut(&mut [[f64; 3]], &mut [Vec<f32>]) -> Result<(), E> + 'a;
 
-/// Writes a PLY or OBJ again in its own format. Coordinates are replaced in the type that they had, `fields` become the last
-/// properties of the vertices, as 32-bit floats, and everything else stays byte for byte as it is. How many vertices there were.
+/// Writes a PLY or OBJ again in its own format. Coordinates are replaced in their own type, `fields` become the last
+/// properties of the vertices, as 32-bit floats, and all other bytes stay unchanged. Returns the number of vertices.
 ///
-/// `edit` is called with the next vertices, some ten thousand. Their coordinates come in as NaN: those that are NaN afterwards stay as they
-/// are in the file. The values of each field come in as 0.
+/// `edit` is called with the next vertices, about ten thousand. Their coordinates are NaN initially; those that are
+/// still NaN afterwards stay unchanged in the file. The values of each field are 0 initially.
 ///
 /// ```
 /// use adwave::Progress;
@@ -39,7 +39,7 @@ pub type VertexEdit<'a, E> = dyn FnMut(&mut [[f64; 3]], &mut [Vec<f32>]) -> Resu
 /// ```
 ///
 /// # Errors
-/// Those of `edit`, those of reading and of writing, and fields of an OBJ, which has none.
+/// The errors of `edit`, of reading and of writing, and fields for an OBJ, which cannot store any.
 pub fn rewrite_mesh<E: From<ReadError> + From<WriteError>>(
     path: &Path,
     fields: &[String],
@@ -121,7 +121,7 @@ impl Rewriter<'_> {
         Ok(n)
     }
 
-    /// The new fields, without values.
+    /// Creates the new fields of `n` vertices, without values.
     fn portion(&self, n: usize) -> Vec<Field> {
         let field = |name: &String| Field {
             name: name.clone(),
@@ -164,7 +164,7 @@ impl Rewriter<'_> {
 
     /// Copies bytes `from..to` of the file.
     fn copy(&mut self, from: u64, to: u64) -> std::io::Result<()> {
-        /// Bytes between two questions whether to stop.
+        /// Bytes copied between two checks for cancellation.
         const AT_A_TIME: u64 = 1 << 24;
         let mut file = File::open(self.path)?;
         file.seek(SeekFrom::Start(from))?;

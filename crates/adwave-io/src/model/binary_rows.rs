@@ -1,4 +1,5 @@
-//! The bytes of a binary file with its coordinates in place, kept so that it can be written again with only these replaced.
+//! Bytes of a binary file with the positions of its coordinates, kept so that the file can be written again with new
+//! coordinates.
 
 use std::io::Write;
 use std::ops::Range;
@@ -12,26 +13,26 @@ use crate::model::text_rows::{RowEdit, TextRows};
 use crate::progress::at_row;
 use crate::{ShapeFile, WriteError};
 
-/// Vertices whose coordinates stand at equal distances.
+/// Range of vertices whose coordinates are equally spaced in the file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Run {
-    /// The byte where the first vertex has its x.
+    /// Byte offset of the first vertex's x.
     pub(crate) start: usize,
-    /// How many vertices.
+    /// Number of vertices.
     pub(crate) n: usize,
-    /// Bytes from one to the next.
+    /// Bytes from one vertex to the next.
     pub(crate) stride: usize,
 }
 
-/// A binary file in which x, y and z of each vertex stand one after the other.
+/// Binary file in which x, y and z of each vertex are adjacent.
 #[derive(Debug)]
 pub(crate) struct BinaryRows {
     pub(crate) bytes: Vec<u8>,
-    /// In the order of the file and of the vertices.
+    /// Vertex ranges in the order of the file.
     pub(crate) runs: Vec<Run>,
-    /// Whether numbers have 64 bits, or 32.
+    /// True for 64-bit numbers, false for 32-bit numbers.
     pub(crate) is_double: bool,
-    /// How many coordinates there are: 3, or 2 of the plane.
+    /// Number of coordinates per vertex: 3, or 2 in the plane.
     pub(crate) n_axes: usize,
     pub(crate) order: ByteOrder,
 }
@@ -116,7 +117,7 @@ impl BinaryRows {
     fn put(&self, row: &mut [u8], point: [f64; 3]) {
         let is_little = self.order == ByteOrder::Little;
         for (slot, x) in row.chunks_exact_mut(if self.is_double { 8 } else { 4 }).zip(point) {
-            // The bits of what is no number stay as they are.
+            // The bits of NaN coordinates stay unchanged.
             if x.is_nan() {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! What formats of 32-bit floats and triangles hold of a shape, and what is said of the rest.
+//! Checks for formats with 32-bit floats and triangles, and reports of their losses.
 
 use adwave::Progress;
 use adwave::shape::{triangulate, triangulate_with_faces};
@@ -6,7 +6,7 @@ use adwave::shape::{triangulate, triangulate_with_faces};
 use crate::progress::all;
 use crate::{Format, ShapeFile, WriteError, WriteReport};
 
-/// Refuses numbers that a 32-bit float cannot hold: they would become infinite.
+/// Checks that 32-bit floats can represent the numbers; otherwise they would become infinite.
 pub(crate) fn check_range(
     format: Format,
     what: &str,
@@ -22,7 +22,7 @@ pub(crate) fn check_range(
     Err(WriteError::CannotHold { format, what })
 }
 
-/// Whether rounding to 32-bit floats changes nothing.
+/// True if rounding to 32-bit floats changes nothing.
 pub(crate) fn is_single(
     n: usize,
     progress: Progress<'_>,
@@ -32,13 +32,13 @@ pub(crate) fn is_single(
     Ok(all(n, progress, keeps)?)
 }
 
-/// The faces as triangles.
+/// Splits the faces into triangles.
 pub(crate) fn triangles(shape: &ShapeFile, report: &mut WriteReport) -> Vec<[u32; 3]> {
     say_what_is_cut(shape, report);
     triangulate(&shape.points, &shape.faces)
 }
 
-/// The faces as triangles, each with its face.
+/// Splits the faces into triangles, each with the index of its face.
 pub(crate) fn triangles_with_faces(shape: &ShapeFile, report: &mut WriteReport) -> Vec<(usize, [u32; 3])> {
     say_what_is_cut(shape, report);
     triangulate_with_faces(&shape.points, &shape.faces)

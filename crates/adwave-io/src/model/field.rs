@@ -1,4 +1,4 @@
-//! Named values at the vertices or faces of a shape, in the number type of the file they came from.
+//! Named values at the vertices or faces of a shape, in the number type of the file.
 
 use adwave::{Cancelled, Progress};
 
@@ -20,7 +20,7 @@ pub enum FieldValues {
     F64(Vec<f64>),
 }
 
-/// Runs one expression for whichever type the values have.
+/// Evaluates one expression for the type of the values.
 macro_rules! with_values {
     ($values:expr, $name:ident => $body:expr) => {
         match $values {
@@ -40,7 +40,7 @@ macro_rules! with_values {
 
 pub(crate) use with_values;
 
-/// The type of one number in a file.
+/// Type of one number in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)] // the names are the types
 pub enum ValueType {
@@ -57,7 +57,7 @@ pub enum ValueType {
 }
 
 impl ValueType {
-    /// Bytes of one number.
+    /// Bytes per number.
     pub fn n_bytes(self) -> usize {
         match self {
             Self::U8 | Self::I8 => 1,
@@ -67,12 +67,12 @@ impl ValueType {
         }
     }
 
-    /// Whether it holds only whole numbers.
+    /// True for integer types.
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 
-    /// An empty list of numbers of this type.
+    /// Creates an empty list of numbers of this type.
     pub(crate) fn empty(self) -> FieldValues {
         match self {
             Self::U8 => FieldValues::U8(Vec::new()),
@@ -89,7 +89,7 @@ impl ValueType {
     }
 }
 
-/// Where the most significant byte of a number stands.
+/// Byte order of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ByteOrder {
     Little,
@@ -97,17 +97,17 @@ pub(crate) enum ByteOrder {
 }
 
 impl FieldValues {
-    /// How many numbers there are.
+    /// Number of values.
     pub fn len(&self) -> usize {
         with_values!(self, v => v.len())
     }
 
-    /// Whether there is none.
+    /// True if there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The type of the numbers.
+    /// Type of the numbers.
     pub fn value_type(&self) -> ValueType {
         match self {
             Self::U8(_) => ValueType::U8,
@@ -126,7 +126,7 @@ impl FieldValues {
     /// Number `i` as `f64` (64-bit integers beyond 2⁵³ are rounded).
     ///
     /// # Panics
-    /// When `i` is not below [`len`](Self::len).
+    /// If `i` is not below [`len`](Self::len).
     pub fn get(&self, i: usize) -> f64 {
         match self {
             Self::U8(v) => v[i].into(),
@@ -147,7 +147,8 @@ impl FieldValues {
         (0..self.len()).map(|i| self.get(i)).collect()
     }
 
-    /// Adds a number; `false` when it is a whole-number type that cannot hold the value (nothing is added then).
+    /// Appends a number; returns `false`, without appending, if the type is an integer type that cannot represent the
+    /// value.
     pub(crate) fn push_f64(&mut self, x: f64) -> bool {
         macro_rules! push_integer {
             ($v:expr, $t:ty) => {{
@@ -175,10 +176,10 @@ impl FieldValues {
         true
     }
 
-    /// Adds the number that `bytes` begin with.
+    /// Appends the number at the start of `bytes`.
     ///
     /// # Panics
-    /// When there are fewer bytes than the type needs.
+    /// If there are fewer bytes than the type needs.
     pub(crate) fn push_bytes(&mut self, bytes: &[u8], order: ByteOrder) {
         with_values!(self, v => v.push(Number::from_bytes(bytes, order)));
     }
@@ -199,7 +200,7 @@ impl FieldValues {
         }
     }
 
-    /// Numbers of several lists of one type, interleaved: first of each list, second of each list, and so on.
+    /// Interleaves several lists of one type: the first number of each list, the second of each list, and so on.
     pub(crate) fn interleave(channels: &[&Self], progress: Progress<'_>) -> Result<Option<Self>, Cancelled> {
         let Some(first) = channels.first() else { return Ok(None) };
         if channels.iter().any(|c| c.len() != first.len() || c.value_type() != first.value_type()) {
@@ -234,7 +235,7 @@ impl FieldValues {
     }
 }
 
-/// A number that has a fixed count of bytes.
+/// Number with a fixed size in bytes.
 pub(crate) trait Number: Copy + Send {
     fn from_f64(x: f64) -> Self;
     fn from_bytes(bytes: &[u8], order: ByteOrder) -> Self;
@@ -264,7 +265,7 @@ macro_rules! number {
         }
     )*};
 }
-// A cast to a whole number keeps to its range.
+// Casts to integers saturate.
 number!(
     u8: |x: f64| x.round() as u8, i8: |x: f64| x.round() as i8, u16: |x: f64| x.round() as u16,
     i16: |x: f64| x.round() as i16, u32: |x: f64| x.round() as u32, i32: |x: f64| x.round() as i32,
@@ -281,32 +282,32 @@ number!(
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// What the values are called in the file; `normal`, `color` and `texcoord` are the same in every format.
+    /// Name of the values in the file; `normal`, `color` and `texcoord` are the same in every format.
     pub name: String,
-    /// How many numbers there are at each vertex, at least 1.
+    /// Number of channels per vertex, at least 1.
     pub n_channels: usize,
-    /// The numbers, all channels of one vertex together.
+    /// Numbers, with all channels of one vertex adjacent.
     pub values: FieldValues,
 }
 
 impl Field {
-    /// A field of `values.len() / n_channels` vertices.
+    /// Creates a field of `values.len() / n_channels` vertices.
     ///
     /// # Panics
-    /// When `n_channels` is 0 or does not divide the number of values.
+    /// If `n_channels` is 0 or does not divide the number of values.
     pub fn new(name: impl Into<String>, n_channels: usize, values: FieldValues) -> Self {
         assert!(
             n_channels > 0 && values.len().is_multiple_of(n_channels),
-            "whole rows of at least one channel"
+            "values must form complete rows of at least one channel"
         );
         Self { name: name.into(), n_channels, values }
     }
 
-    /// [`new`](Self::new) for values whose number is not known to be right.
+    /// [`new`](Self::new) for values whose number has not been checked.
     ///
     /// # Errors
-    /// [`ShapeFileError::FieldValues`](crate::ShapeFileError::FieldValues) when `n_channels` is 0 or does not divide the
-    /// number of values.
+    /// [`ShapeFileError::FieldValues`](crate::ShapeFileError::FieldValues) if `n_channels` is 0 or does not divide
+    /// the number of values.
     pub fn try_new(
         name: impl Into<String>,
         n_channels: usize,
@@ -319,7 +320,7 @@ impl Field {
         Ok(Self { name, n_channels, values })
     }
 
-    /// The same field with other numbers, in its own type: whole-number types round and keep to their range.
+    /// Replaces the numbers and keeps the type: integer types round and saturate.
     ///
     /// ```
     /// use adwave_io::{Field, FieldValues};
@@ -328,10 +329,10 @@ impl Field {
     /// ```
     ///
     /// # Panics
-    /// When there are not as many numbers as the field has.
+    /// If the number of values differs from that of the field.
     #[must_use]
     pub fn with_values_rounded(&self, numbers: &[f64]) -> Self {
-        assert_eq!(numbers.len(), self.values.len(), "as many numbers as before");
+        assert_eq!(numbers.len(), self.values.len(), "the number of values must not change");
         let mut values = self.values.value_type().empty();
         with_values!(&mut values, v => for &x in numbers {
             v.push(Number::from_f64(x));
@@ -344,7 +345,7 @@ impl Field {
         self.values.len().checked_div(self.n_channels).unwrap_or(0)
     }
 
-    /// Whether it has no vertex.
+    /// True if the field has no vertices.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
@@ -352,12 +353,12 @@ impl Field {
     /// Channel `c` at vertex `i` as `f64`.
     ///
     /// # Panics
-    /// When there is no such vertex or channel.
+    /// If there is no such vertex or channel.
     pub fn get(&self, i: usize, c: usize) -> f64 {
         self.values.get(i * self.n_channels + c)
     }
 
-    /// All numbers as `f64`, all channels of one vertex together.
+    /// All numbers as `f64`, with all channels of one vertex adjacent.
     pub fn to_f64(&self) -> Vec<f64> {
         self.values.to_f64()
     }

@@ -1,4 +1,4 @@
-//! Columns of a file as fields and back: `nx ny nz` is the field `normal` of three channels.
+//! Conversion between the columns of a file and fields: `nx ny nz` is the field `normal` with three channels.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
@@ -6,7 +6,7 @@ use adwave::{Cancelled, Progress};
 
 use crate::{Field, FieldValues};
 
-/// The columns that make one field of a known name.
+/// Columns that form one field with a known name.
 const KNOWN: &[(&str, &[&str])] = &[
     ("normal", &["nx", "ny", "nz"]),
     ("normal", &["normal_x", "normal_y", "normal_z"]),
@@ -21,10 +21,10 @@ const KNOWN: &[(&str, &[&str])] = &[
     ("texcoord", &["texture_u", "texture_v"]),
 ];
 
-/// The field's name and the positions of the columns that it is made of.
+/// Name of a field and the positions of its columns.
 pub(crate) type FieldColumns = (String, Vec<usize>);
 
-/// Fields from columns of one number per vertex, and which columns each is made of. O(columns), however they are named.
+/// Groups columns with one number per vertex to fields; each field lists its columns. O(columns) for any names.
 pub(crate) fn group(
     columns: Vec<(String, FieldValues)>,
     progress: Progress<'_>,
@@ -59,11 +59,11 @@ pub(crate) fn group(
 
 type Columns = [(String, Option<FieldValues>)];
 
-/// Which columns have a name, and which of them no field has yet.
+/// Columns by name, and the columns that belong to no field yet.
 struct Free {
     is_used: Vec<bool>,
     exact: HashSet<String>,
-    /// By name without regard to capitals, the first that may be free in front.
+    /// Positions by lower-case name, the first candidate in front.
     places: HashMap<String, VecDeque<usize>>,
 }
 
@@ -77,7 +77,7 @@ impl Free {
         Self { is_used: vec![false; columns.len()], exact, places }
     }
 
-    /// The first free column of that name, whatever its capitals.
+    /// First free column of that name, ignoring case.
     fn first(&mut self, name: &str) -> Option<usize> {
         let places = self.places.get_mut(&name.to_ascii_lowercase())?;
         while places.front().is_some_and(|&p| self.is_used[p]) {
@@ -87,7 +87,7 @@ impl Free {
     }
 }
 
-/// The positions of the columns of these names, when all are free and of the type of the first.
+/// Positions of the columns with these names, if all are free and have the type of the first.
 fn find(columns: &Columns, free: &mut Free, names: &[String]) -> Option<Vec<usize>> {
     let positions: Vec<usize> = names.iter().map(|name| free.first(name)).collect::<Option<_>>()?;
     let value_type = |p: &usize| columns[*p].1.as_ref().map(FieldValues::value_type);
@@ -103,7 +103,7 @@ fn known(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns> {
     )
 }
 
-/// `flow_x flow_y flow_z`, or `flow_0 flow_1 …`.
+/// Finds `flow_x flow_y flow_z`, or `flow_0 flow_1 …`.
 fn numbered(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns> {
     let name = &columns[i].0;
     if let Some(base) = name.strip_suffix("_x").filter(|base| !base.is_empty()) {
@@ -116,14 +116,14 @@ fn numbered(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns
         if !free.exact.contains(&next) {
             break;
         }
-        // One that another field has already ends it before the rest is looked at.
+        // A column of another field ends the search before the rest is examined.
         free.first(&next)?;
         names.push(next);
     }
     (names.len() > 1).then(|| find(columns, free, &names).map(|positions| (base.to_string(), positions)))?
 }
 
-/// Names that are taken, and which number was tried last behind each.
+/// Names in use, and the last number tried for each.
 #[derive(Default)]
 struct Names {
     taken: HashSet<String>,
@@ -131,7 +131,7 @@ struct Names {
 }
 
 impl Names {
-    /// The name, or where it is taken the first with a number after it that is not.
+    /// Returns the name, or with the first free number appended if it is in use.
     fn unique(&mut self, name: String) -> String {
         if self.taken.insert(name.clone()) {
             return name;
@@ -147,7 +147,7 @@ impl Names {
     }
 }
 
-/// The name, or where a field has it already one with a number after it.
+/// Returns the name, with a number appended if a field already has it.
 pub(crate) fn unique(fields: &[Field], name: String) -> String {
     let taken = |name: &str| fields.iter().any(|f| f.name == name);
     if !taken(&name) {
@@ -156,7 +156,7 @@ pub(crate) fn unique(fields: &[Field], name: String) -> String {
     (2..=fields.len() + 2).map(|n| format!("{name}_{n}")).find(|name| !taken(name)).unwrap_or(name)
 }
 
-/// The column names that a field is written with, one per channel; the inverse of [`group`].
+/// Column names for a field, one per channel; the inverse of [`group`].
 pub(crate) fn column_names(field: &Field) -> Vec<String> {
     let own = |names: &[&str]| names.iter().map(ToString::to_string).collect();
     match (field.name.as_str(), field.n_channels) {
@@ -170,7 +170,7 @@ pub(crate) fn column_names(field: &Field) -> Vec<String> {
     }
 }
 
-/// Column names end at blanks and separators, so these become `_`.
+/// Replaces blanks and separators, which end column names, by `_`.
 pub(crate) fn one_word(name: &str) -> String {
     let bad = |c: char| c.is_whitespace() || c.is_control() || matches!(c, ',' | ';' | '"' | '#');
     let word: String = name.chars().map(|c| if bad(c) { '_' } else { c }).collect();
@@ -214,7 +214,7 @@ mod tests {
             assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
             fields.len()
         };
-        // Names of which each could be compared with all others.
+        // Names that could all be compared with each other.
         assert_eq!(named(&|c| format!("c{c}")), MANY);
         assert_eq!(named(&|_| "q".into()), MANY);
         assert_eq!(named(&|_| "nx".into()), MANY);

@@ -1,4 +1,4 @@
-//! Objects that files place several times, joined to one shape.
+//! Objects that a file places several times, joined to one shape.
 
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
@@ -6,7 +6,7 @@ use adwave::{Cancelled, Progress};
 use crate::progress::{collect, extend};
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile};
 
-/// Points p become p R + t: the rows of R, then t.
+/// Affine map p ↦ p R + t: the rows of R, then t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Transform(pub(crate) [f64; 12]);
 
@@ -18,7 +18,7 @@ impl Transform {
     }
 
     pub(crate) fn apply(&self, p: [f64; 3]) -> [f64; 3] {
-        // Points that stay keep their bits, that of −0 too.
+        // Unmoved points keep their bits, including −0.
         if *self == Self::IDENTITY {
             return p;
         }
@@ -26,7 +26,7 @@ impl Transform {
         [0, 1, 2].map(|c| p[0] * m[c] + p[1] * m[3 + c] + p[2] * m[6 + c] + m[9 + c])
     }
 
-    /// This one first, then the other.
+    /// Composition: this map first, then `outer`.
     pub(crate) fn then(&self, outer: &Self) -> Self {
         if *self == Self::IDENTITY {
             return *outer;
@@ -38,7 +38,7 @@ impl Transform {
         for row in 0..4 {
             let own = [0, 1, 2].map(|c| self.0[3 * row + c]);
             let moved = outer.apply(own);
-            // Directions are not moved.
+            // Directions are not translated.
             let shift = |c: usize| if row < 3 { outer.0[9 + c] } else { 0.0 };
             for c in 0..3 {
                 product[3 * row + c] = moved[c] - shift(c);
@@ -55,7 +55,7 @@ pub(crate) struct Joined<'a> {
     n_bytes: usize,
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Where the triangles of each object end.
+    /// End of each object's triangles.
     ends: Vec<usize>,
 }
 
@@ -90,12 +90,12 @@ impl<'a> Joined<'a> {
         Ok(())
     }
 
-    /// The shape, with the field `object` where there are several.
+    /// Converts to a shape, with the field `object` if there are several objects.
     pub(crate) fn into_shape(self, progress: Progress<'_>) -> Result<ShapeFile, Cancelled> {
         let (triangles, ends) = (self.triangles, self.ends);
         let offsets = collect(triangles.len() + 1, progress, |f| 3 * f as u32)?;
         let corners = triangles.into_flattened();
-        let faces = Polygons::from_parts(offsets, corners).expect("three corners per triangle");
+        let faces = Polygons::from_parts(offsets, corners).expect("triangles have three corners");
         let n = faces.len();
         let mut shape = ShapeFile::from_mesh(self.points, faces);
         if ends.len() > 1 {

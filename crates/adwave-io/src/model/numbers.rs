@@ -12,20 +12,20 @@ use crate::progress::{BYTES_PER_STEP, all, collect, extend};
 use crate::text::{is_space, parse_f32, parse_f64, show};
 use crate::{Field, FieldValues, ValueType};
 
-/// Numbers of one type: bytes that are decoded into what is asked for, with no list between, or values.
+/// Numbers of one type: bytes that are decoded on demand without a copy, or values.
 #[derive(Clone, Debug)]
 pub(crate) enum Numbers<'a> {
-    /// As many as there are whole numbers in the bytes.
+    /// Encoded numbers; an incomplete one at the end is ignored.
     Bytes { bytes: Cow<'a, [u8]>, kind: ValueType, order: ByteOrder },
-    /// From a text.
+    /// Values parsed from a text.
     Values(FieldValues),
 }
 
-/// Why numbers are no indices.
+/// Reasons for which numbers are not indices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum NoIndex {
     Cancelled,
-    /// They have fractions.
+    /// A number has a fraction.
     Fractions,
     /// The number at a position is negative or too large.
     At(usize, f64),
@@ -38,7 +38,7 @@ impl From<Cancelled> for NoIndex {
 }
 
 impl Numbers<'_> {
-    /// How many there are.
+    /// Number of values.
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Bytes { bytes, kind, .. } => bytes.len() / kind.n_bytes(),
@@ -72,7 +72,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// All as `f64`.
+    /// Converts all numbers to `f64`.
     pub(crate) fn to_f64(&self, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
         match self {
             Self::Bytes { bytes, kind: ValueType::F32, order } => {
@@ -85,7 +85,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// Triples of coordinates.
+    /// Converts to triples of coordinates.
     pub(crate) fn to_points(&self, progress: Progress<'_>) -> Result<Vec<[f64; 3]>, Cancelled> {
         let n = self.len() / 3;
         match self {
@@ -102,7 +102,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// Whole numbers below `limit`.
+    /// Converts to integers below `limit`.
     pub(crate) fn to_indices(&self, limit: u32, progress: Progress<'_>) -> Result<Vec<u32>, NoIndex> {
         let indices = match self {
             Self::Bytes { bytes, kind, order } => {
@@ -119,7 +119,7 @@ impl Numbers<'_> {
             Self::Values(FieldValues::F32(_) | FieldValues::F64(_)) => return Err(NoIndex::Fractions),
             Self::Values(values) => collect(values.len(), progress, |i| whole(values.get(i))),
         }?;
-        // No list is so long that the largest number is an index, so that it stands for all that are none.
+        // No list is long enough for the largest number as an index, so it marks invalid ones.
         let is_index = |i: usize| indices[i] < limit;
         if all(indices.len(), progress, is_index)? {
             return Ok(indices);
@@ -129,7 +129,7 @@ impl Numbers<'_> {
     }
 }
 
-/// The index that a number is; the largest where it is none.
+/// Converts a number to an index; the largest index if it is invalid.
 fn whole(x: f64) -> u32 {
     if (0.0..f64::from(u32::MAX)).contains(&x) { x as u32 } else { u32::MAX }
 }
@@ -144,7 +144,7 @@ fn indices<T: Number + TryInto<u32>>(
     collect(n, progress, index)
 }
 
-/// All whole numbers in the bytes.
+/// Decodes all complete numbers in the bytes.
 pub(crate) fn from_bytes(
     bytes: &[u8],
     kind: ValueType,
@@ -158,7 +158,8 @@ pub(crate) fn from_bytes(
     Ok(values)
 }
 
-/// Rows of a list (`row` is no type parameter, or the compiler makes it for each caller and each type of numbers): row `i` of what is given is row `row(i)` of `values`, which have `n_channels` numbers each.
+/// Collects rows of `values`, which have `n_channels` numbers each: row `i` of the result is row `row(i)`. (`row` is
+/// a `dyn` function, so that the code is not compiled for each caller and type.)
 pub(crate) fn gathered(
     field: &Field,
     n: usize,
@@ -181,7 +182,7 @@ pub(crate) fn gathered(
     Ok(Field::new(field.name.clone(), k, values))
 }
 
-/// The rows of a field after `n` rows that hold no value: no number, or zero among whole numbers.
+/// Shifts the rows of a field behind `n` rows without a value: NaN, or zero for integers.
 pub(crate) fn filled(field: &Field, n: usize) -> Field {
     let n = n * field.n_channels;
     macro_rules! fill {
@@ -200,7 +201,7 @@ pub(crate) fn filled(field: &Field, n: usize) -> Field {
     Field { name: field.name.clone(), n_channels: field.n_channels, values }
 }
 
-/// Adds the values of another list of the same type; `false` where the types differ.
+/// Appends a list of the same type; returns `false` if the types differ.
 pub(crate) fn append(values: &mut FieldValues, more: FieldValues) -> bool {
     macro_rules! append {
         ($($variant:ident)*) => {
@@ -216,11 +217,11 @@ pub(crate) fn append(values: &mut FieldValues, more: FieldValues) -> bool {
     append!(U8 I8 U16 I16 U32 I32 U64 I64 F32 F64)
 }
 
-/// Why a text is no numbers.
+/// Reasons for which a text has no numbers.
 #[derive(Debug)]
 pub(crate) enum NoNumber {
     Cancelled(Cancelled),
-    /// The word that begins at this byte of the text is no number of the type.
+    /// The word at this byte of the text is not a number of the type.
     At(usize, String),
 }
 
@@ -230,7 +231,7 @@ impl From<Cancelled> for NoNumber {
     }
 }
 
-/// Where the text of `n` words from `start` ends, or how many words there are.
+/// End of the text with `n` words from `start`; the error has the number of words found.
 pub(crate) fn end_of_words(
     text: &[u8],
     start: usize,
@@ -256,7 +257,7 @@ pub(crate) fn end_of_words(
     Ok(Ok(at))
 }
 
-/// All numbers of a text that holds nothing else, by all threads.
+/// Parses a text of numbers on all threads.
 pub(crate) fn from_text(
     text: &[u8],
     kind: ValueType,
@@ -275,7 +276,7 @@ pub(crate) fn from_text(
         return parse(one);
     }
     let mut values = kind.empty();
-    // The first part in the order of the text that fails is the one that is told.
+    // The first failure in the order of the text is reported.
     for some in parts.chunks(8) {
         progress.step(some[0].start as u64, text.len() as u64)?;
         let lists: Vec<_> = some.par_iter().map(parse).collect();
@@ -286,18 +287,18 @@ pub(crate) fn from_text(
     Ok(values)
 }
 
-/// Adds the numbers of a text, or gives the place of the word that is none and what it is.
+/// Parses the numbers of a text; the error has the position and the text of the invalid word.
 fn parse_words<T: TextNumber>(text: &[u8], values: &mut Vec<T>) -> Result<(), (usize, String)> {
     for word in text.split(|&b| is_space(b)).filter(|word| !word.is_empty()) {
         values.push(T::from_word(word).ok_or_else(|| {
             let at = word.as_ptr() as usize - text.as_ptr() as usize;
-            (at, format!("{} stands where a number belongs", show(word)))
+            (at, format!("expected a number, got {}", show(word)))
         })?);
     }
     Ok(())
 }
 
-/// Parts of a text that end between words.
+/// Splits a text into parts between words.
 fn parts(text: &[u8]) -> Vec<Range<usize>> {
     let mut parts = Vec::new();
     let mut start = 0;
@@ -313,7 +314,7 @@ fn parts(text: &[u8]) -> Vec<Range<usize>> {
     parts
 }
 
-/// A number that is written as a decimal.
+/// Number with a decimal representation.
 pub(crate) trait TextNumber: Sized + Send {
     fn from_word(word: &[u8]) -> Option<Self>;
 }
@@ -324,7 +325,7 @@ macro_rules! whole_numbers {
             fn from_word(word: &[u8]) -> Option<Self> {
                 let digits = std::str::from_utf8(word).ok()?;
                 digits.parse().ok().or_else(|| {
-                    // Some write whole numbers with a point.
+                    // Some programs write integers with a decimal point.
                     let x = parse_f64(word)?;
                     #[allow(clippy::cast_lossless)]
                     (x as $t as f64 == x && x.abs() < (1_u64 << 53) as f64).then_some(x as $t)

@@ -1,4 +1,4 @@
-//! From what a file says to the shape that the mathematics works on.
+//! Conversion of a file's content to a shape of the library.
 
 use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
 use adwave::{ClassifiedError, ErrorKind};
@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::{Direction, Edges, ShapeFile};
 
-/// What the content of a file is taken as.
+/// Kind of shape that the content of a file is interpreted as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ShapeKind {
     /// Points and faces.
@@ -18,77 +18,77 @@ pub enum ShapeKind {
     Graph,
 }
 
-/// Why what a file holds cannot be changed or used as asked.
+/// Reasons for which the content of a file cannot be changed or used as requested.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum ShapeFileError {
-    /// New points are not as many as the vertices.
-    #[error("there are {found} points for {n_vertices} vertices; give one point per vertex")]
+    /// The number of new points differs from the number of vertices.
+    #[error("expected {n_vertices} points, one per vertex; got {found}")]
     PointCount {
-        /// How many points were given.
+        /// Number of points given.
         found: usize,
-        /// How many vertices there are.
+        /// Number of vertices.
         n_vertices: usize,
     },
-    /// A new position that is none.
-    #[error("vertex {vertex} would be at ({}, {}, {}); are gains, lengths or noise that large meant?", .point[0], .point[1], .point[2])]
+    /// A new position is not finite.
+    #[error("new positions must be finite, but vertex {vertex} would be at ({}, {}, {}); reduce gains, \
+            lengths or noise", .point[0], .point[1], .point[2])]
     NotFinite {
-        /// The vertex.
+        /// Index of the vertex.
         vertex: usize,
-        /// Where it would be.
+        /// New position.
         point: [f64; 3],
     },
-    /// A field does not have one row per vertex or face.
-    #[error("field `{name}` has {found} rows for {n} {of}; give one row for each")]
+    /// The number of rows of a field differs from the number of vertices or faces.
+    #[error("field `{name}` needs {n} rows, one for each of the {of}; got {found}")]
     FieldRows {
-        /// Its name.
+        /// Name of the field.
         name: String,
-        /// How many rows it has.
+        /// Number of rows.
         found: usize,
-        /// How many vertices or faces there are.
+        /// Number of vertices or faces.
         n: usize,
         /// `vertices` or `faces`.
         of: &'static str,
     },
-    /// A field's values do not make whole rows.
-    #[error("field `{name}` has {found} values, which are not whole rows of {n_channels} channels")]
+    /// The values of a field do not form complete rows.
+    #[error("field `{name}` needs complete rows of {n_channels} channels, got {found} values")]
     FieldValues {
-        /// Its name.
+        /// Name of the field.
         name: String,
-        /// How many values there are.
+        /// Number of values.
         found: usize,
-        /// How many channels each row shall have.
+        /// Number of channels per row.
         n_channels: usize,
     },
-    /// A part of the file was asked for that it does not have.
-    #[error("the part to keep has {what}")]
+    /// The requested subset is not part of the file.
+    #[error("the subset must not have {what}")]
     Subset {
-        /// What is wrong with it.
+        /// Fault of the subset.
         what: &'static str,
     },
-    /// A mesh was asked for.
-    #[error("there are no faces to take it as a mesh")]
+    /// A mesh was requested, but there are no faces.
+    #[error("the file has no faces, so it cannot be used as a mesh")]
     NoFaces,
-    /// A graph was asked for.
-    #[error("there are no edges to take it as a graph")]
+    /// A graph was requested, but there are no edges.
+    #[error("the file has no edges, so it cannot be used as a graph")]
     NoEdges,
-    /// The points or faces are no shape.
+    /// The points or faces do not form a shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// The edges are no graph.
+    /// The edges do not form a graph.
     #[error(transparent)]
     Graph(#[from] GraphError),
 }
 
 impl ClassifiedError for ShapeFileError {
-    /// Always the input's.
+    /// Always an input error.
     fn kind(&self) -> ErrorKind {
         ErrorKind::Input
     }
 }
 
 impl ShapeFile {
-    /// What the content is when nothing else is asked for: a mesh where there are faces, a graph where there are edges alone, else
-    /// a cloud.
+    /// Default kind of the content: a mesh if there are faces, a graph if there are only edges, else a cloud.
     pub fn kind(&self) -> ShapeKind {
         if !self.faces.is_empty() {
             ShapeKind::Mesh
@@ -99,7 +99,7 @@ impl ShapeFile {
         }
     }
 
-    /// The shape that the file holds; both share points and faces.
+    /// Converts to a shape; both share points and faces.
     ///
     /// ```
     /// use adwave::shape::Shape;
@@ -116,10 +116,10 @@ impl ShapeFile {
         self.to_shape_as(self.kind())
     }
 
-    /// The shape that the content is when taken as `kind`; both share points and faces.
+    /// Converts to a shape of the given kind; both share points and faces.
     ///
     /// # Errors
-    /// As [`to_shape`](Self::to_shape), and when the file lacks the faces of a mesh or the edges of a graph.
+    /// The errors of [`to_shape`](Self::to_shape), and missing faces of a mesh or edges of a graph.
     pub fn to_shape_as(&self, kind: ShapeKind) -> Result<Shape, ShapeFileError> {
         Ok(match kind {
             ShapeKind::Mesh if self.faces.is_empty() => return Err(ShapeFileError::NoFaces),
@@ -131,19 +131,19 @@ impl ShapeFile {
         })
     }
 
-    /// [`to_shape`](Self::to_shape) of a file that is of no further use: everything but points and faces is dropped.
+    /// Consuming variant of [`to_shape`](Self::to_shape): everything but points and faces is dropped.
     ///
     /// # Errors
-    /// As [`to_shape`](Self::to_shape).
+    /// The errors of [`to_shape`](Self::to_shape).
     pub fn into_shape(self) -> Result<Shape, ShapeFileError> {
         let kind = self.kind();
         self.into_shape_as(kind)
     }
 
-    /// [`to_shape_as`](Self::to_shape_as) of a file that is of no further use.
+    /// Consuming variant of [`to_shape_as`](Self::to_shape_as).
     ///
     /// # Errors
-    /// As [`to_shape_as`](Self::to_shape_as).
+    /// The errors of [`to_shape_as`](Self::to_shape_as).
     pub fn into_shape_as(self, kind: ShapeKind) -> Result<Shape, ShapeFileError> {
         self.to_shape_as(kind)
     }
@@ -160,8 +160,8 @@ impl ShapeFile {
         Ok(Graph::new(self.n_vertices, &list)?)
     }
 
-    /// Whether the edges are the entries of a matrix M that is not symmetric, of which [`to_shape`](Self::to_shape) takes
-    /// (M + Mᵀ)/2. O(edges log edges).
+    /// True if the edges are the entries of an unsymmetric matrix M, for which [`to_shape`](Self::to_shape) uses (M +
+    /// Mᵀ)/2. O(edges log edges).
     ///
     /// ```
     /// use adwave_io::{ReadLimits, read_bytes};
@@ -188,7 +188,7 @@ impl ShapeFile {
         !sums.iter().all(is_matched)
     }
 
-    /// The distinct undirected edges of the faces, smaller vertex first, in order.
+    /// Distinct undirected edges of the faces, smaller vertex first, in ascending order.
     fn edges_of_faces(&self) -> Vec<[u32; 2]> {
         let mut edges: Vec<[u32; 2]> = self
             .faces
@@ -203,8 +203,8 @@ impl ShapeFile {
     }
 }
 
-/// A matrix that lists both directions has every edge twice; half of each makes the edge, so that a matrix M that is not
-/// symmetric gives the graph of (M + Mᵀ)/2.
+/// Weighted edges for a graph. A matrix that lists both directions has every edge twice, and each entry contributes
+/// half, so that an unsymmetric matrix M gives the graph of (M + Mᵀ)/2.
 fn weighted(edges: &Edges) -> impl Iterator<Item = (u32, u32, f64)> {
     let part = if edges.direction == Direction::RowToColumn { 0.5 } else { 1.0 };
     let weight = move |k: usize| part * edges.weights.get(k).copied().unwrap_or(1.0);
@@ -246,7 +246,7 @@ mod tests {
         let Ok(Shape::Mesh(mesh)) = file.to_shape() else { panic!("no mesh") };
         assert_eq!(mesh.points().as_ptr(), file.points().as_ptr());
         assert_eq!(mesh.faces().corners().as_ptr(), file.faces().corners().as_ptr());
-        // What is changed in the file stays as it was in the shape.
+        // Changes to the file do not affect the shape.
         file.set_points(vec![[7.0; 3]; 4]).unwrap();
         assert_eq!((mesh.points()[2], file.points()[2]), ([1.0, 1.0, 0.0], [7.0; 3]));
     }

@@ -1,4 +1,4 @@
-//! The central type: what a file says of a shape.
+//! Content of a shape file, the central type of this crate.
 
 use std::sync::Arc;
 
@@ -17,24 +17,24 @@ pub enum Precision {
     F64,
 }
 
-/// Whether an edge is listed once for both directions.
+/// Directions that a listed edge represents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direction {
-    /// `[a, b]` stands for both directions.
+    /// `[a, b]` represents both directions.
     #[default]
     Both,
-    /// `[a, b]` is the matrix entry of row a, column b alone; the other direction has its own entry.
+    /// `[a, b]` is the matrix entry of row a and column b only; the other direction has its own entry.
     RowToColumn,
 }
 
-/// The edges of a graph or wire frame.
+/// Edges of a graph or wire frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Edges {
     /// Two vertex indices each.
     pub pairs: Vec<[u32; 2]>,
-    /// One weight per edge, or empty when the file has none.
+    /// One weight per edge, or empty if the file has none.
     pub weights: Vec<f64>,
-    /// Whether each pair stands for both directions.
+    /// Directions that each pair represents.
     pub direction: Direction,
 }
 
@@ -66,7 +66,7 @@ pub struct ShapeFile {
     pub(crate) face_fields: Vec<Field>,
     pub(crate) format: Option<Format>,
     pub(crate) precision: Precision,
-    /// The part of the anatomy, where the file names it.
+    /// Anatomical structure, if the file states it.
     pub(crate) structure: Option<String>,
     /// What only the original bytes hold, named for the report of what another format leaves out.
     pub(crate) extras: Vec<String>,
@@ -75,31 +75,31 @@ pub struct ShapeFile {
     pub(crate) n_original_fields: usize,
     /// Vertex fields that are not as in the original.
     pub(crate) edited: Vec<String>,
-    /// Whether the points are as in the original.
+    /// True if the points differ from the original.
     pub(crate) moved: bool,
     pub(crate) provenance: Option<Arc<Provenance>>,
-    /// Whether that is about this shape, and not what its file says of itself.
+    /// True if the provenance describes this shape instead of its file.
     pub(crate) is_new_provenance: bool,
 }
 
-/// What a file says of a shape, each part on its own; see [`ShapeFile::into_parts`].
+/// Content of a shape file in separate parts; see [`ShapeFile::into_parts`].
 #[derive(Clone, Debug)]
 pub struct ShapeParts {
-    /// Number of vertices; of a graph without coordinates too.
+    /// Number of vertices, also for a graph without coordinates.
     pub n_vertices: usize,
-    /// The vertices in the file's order; empty for a graph without coordinates.
+    /// Vertices in the file's order; empty for a graph without coordinates.
     pub points: Vec<[f64; 3]>,
-    /// The faces in the file's order.
+    /// Faces in the file's order.
     pub faces: Polygons,
-    /// The edges that the file lists itself.
+    /// Edges listed in the file.
     pub edges: Edges,
-    /// The attributes of the vertices, one row per vertex each.
+    /// Vertex fields, one row per vertex each.
     pub vertex_fields: Vec<Field>,
-    /// The attributes of the faces, one row per face each.
+    /// Face fields, one row per face each.
     pub face_fields: Vec<Field>,
-    /// The format that the bytes had.
+    /// Format of the original bytes.
     pub format: Option<Format>,
-    /// The number type of the coordinates in the file.
+    /// Number type of the coordinates in the file.
     pub precision: Precision,
 }
 
@@ -125,78 +125,78 @@ impl ShapeFile {
         }
     }
 
-    /// A mesh that comes from no file.
+    /// Creates a mesh without an original file.
     pub fn from_mesh(points: Vec<[f64; 3]>, faces: Polygons) -> Self {
         Self { n_vertices: points.len(), points: Arc::new(points), faces: Arc::new(faces), ..Self::empty() }
     }
 
-    /// A point cloud that comes from no file.
+    /// Creates a point cloud without an original file.
     pub fn from_cloud(points: Vec<[f64; 3]>) -> Self {
         Self::from_mesh(points, Polygons::new())
     }
 
-    /// A graph without coordinates that comes from no file.
+    /// Creates a graph without coordinates and without an original file.
     pub fn from_graph(n_vertices: usize, edges: Edges) -> Self {
         Self { n_vertices, edges, ..Self::empty() }
     }
 
-    /// Number of vertices; of a graph without coordinates too.
+    /// Number of vertices, also for a graph without coordinates.
     pub fn n_vertices(&self) -> usize {
         self.n_vertices
     }
 
-    /// The vertices in the file's order; empty for a graph without coordinates. An STL has three for each triangle.
+    /// Vertices in the file's order; empty for a graph without coordinates. An STL has three for each triangle.
     pub fn points(&self) -> &[[f64; 3]] {
         &self.points
     }
 
-    /// The vertices, to be used elsewhere without a copy.
+    /// Shared reference to the vertices, without a copy.
     pub fn shared_points(&self) -> Arc<Vec<[f64; 3]>> {
         Arc::clone(&self.points)
     }
 
-    /// The faces in the file's order, with the corners that the file gives: a face of one or two corners, or with a
-    /// corner twice, is kept as it is.
+    /// Faces in the file's order, with the corners given in the file: faces of one or two corners, or with a repeated
+    /// corner, are kept unchanged.
     pub fn faces(&self) -> &Polygons {
         &self.faces
     }
 
-    /// The edges that the file lists itself (OBJ lines, PLY edges, matrix entries), not those of the faces.
+    /// Edges listed in the file (OBJ lines, PLY edges, matrix entries), not those of the faces.
     pub fn edges(&self) -> &Edges {
         &self.edges
     }
 
-    /// The attributes of the vertices, [`n_vertices`](Self::n_vertices) rows each.
+    /// Vertex fields with [`n_vertices`](Self::n_vertices) rows each.
     pub fn vertex_fields(&self) -> &[Field] {
         &self.vertex_fields
     }
 
-    /// The attributes of the faces, one row per face each.
+    /// Face fields with one row per face each.
     pub fn face_fields(&self) -> &[Field] {
         &self.face_fields
     }
 
-    /// The attribute of the vertices of that name.
+    /// Vertex field of that name.
     pub fn field(&self, name: &str) -> Option<&Field> {
         self.vertex_fields.iter().find(|f| f.name == name)
     }
 
-    /// Names of the vertices' attributes.
+    /// Names of the vertex fields.
     pub fn field_names(&self) -> Vec<&str> {
         self.vertex_fields.iter().map(|f| f.name.as_str()).collect()
     }
 
-    /// The format that the bytes had; `None` when the shape comes from no file.
+    /// Format of the original bytes; `None` without an original file.
     pub fn format(&self) -> Option<Format> {
         self.format
     }
 
-    /// The number type of the coordinates in the file.
+    /// Number type of the coordinates in the file.
     pub fn precision(&self) -> Precision {
         self.precision
     }
 
-    /// Chooses the number type that coordinates are written in where the format has a choice.
+    /// Sets the number type of written coordinates, for formats with a choice.
     pub fn set_precision(&mut self, precision: Precision) {
         if precision != self.precision {
             self.original = None;
@@ -204,12 +204,12 @@ impl ShapeFile {
         self.precision = precision;
     }
 
-    /// The part of the anatomy that a GIFTI names (`AnatomicalStructurePrimary`), such as `CortexLeft`.
+    /// Anatomical structure stated by a GIFTI (`AnatomicalStructurePrimary`), such as `CortexLeft`.
     pub fn structure(&self) -> Option<&str> {
         self.structure.as_deref()
     }
 
-    /// What the file has besides points, faces and fields; only a file of the same format keeps it.
+    /// Content of the file besides points, faces and fields, which only a file of the same format keeps.
     pub fn extras(&self) -> &[String] {
         &self.extras
     }
@@ -217,8 +217,8 @@ impl ShapeFile {
     /// Replaces the coordinates of all vertices.
     ///
     /// # Errors
-    /// [`ShapeFileError::PointCount`] when there are not as many points as vertices, [`ShapeFileError::NotFinite`] when one is at no
-    /// place where the old one was at one.
+    /// [`ShapeFileError::PointCount`] if the number of points differs from that of the vertices,
+    /// [`ShapeFileError::NotFinite`] if a point is not finite although the old one was.
     pub fn set_points(&mut self, points: Vec<[f64; 3]>) -> Result<(), ShapeFileError> {
         if points.len() != self.n_vertices {
             return Err(ShapeFileError::PointCount { found: points.len(), n_vertices: self.n_vertices });
@@ -234,10 +234,10 @@ impl ShapeFile {
         Ok(())
     }
 
-    /// Adds an attribute of the vertices, in place of one of the same name.
+    /// Adds a vertex field, or replaces the one of the same name.
     ///
     /// # Errors
-    /// [`ShapeFileError`] when the field does not have whole rows, one per vertex.
+    /// [`ShapeFileError`] if the field does not have complete rows, one per vertex.
     pub fn add_vertex_field(&mut self, field: Field) -> Result<(), ShapeFileError> {
         check_rows(&field, self.n_vertices, "vertices")?;
         if !self.edited.contains(&field.name) {
@@ -250,13 +250,13 @@ impl ShapeFile {
         Ok(())
     }
 
-    /// Adds an attribute of the faces, in place of one of the same name.
+    /// Adds a face field, or replaces the one of the same name.
     ///
     /// # Errors
-    /// [`ShapeFileError`] when the field does not have whole rows, one per face.
+    /// [`ShapeFileError`] if the field does not have complete rows, one per face.
     pub fn add_face_field(&mut self, field: Field) -> Result<(), ShapeFileError> {
         check_rows(&field, self.faces.len(), "faces")?;
-        // The original's faces are copied as they are, so they cannot carry another attribute.
+        // The original faces are copied unchanged, so they cannot store another field.
         self.original = None;
         match self.face_fields.iter_mut().find(|f| f.name == field.name) {
             Some(old) => *old = field,
@@ -265,8 +265,8 @@ impl ShapeFile {
         Ok(())
     }
 
-    /// Gives everything away; the original bytes are dropped. Points and faces are copied where a shape or another file uses
-    /// them too.
+    /// Converts to separate parts; the original bytes are dropped. Points and faces are copied only if a shape or
+    /// another file shares them.
     ///
     /// ```
     /// use adwave_io::ShapeFile;
@@ -286,23 +286,23 @@ impl ShapeFile {
         }
     }
 
-    /// Where the shape came from, as its file says or as [`set_provenance`](Self::set_provenance) has it.
+    /// Provenance of the shape, from its file or from [`set_provenance`](Self::set_provenance).
     pub fn provenance(&self) -> Option<&Provenance> {
         self.provenance.as_deref()
     }
 
-    /// Says where the shape came from, to be written where the format has room for it; see [`Provenance`].
+    /// Sets the provenance, which is written if the format has room for it; see [`Provenance`].
     pub fn set_provenance(&mut self, provenance: Option<Provenance>) {
         self.is_new_provenance = provenance.is_some();
         self.provenance = provenance.map(Arc::new);
     }
 
-    /// What is to be written into a file that says something else so far.
+    /// Provenance to be written into a file that has another one so far.
     pub(crate) fn new_provenance(&self) -> Option<&Provenance> {
         self.provenance().filter(|_| self.is_new_provenance)
     }
 
-    /// What holds of the shape as it is: nothing, when it was changed after its file said something.
+    /// Provenance that is valid for the present shape; `None` if the shape was changed after reading.
     pub(crate) fn valid_provenance(&self) -> Option<&Provenance> {
         let is_changed = self.moved || !self.edited.is_empty();
         self.provenance().filter(|_| self.is_new_provenance || !is_changed)
@@ -320,7 +320,7 @@ impl ShapeFile {
     }
 }
 
-/// The field's public parts may have been changed since it was made, so its rows are counted anew.
+/// The public parts of a field may have been changed since its creation, so its rows are counted again.
 fn check_rows(field: &Field, n: usize, of: &'static str) -> Result<(), ShapeFileError> {
     let (found, n_channels) = (field.values.len(), field.n_channels);
     if n_channels == 0 || !found.is_multiple_of(n_channels) {
@@ -342,21 +342,21 @@ mod tests {
         let mut file = ShapeFile::from_cloud(vec![[0.0; 3]; 4]);
         assert_eq!(
             file.set_points(vec![[0.0; 3]; 5]).unwrap_err().to_string(),
-            "there are 5 points for 4 vertices; give one point per vertex"
+            "expected 4 points, one per vertex; got 5"
         );
         let gaze = Field::new("gaze", 2, FieldValues::F32(vec![0.0; 6]));
         assert_eq!(
             file.add_vertex_field(gaze.clone()).unwrap_err().to_string(),
-            "field `gaze` has 3 rows for 4 vertices; give one row for each"
+            "field `gaze` needs 4 rows, one for each of the vertices; got 3"
         );
         assert_eq!(
             file.add_face_field(gaze.clone()).unwrap_err().to_string(),
-            "field `gaze` has 3 rows for 0 faces; give one row for each"
+            "field `gaze` needs 0 rows, one for each of the faces; got 3"
         );
         let broken = Field { n_channels: 0, ..gaze };
         assert_eq!(
             file.add_vertex_field(broken).unwrap_err().to_string(),
-            "field `gaze` has 6 values, which are not whole rows of 0 channels"
+            "field `gaze` needs complete rows of 0 channels, got 6 values"
         );
         assert!(file.vertex_fields().is_empty());
     }

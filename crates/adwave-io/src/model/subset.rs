@@ -8,14 +8,14 @@ use crate::{Field, ShapeFile, ShapeFileError};
 /// Which part of a file stays.
 #[derive(Clone, Debug, Default)]
 pub struct Subset<'a> {
-    /// The vertices that stay, increasing.
+    /// Vertices to keep, in ascending order.
     pub vertices: &'a [u32],
-    /// New triangles; their indices count in `vertices`.
+    /// New triangles; their indices refer to `vertices`.
     pub triangles: &'a [[u32; 3]],
-    /// For each triangle the face whose attributes it gets.
+    /// Face whose attributes each triangle gets.
     pub faces: &'a [u32],
-    /// For each corner of the triangles the corner whose texture coordinate, normal, material and group it gets, counted
-    /// through all faces of the file.
+    /// Corner whose texture coordinate, normal, material and group each corner of the triangles gets, counted through
+    /// all faces of the file.
     pub corners: &'a [[u32; 3]],
 }
 
@@ -113,25 +113,25 @@ impl ShapeFile {
         if !subset.vertices.is_sorted_by(|a, b| a < b)
             || subset.vertices.last().is_some_and(|&x| x as usize >= self.n_vertices)
         {
-            return wrong("vertices that are not increasing or not in the file");
+            return wrong("vertices that are not ascending or do not exist");
         }
         if subset.triangles.as_flattened().iter().any(|&x| x as usize >= n_kept) {
-            return wrong("triangles of vertices that are not kept");
+            return wrong("triangles with vertices outside the subset");
         }
         if subset.faces.len() != n_triangles || subset.faces.iter().any(|&f| f as usize >= self.faces.len()) {
-            return wrong("faces that are not one per triangle or not in the file");
+            return wrong("faces that are not one per triangle or do not exist");
         }
         let n_corners = self.faces.corners().len();
         if subset.corners.len() != n_triangles
             || subset.corners.as_flattened().iter().any(|&k| k as usize >= n_corners)
         {
-            return wrong("corners that are not three per triangle or not in the file");
+            return wrong("corners that are not three per triangle or do not exist");
         }
         Ok(())
     }
 }
 
-/// These rows of a field.
+/// Selects these rows of a field.
 pub(crate) fn selected(field: &Field, rows: &[u32]) -> Field {
     let n = field.n_channels;
     let mut values = field.values.value_type().empty();

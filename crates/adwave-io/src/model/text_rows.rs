@@ -14,40 +14,40 @@ use adwave::Progress;
 pub(crate) enum Separator {
     /// Blanks, any number of them.
     Blanks,
-    /// Blanks, and a `#` ends the row even right after a value.
+    /// Blanks; a `#` ends the row even directly after a value.
     BlanksUntilRemark,
-    /// This byte, once; there may be blanks around the values.
+    /// This byte, once; blanks may surround the values.
     Byte(u8),
-    /// Blanks, line ends and remarks; only the first three values are looked at.
+    /// Blanks, line ends and comments; only the first three values are read.
     OverLines,
 }
 
-/// A text in which every vertex has a row of values.
+/// Text with a row of values for every vertex.
 #[derive(Debug)]
 pub(crate) struct TextRows {
     pub(crate) bytes: Vec<u8>,
-    /// Where the first value of each vertex's row begins, increasing.
+    /// Start of the first value of each vertex's row, ascending.
     pub(crate) rows: Vec<u64>,
-    /// The position in the row of x, y and z.
+    /// Positions of x, y and z in the row.
     pub(crate) columns: [usize; 3],
     pub(crate) separator: Separator,
-    /// The line of names, when new columns need a name there: `start..end` without the line end.
+    /// Range of the line of names without the line end, if new columns need a name there.
     pub(crate) names: Option<(usize, usize)>,
 }
 
-/// Writes values at the end of a row.
+/// Function that writes values at the end of a row.
 pub(crate) type Append<'a> = dyn Fn(usize, &mut Vec<u8>) + 'a;
 
-/// How the rows differ from the original beside the coordinates.
+/// Changes of the rows besides the coordinates.
 #[derive(Default)]
 pub(crate) struct RowEdit<'a> {
     /// Positions in the row that are dropped.
     pub(crate) dropped: &'a [usize],
-    /// Writes what is added at the end of row `i`, with the separators before each value.
+    /// Writes the additions at the end of row `i`, with the separators before each value.
     pub(crate) append: Option<&'a Append<'a>>,
 }
 
-/// A value as it is written in a text file of that precision.
+/// Formats a value for a text file of that precision.
 pub(crate) fn push_coordinate(out: &mut Vec<u8>, x: f64, precision: Precision) {
     match precision {
         Precision::F32 => push_f32(out, x as f32),
@@ -64,7 +64,7 @@ fn is_same(word: &[u8], x: f64, precision: Precision) -> bool {
 }
 
 impl TextRows {
-    /// Writes the whole original with the rows in it changed.
+    /// Writes the whole original with changed rows.
     pub(crate) fn write_all(
         &self,
         shape: &ShapeFile,
@@ -101,7 +101,7 @@ impl TextRows {
         Ok(out.write_all(&buffer)?)
     }
 
-    /// Copies original bytes: few by way of the buffer, many directly.
+    /// Copies original bytes: short ranges through the buffer, long ones directly.
     fn copy(
         &self,
         from: usize,
@@ -120,7 +120,7 @@ impl TextRows {
         }
     }
 
-    /// Writes row `i` that begins at `start`, and gives the position after its last value.
+    /// Writes row `i`, which begins at `start`, and returns the position after its last value.
     fn write_row(
         &self,
         start: usize,
@@ -154,7 +154,7 @@ impl TextRows {
         copied
     }
 
-    /// The bytes of the value at or after `position`, or `None` at the end of the row.
+    /// Range of the value at or after `position`, or `None` at the end of the row.
     fn next_value(&self, position: usize, column: usize) -> Option<(usize, usize)> {
         let bytes = &self.bytes;
         let mut begin = position;
@@ -186,7 +186,7 @@ impl TextRows {
                 loop {
                     match bytes.get(begin) {
                         Some(b'\\') => {
-                            // A continued line: its end counts as a blank.
+                            // The end of a continued line counts as a blank.
                             begin += 1;
                             while bytes.get(begin) == Some(&b'\r') {
                                 begin += 1;
@@ -198,7 +198,7 @@ impl TextRows {
                         Some(_) => break,
                     }
                 }
-                // Elsewhere the sign may be part of a number: `1.#INF`.
+                // In other formats the sign may be part of a number: `1.#INF`.
                 let is_remark = |b: u8| b == b'#' && self.separator == Separator::BlanksUntilRemark;
                 let stop = |b: u8| is_space(b) || b == b'\\' || is_remark(b);
                 let end = bytes[begin..].iter().position(|&b| stop(b)).map_or(bytes.len(), |n| begin + n);

@@ -1,4 +1,4 @@
-//! Volume cells, and the surface around them: the faces that belong to one cell only.
+//! Volume cells, and their surface: the faces that belong to a single cell.
 
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
@@ -6,7 +6,7 @@ use adwave::{Cancelled, Progress};
 use crate::model::cells::VolumeFaces;
 use crate::progress::at_row;
 
-/// A kind of volume cell, its corners numbered as Gmsh, VTK and Medit do.
+/// Kind of volume cell, with the corner numbering of Gmsh, VTK and Medit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cell {
     Tetrahedron,
@@ -25,7 +25,7 @@ impl Cell {
         }
     }
 
-    /// The corners of each face, counterclockwise seen from outside.
+    /// Corners of each face, counterclockwise seen from outside.
     fn faces(self) -> &'static [&'static [usize]] {
         match self {
             Self::Tetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]],
@@ -42,12 +42,12 @@ impl Cell {
 #[derive(Default)]
 pub(crate) struct Cells {
     pub(crate) kinds: Vec<Cell>,
-    /// The corners of all cells, one after the other.
+    /// Corners of all cells, one after the other.
     pub(crate) corners: Vec<u32>,
 }
 
 impl Cells {
-    /// The faces that no two cells share, in the order of the cells, and the cell that each belongs to. O(cells log cells).
+    /// Faces that belong to a single cell, in the order of the cells, and the index of that cell. O(cells log cells).
     pub(crate) fn boundary(&self, progress: Progress<'_>) -> Result<(Polygons, Vec<u32>), Cancelled> {
         let mut sides = VolumeFaces::default();
         let mut first = 0;
@@ -72,7 +72,7 @@ impl Cells {
 mod tests {
     use super::*;
 
-    /// Six times the signed volume inside of the faces.
+    /// Six times the signed volume enclosed by the faces.
     fn volume(points: &[[f64; 3]], faces: &Polygons) -> f64 {
         let det = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
             a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
@@ -105,7 +105,7 @@ mod tests {
             assert!((volume(&cube, &faces) - six).abs() < 1e-12, "{kind:?}");
             assert!(owners.iter().all(|&c| c == 0));
         }
-        // Two prisms make the cube; the face between them is gone.
+        // Two prisms form the cube; the face between them vanishes.
         let kinds = vec![Cell::Prism; 2];
         let cells = Cells { kinds, corners: vec![0, 2, 6, 1, 3, 7, 2, 4, 6, 3, 5, 7] };
         let (faces, owners) = cells.boundary(Progress::none()).unwrap();
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_collapsed_cell_is_the_simpler_one() {
-        // A hexahedron whose top is one corner, on a pyramid's place, and a tetrahedron at one side.
+        // A hexahedron whose top is collapsed to one corner, instead of a pyramid, and a tetrahedron at one side.
         let cells = Cells {
             kinds: vec![Cell::Hexahedron, Cell::Tetrahedron],
             corners: vec![0, 1, 2, 3, 4, 4, 4, 4, 0, 1, 4, 5],

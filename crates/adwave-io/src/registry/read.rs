@@ -24,10 +24,10 @@ pub fn read_path(path: &Path, limits: &ReadLimits) -> Result<ShapeFile, ReadErro
     read_path_with(path, limits, Progress::none())
 }
 
-/// [`read_path`] that says how far it is and can be stopped: bytes while the file is read, then rows while it is parsed.
+/// [`read_path`] with cancellation and progress: in bytes while the file is read, then in rows while it is parsed.
 ///
 /// # Errors
-/// As [`read_path`], and [`ReadError::Cancelled`] soon after it is told to stop.
+/// The errors of [`read_path`], and [`ReadError::Cancelled`] soon after the cancellation.
 pub fn read_path_with(
     path: &Path,
     limits: &ReadLimits,
@@ -55,10 +55,10 @@ pub fn read_bytes(
     read_bytes_with(bytes, name_hint, limits, Progress::none())
 }
 
-/// [`read_bytes`] that says how far it is and can be stopped.
+/// [`read_bytes`] with progress and cancellation.
 ///
 /// # Errors
-/// As [`read_bytes`], and [`ReadError::Cancelled`] soon after it is told to stop.
+/// The errors of [`read_bytes`], and [`ReadError::Cancelled`] soon after the cancellation.
 pub fn read_bytes_with(
     bytes: Vec<u8>,
     name_hint: Option<&str>,
@@ -68,7 +68,7 @@ pub fn read_bytes_with(
     read_named(bytes, name_hint, None, limits, progress)
 }
 
-/// Reads the shape in bytes. Files that it names are looked for in the folder, where there is one.
+/// Reads the shape in bytes. External files are read from the folder, if there is one.
 fn read_named(
     bytes: Vec<u8>,
     name_hint: Option<&str>,

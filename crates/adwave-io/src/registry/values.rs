@@ -1,4 +1,4 @@
-//! Files of values at the vertices of a surface, known by their content: FreeSurfer's and CIFTI.
+//! Files of values at the vertices of a surface, identified by their content: FreeSurfer's and CIFTI.
 
 use std::path::Path;
 

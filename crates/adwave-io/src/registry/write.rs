@@ -1,4 +1,4 @@
-//! Writing a shape to a file or to bytes.
+//! Writing of shapes to files or bytes.
 
 use std::io::Write;
 use std::path::Path;
@@ -25,10 +25,10 @@ pub fn write_path(shape: &ShapeFile, path: &Path, format: Option<Format>) -> Res
     write_path_with(shape, path, format, Progress::none())
 }
 
-/// [`write_path`] that says how far it is, in rows of vertices and then of faces, and can be stopped.
+/// [`write_path`] with cancellation and progress, in rows of vertices and then of faces.
 ///
 /// # Errors
-/// As [`write_path`], and [`WriteError::Cancelled`] soon after it is told to stop.
+/// The errors of [`write_path`], and [`WriteError::Cancelled`] soon after the cancellation.
 pub fn write_path_with(
     shape: &ShapeFile,
     path: &Path,
@@ -60,7 +60,7 @@ pub fn write_path_with(
 /// Writes the shape in a format.
 ///
 /// # Errors
-/// Writing fails, or the format can hold nothing of the shape.
+/// Writing fails, or the format cannot store any part of the shape.
 pub fn write_bytes(
     shape: &ShapeFile,
     format: Format,
@@ -69,10 +69,10 @@ pub fn write_bytes(
     write_bytes_with(shape, format, out, Progress::none())
 }
 
-/// [`write_bytes`] that says how far it is and can be stopped.
+/// [`write_bytes`] with progress and cancellation.
 ///
 /// # Errors
-/// As [`write_bytes`], and [`WriteError::Cancelled`] soon after it is told to stop.
+/// The errors of [`write_bytes`], and [`WriteError::Cancelled`] soon after the cancellation.
 pub fn write_bytes_with(
     shape: &ShapeFile,
     format: Format,
@@ -132,7 +132,7 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
     let (corners, n) = (shape.faces.corners(), shape.n_vertices);
     if !all(corners.len(), progress, |k| (corners[k] as usize) < n)? {
         let face = shape.faces.iter().position(|f| f.iter().any(|&v| v as usize >= n)).unwrap_or(0);
-        let what = format!("face {face}, which names a vertex beyond the {n} that there are");
+        let what = format!("face {face}, which names a vertex beyond the {n} existing ones");
         return Err(WriteError::CannotHold { format, what });
     }
     Ok(())

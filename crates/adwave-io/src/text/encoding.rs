@@ -1,6 +1,6 @@
-//! Texts in other encodings than UTF-8.
+//! Texts in encodings other than UTF-8.
 
-/// Text in UTF-16, marked as such by its first bytes, as UTF-8; nothing where there is no such mark.
+/// Converts UTF-16 text, identified by its byte order mark, to UTF-8; `None` without such a mark.
 pub(crate) fn from_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
     let is_big = match bytes {
         [0xff, 0xfe, ..] => false,
@@ -15,10 +15,10 @@ pub(crate) fn from_utf16(bytes: &[u8]) -> Option<Vec<u8>> {
     Some(text.into_bytes())
 }
 
-/// A text without its mark.
+/// Converts bytes to text and drops the byte order mark.
 ///
 /// # Errors
-/// It is no text.
+/// The bytes are not text.
 pub(crate) fn to_utf8(bytes: Vec<u8>) -> Result<String, std::string::FromUtf8Error> {
     let mut text = String::from_utf8(from_utf16(&bytes).unwrap_or(bytes))?;
     if text.starts_with('\u{feff}') {

@@ -1,22 +1,22 @@
-//! The lines of a text that hold something.
+//! Nonempty lines of a text.
 
 use crate::text::line_end;
 
-/// A line without the blanks around it and without what follows a `#`.
+/// Line without surrounding blanks and without a comment after `#`.
 pub(crate) struct Statement<'a> {
-    /// Where it begins in the file.
+    /// Start in the file.
     pub(crate) start: usize,
     pub(crate) text: &'a [u8],
 }
 
-/// Passes over blank lines and comments.
+/// Iterator that skips blank lines and comments.
 pub(crate) struct Statements<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) position: usize,
 }
 
 impl<'a> Statements<'a> {
-    /// From the beginning, past a byte order mark.
+    /// Starts at the beginning, after a byte order mark.
     pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, position: if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 } }
     }

@@ -12,27 +12,27 @@ pub(crate) fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\r' | 0x0b | 0x0c)
 }
 
-/// Whether the byte separates words.
+/// True if the byte separates words.
 pub(crate) fn is_space(byte: u8) -> bool {
     is_blank(byte) || byte == b'\n'
 }
 
-/// The line, counted from 1, that holds byte `position`.
+/// Number of the line, from 1, that contains byte `position`.
 pub(crate) fn line_of(bytes: &[u8], position: usize) -> u64 {
     1 + memchr::memchr_iter(b'\n', &bytes[..position.min(bytes.len())]).count() as u64
 }
 
-/// Where the line that begins at `start` ends: the position of its line feed, or the end of the bytes.
+/// End of the line that begins at `start`: the position of its line feed, or the end of the bytes.
 pub(crate) fn line_end(bytes: &[u8], start: usize) -> usize {
     memchr::memchr(b'\n', &bytes[start..]).map_or(bytes.len(), |n| start + n)
 }
 
-/// The text of another library's error without line breaks and other control characters.
+/// Text of another library's error without line breaks and other control characters.
 pub(crate) fn one_line(error: &dyn std::fmt::Display) -> String {
     error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
-/// A word for a message: quoted, control bytes escaped, at most 40 characters.
+/// Formats a word for a message: quoted, control bytes escaped, at most 40 characters.
 pub(crate) fn show(word: &[u8]) -> String {
     let text = String::from_utf8_lossy(&word[..word.len().min(160)]);
     let mut short: String = text.chars().take(40).collect();
@@ -42,13 +42,13 @@ pub(crate) fn show(word: &[u8]) -> String {
     format!("{short:?}")
 }
 
-/// The decimal number that a word is, with the spellings of not-a-number and infinity that programs have written
-/// (`-nan(ind)`, `1.#IND`, `1.#INF`, `inf`, …).
+/// Parses a decimal number, including the spellings of NaN and infinity that programs have written (`-nan(ind)`,
+/// `1.#IND`, `1.#INF`, `inf`, …).
 pub(crate) fn parse_f64(word: &[u8]) -> Option<f64> {
     fast_float2::parse(word).ok().or_else(|| parse_special(word))
 }
 
-/// The number that bytes begin with, and how many bytes it takes; the number ends at a blank or the end.
+/// Parses the number at the start of `bytes`, and returns its length in bytes; it ends at a blank or the end.
 pub(crate) fn parse_f64_at(bytes: &[u8]) -> Option<(f64, usize)> {
     plain_f64_at(bytes).or_else(|| {
         let n = bytes.iter().position(|&b| is_space(b)).unwrap_or(bytes.len());
@@ -56,13 +56,13 @@ pub(crate) fn parse_f64_at(bytes: &[u8]) -> Option<(f64, usize)> {
     })
 }
 
-/// As [`parse_f64_at`], of decimal numbers only.
+/// [`parse_f64_at`] for decimal numbers only.
 pub(crate) fn plain_f64_at(bytes: &[u8]) -> Option<(f64, usize)> {
     let (x, n) = fast_float2::parse_partial::<f64, _>(bytes).ok()?;
     (n > 0 && bytes.get(n).is_none_or(|&b| is_space(b))).then_some((x, n))
 }
 
-/// As [`parse_f64`], rounded once to 32 bits.
+/// [`parse_f64`] rounded once to 32 bits.
 pub(crate) fn parse_f32(word: &[u8]) -> Option<f32> {
     fast_float2::parse(word).ok().or_else(|| parse_special(word).map(|x| x as f32))
 }
@@ -76,11 +76,12 @@ fn parse_special(word: &[u8]) -> Option<f64> {
     let lower = rest.to_ascii_lowercase();
     let magnitude = match lower.as_slice() {
         b"inf" | b"infinity" | b"1.#inf" => f64::INFINITY,
-        // MSVC prints as many digits as asked for: 1.#INF00, 1.#QNAN0. What NaNs carry stands in brackets: nan(ind).
+        // MSVC prints the requested number of digits: 1.#INF00, 1.#QNAN0. The payload of a NaN is in parentheses:
+        // nan(ind).
         w if !w.iter().all(|b| b.is_ascii_alphanumeric() || b"+-.#()_".contains(b)) => return None,
         w if w.starts_with(b"1.#inf") => f64::INFINITY,
         w if w.starts_with(b"nan") || w.starts_with(b"1.#") => f64::NAN,
-        // A second sign is no number; a plain `+1.5` is.
+        // A second sign is invalid; a plain `+1.5` is a number.
         w if word.first() == Some(&b'+') && w.first().is_some_and(|b| b.is_ascii_digit() || *b == b'.') => {
             fast_float2::parse(w).ok()?
         }
@@ -89,12 +90,12 @@ fn parse_special(word: &[u8]) -> Option<f64> {
     Some(if negative { -magnitude } else { magnitude })
 }
 
-/// The unsigned whole number that a word is.
+/// Parses an unsigned integer.
 pub(crate) fn parse_u64(word: &[u8]) -> Option<u64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// A text as XML has it between tags and in attributes; control characters, which XML does not have, become `_`.
+/// Escapes a text for XML tags and attributes; control characters, which XML cannot represent, become `_`.
 pub(crate) fn escape_xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -121,14 +122,14 @@ pub(crate) fn push_f32(out: &mut Vec<u8>, x: f32) {
 }
 
 fn push_shortest(out: &mut Vec<u8>, digits: &str) {
-    // Readers in C know `nan` and `inf`; not all know `NaN`.
+    // Readers in C accept `nan` and `inf`; not all accept `NaN`.
     match digits {
         "NaN" => out.extend_from_slice(b"nan"),
         _ => out.extend_from_slice(digits.strip_suffix(".0").unwrap_or(digits).as_bytes()),
     }
 }
 
-/// The words of a text, one after the other over line ends.
+/// Iterator over the words of a text across line ends.
 pub(crate) struct Words<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) position: usize,
@@ -139,7 +140,7 @@ impl<'a> Words<'a> {
         Self { bytes, position }
     }
 
-    /// The next word and where it begins.
+    /// Next word and its start.
     pub(crate) fn next(&mut self) -> Option<(usize, &'a [u8])> {
         while self.bytes.get(self.position).is_some_and(|&b| is_space(b)) {
             self.position += 1;
@@ -152,7 +153,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The words of one line, split at blanks.
+/// Words of one line, split at blanks.
 pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|&b| is_space(b)).filter(|w| !w.is_empty())
 }

@@ -1,9 +1,10 @@
-//! Numbers of texts whose lines mean nothing: words separated by blanks or line ends, remarks from `#` to the end of a line.
+//! Free-form texts without line structure: words separated by blanks or line ends, comments from `#` to the end of a
+//! line.
 
 use crate::ReadError;
 use crate::text::{is_space, line_end, plain_f64_at, show};
 
-/// The words of such a text, one after the other.
+/// Sequential reader of the words of such a text.
 #[derive(Clone)]
 pub(crate) struct Tokens<'a> {
     pub(crate) bytes: &'a [u8],
@@ -15,7 +16,7 @@ impl<'a> Tokens<'a> {
         Self { bytes, position }
     }
 
-    /// Goes to where the next word begins, or to the end.
+    /// Moves to the start of the next word, or to the end.
     pub(crate) fn skip(&mut self) {
         loop {
             match self.bytes.get(self.position) {
@@ -26,7 +27,7 @@ impl<'a> Tokens<'a> {
         }
     }
 
-    /// The next word and where it begins.
+    /// Next word and its start.
     pub(crate) fn next(&mut self) -> Option<(usize, &'a [u8])> {
         self.skip();
         let start = self.position;
@@ -39,26 +40,26 @@ impl<'a> Tokens<'a> {
         (start < self.position).then(|| (start, &self.bytes[start..self.position]))
     }
 
-    /// The next word, which stays the next.
+    /// Next word, without consuming it.
     pub(crate) fn peek(&mut self) -> Option<&'a [u8]> {
         let word = self.next().map(|(_, word)| word);
         self.position -= word.map_or(0, <[u8]>::len);
         word
     }
 
-    /// Fails at once when `n` rows, each of at least `row_bytes`, cannot be in the bytes that remain.
+    /// Fails early if `n` rows of at least `row_bytes` do not fit the remaining bytes.
     pub(crate) fn check(&self, n: u64, row_bytes: u64, element: &str) -> Result<(), ReadError> {
         check_rows(self.bytes.len(), self.position, n, row_bytes, element, 1)
     }
 
-    /// The next number.
+    /// Reads the next number.
     pub(crate) fn number(&mut self, element: &str, row: u64) -> Result<f64, ReadError> {
         self.skip();
         if let Some((x, n)) = plain_f64_at(&self.bytes[self.position..]) {
             self.position += n;
             return Ok(x);
         }
-        // A remark may follow without a blank, and not-a-number has a spelling with `#`.
+        // A comment may follow without a blank, and NaN has a spelling with `#`.
         let start = self.position;
         if let Some((_, word)) = self.next()
             && let Some(x) = crate::text::parse_f64(word)
@@ -69,7 +70,7 @@ impl<'a> Tokens<'a> {
         Err(self.wrong(element, row, "a number"))
     }
 
-    /// The next whole number.
+    /// Reads the next integer.
     pub(crate) fn whole(&mut self, element: &str, row: u64) -> Result<i64, ReadError> {
         self.skip();
         let start = self.position;
@@ -84,27 +85,27 @@ impl<'a> Tokens<'a> {
             at += 1;
         }
         if at == first || self.bytes.get(at).is_some_and(|&b| !is_space(b) && b != b'#') {
-            return Err(self.wrong(element, row, "a whole number"));
+            return Err(self.wrong(element, row, "an integer"));
         }
         self.position = at;
         Ok(if is_negative { -n } else { n })
     }
 
-    /// The next whole number that is not negative.
+    /// Reads the next non-negative integer.
     pub(crate) fn count(&mut self, element: &str, row: u64) -> Result<u64, ReadError> {
         self.skip();
         let start = self.position;
         u64::try_from(self.whole(element, row)?).map_err(|_| {
-            let message = format!("{element} {row} has a number below 0 where a count belongs; correct it");
+            let message = format!("{element} {row} needs a non-negative count; correct it");
             ReadError::in_line(self.bytes, start, message)
         })
     }
 
-    /// The error that the next word is not what belongs there.
+    /// Creates the error for an unexpected next word.
     pub(crate) fn wrong(&mut self, element: &str, row: u64, what: &str) -> ReadError {
         let message = match self.clone().next() {
             Some((_, word)) => {
-                format!("{element} {row} has {} where {what} belongs; correct it", show(word))
+                format!("{element} {row} needs {what}, got {}; correct it", show(word))
             }
             None => format!("the file ends in {element} {row}; get the whole file"),
         };
@@ -113,7 +114,7 @@ impl<'a> Tokens<'a> {
     }
 }
 
-/// Whether the `#` at `at` of what begins with a word is part of a number that is none or infinite: `1.#IND`, `-1.#INF00`.
+/// True if the `#` at `at` is part of NaN or infinity: `1.#IND`, `-1.#INF00`.
 fn is_special(bytes: &[u8], at: usize) -> bool {
     let follows =
         |name: &&[u8]| bytes[at + 1..].get(..name.len()).is_some_and(|next| next.eq_ignore_ascii_case(name));
@@ -121,7 +122,7 @@ fn is_special(bytes: &[u8], at: usize) -> bool {
         && [&b"IND"[..], b"INF", b"QNAN", b"SNAN"].iter().any(follows)
 }
 
-/// Fails when `n` rows of at least `row_bytes` are more than the bytes from `position` on and `spare` beyond.
+/// Fails if `n` rows of at least `row_bytes` exceed the bytes from `position` on plus `spare`.
 pub(crate) fn check_rows(
     end: usize,
     position: usize,
@@ -154,7 +155,7 @@ mod tests {
         assert_eq!(tokens.number("row", 0).unwrap(), 3.5);
         assert_eq!(tokens.peek(), Some(&b"x"[..]));
         let message = tokens.number("row", 7).unwrap_err().to_string();
-        assert_eq!(message, "line 4: row 7 has \"x\" where a number belongs; correct it");
+        assert_eq!(message, "line 4: row 7 needs a number, got \"x\"; correct it");
         tokens.next();
         let message = tokens.count("row", 8).unwrap_err().to_string();
         assert_eq!(message, "line 4: the file ends in row 8; get the whole file");

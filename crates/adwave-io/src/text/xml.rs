@@ -1,51 +1,51 @@
-//! Documents of XML, and the numbers in them.
+//! XML documents, and the numbers in them.
 
 use roxmltree::{Document, Node};
 
 use crate::ReadError;
 use crate::text::{one_line, parse_f64, show};
 
-/// The document that a text is.
+/// Parses a document.
 pub(crate) fn parse(text: &str) -> Result<Document<'_>, ReadError> {
     Document::parse(text).map_err(|e| {
-        let message = format!("the XML is broken ({}); get an unbroken file", one_line(&e));
+        let message = format!("the XML is malformed ({}); get an undamaged file", one_line(&e));
         ReadError::Line { line: e.pos().row.into(), message }
     })
 }
 
-/// The error at a place of the document.
+/// Creates the error at a position of the document.
 pub(crate) fn wrong(node: Node<'_, '_>, message: impl Into<String>) -> ReadError {
     let line = node.document().text_pos_at(node.range().start).row;
     ReadError::Line { line: line.into(), message: message.into() }
 }
 
-/// The elements of that name below a node.
+/// Child elements of that name.
 pub(crate) fn children<'a, 'i>(node: Node<'a, 'i>, name: &'static str) -> impl Iterator<Item = Node<'a, 'i>> {
     node.children().filter(move |child| child.is_element() && child.tag_name().name() == name)
 }
 
-/// The first element of that name below a node.
+/// First child element of that name.
 pub(crate) fn child<'a, 'i>(node: Node<'a, 'i>, name: &'static str) -> Option<Node<'a, 'i>> {
     children(node, name).next()
 }
 
-/// A number in an attribute.
+/// Number in an attribute.
 pub(crate) fn number(node: Node<'_, '_>, name: &str) -> Result<f64, ReadError> {
     let text = node.attribute(name).unwrap_or("").trim();
     parse_f64(text.as_bytes()).ok_or_else(|| {
-        wrong(node, format!("{} is no number for `{name}`; correct it", show(text.as_bytes())))
+        wrong(node, format!("`{name}` must be a number, got {}; correct it", show(text.as_bytes())))
     })
 }
 
-/// A whole number in an attribute, where it is there.
+/// Integer in an attribute, if present.
 pub(crate) fn whole<T: std::str::FromStr>(node: Node<'_, '_>, name: &str) -> Result<Option<T>, ReadError> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
     text.trim().parse().map(Some).map_err(|_| {
-        wrong(node, format!("{} is no whole number for `{name}`; correct it", show(text.as_bytes())))
+        wrong(node, format!("`{name}` must be an integer, got {}; correct it", show(text.as_bytes())))
     })
 }
 
-/// The text in the element of that name below a node.
+/// Text of the first child element of that name.
 pub(crate) fn text_of<'a>(node: Node<'a, '_>, name: &'static str) -> Option<&'a str> {
     child(node, name).and_then(|own| own.text()).map(str::trim)
 }

@@ -1,4 +1,4 @@
-//! Entwine point tiles, written here as a folder of LAZ.
+//! Tests of Entwine point tiles, written here as a folder of LAZ.
 
 use crate::copc_file::{LOW, SIDE, las, nodes};
 use crate::{N, expected, numbers, parts, read};
@@ -6,7 +6,7 @@ use adwave_io::{CloudPart, Format, ReadLimits, cloud_levels, read_bytes, read_pa
 use std::fs;
 use std::path::Path;
 
-/// `ept.json`, the hierarchy (level 2 in files of their own) and the tiles.
+/// Writes `ept.json`, the hierarchy (level 2 in separate files) and the tiles.
 fn write(folder: &Path) {
     let [hierarchy, tiles] = ["ept-hierarchy", "ept-data"].map(|name| folder.join(name));
     fs::create_dir(&hierarchy).unwrap();
@@ -81,13 +81,13 @@ fn what_is_wrong_with_tiles_is_said_in_one_line() {
     };
     let root = "ept-hierarchy/0-0-0-0.json";
     replaced("ept.json", "laszip", "zstandard", "tiles are of type `zstandard`");
-    replaced("ept.json", "\"span\": 5", "\"span\": 0", "that of no octree");
+    replaced("ept.json", "\"span\": 5", "\"span\": 0", "must describe an octree");
     replaced("ept.json", "\"points\": 600", "\"points\": 6", "more points than the 6 of the cloud");
     replaced("ept.json", "{\"bounds\"", "\"bounds\"", "is no JSON");
-    replaced(root, "\"0-0-0-0\": 75", "\"0-0-0-0\": 74", "has 75 points, the hierarchy says 74");
+    replaced(root, "\"0-0-0-0\": 75", "\"0-0-0-0\": 74", "has 75 points, but the hierarchy states 74");
     replaced(root, "0-0-0-0", "../../0-0-0-0", "names no node");
     replaced(root, "0-0-0-0", "0-0-0-0-../a", "names no node");
-    replaced(root, "0-0-0-0\": 75", "0-0-0-0\": -1", "leads back to itself");
+    replaced(root, "0-0-0-0\": 75", "0-0-0-0\": -1", "refers back to itself");
     replaced(root, "0-0-0-0\": 75", "2-0-0-0\": -1", "cannot be read");
     replaced(root, "0-0-0-0\": 75", "0-0-0-0\": 7.5", "no whole number of points");
 }
@@ -101,7 +101,7 @@ fn tiles_of_other_steps_and_missing_tiles_are_refused() {
     bytes[131..139].copy_from_slice(&0.02_f64.to_le_bytes());
     fs::write(&tile, bytes).unwrap();
     let error = read_path(folder.path(), &ReadLimits::default()).unwrap_err().to_string();
-    assert!(error.contains("of the format, scale and offset"), "{error}");
+    assert!(error.contains("in format, scale or offset"), "{error}");
     fs::remove_file(&tile).unwrap();
     let error = read_path(folder.path(), &ReadLimits::default()).unwrap_err().to_string();
     assert!(error.contains("0-0-0-0.laz: cannot be read"), "{error}");

@@ -1,4 +1,4 @@
-//! Geomview's objects and its forms of OFF.
+//! Tests of Geomview's objects and its forms of OFF.
 
 use adwave::shape::Polygons;
 use adwave_io::{Field, FieldValues, Format, ReadLimits, ShapeFile, read_path};
@@ -22,7 +22,7 @@ fn grids_make_quadrilaterals() {
     let rich = read(b"CNMESH 1 2\n0 0 0  0 0 1  1 0 0 1\n1 0 0  0 0 1  0 1 0 1\n", "a");
     assert_eq!((rich.field("normal").unwrap().get(1, 2), rich.field("color").unwrap().get(1, 1)), (1.0, 1.0));
     assert_eq!(read(b"4MESH 1 2 2 4 6 2  1 1 1 1", "a").points()[0], [1.0, 2.0, 3.0]);
-    assert!(error(b"MESH 99999999 99999999 1", "a.mesh").contains("more than the limit"));
+    assert!(error(b"MESH 99999999 99999999 1", "a.mesh").contains("exceeds the limit"));
     assert_eq!(read(b"MESH 0 99999999999999\n", "a.mesh").n_vertices(), 0);
     survives(
         b"{ LIST { appearance {a 1} CMESH 1 2 0 0 0 1 0 0 1 1 0 0 0 1 0 1 } {= OFF 1 0 0 1 2 3} }",
@@ -61,7 +61,7 @@ fn faces_may_run_over_lines_or_share_one() {
         read(b"COFF 3 1 0 0 0 0 1 0 0 1\n1 0 0 0 1 0 1 0 1 0 0 0 1 1\n3 0 1\n2 0.5 0.5 0 1\n", "a.off");
     assert_eq!(colored.field("color").unwrap().get(2, 2), 1.0);
     assert_eq!(colored.face_fields()[0].to_f64(), [0.5, 0.5, 0.0, 1.0]);
-    // What is wrong is said of lines, as most files have them.
+    // Errors refer to lines, as most files have them.
     assert!(
         error(b"OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "a.off")
             .contains("line 5: face 0 names vertex 7")
@@ -73,8 +73,8 @@ fn faces_may_run_over_lines_or_share_one() {
 fn dimensions_and_fourth_coordinates() {
     assert_eq!(read(b"nOFF\n3\n1 0 0\n1 2 3\n", "a.off").points(), [[1.0, 2.0, 3.0]]);
     assert_eq!(read(b"nOFF 3\n1 0 0\n1 2 3\n", "a.off").points(), [[1.0, 2.0, 3.0]]);
-    assert!(error(b"nOFF\n4\n1 0 0\n1 2 3 4\n", "a.off").contains("other than three dimensions"));
-    // Divided; with a point at infinity seen along the fourth axis.
+    assert!(error(b"nOFF\n4\n1 0 0\n1 2 3 4\n", "a.off").contains("needs points of three dimensions"));
+    // Divided; with a point at infinity projected along the fourth axis.
     let divided = read(b"4OFF\n2 0 0\n2 4 6 2\n1 1 1 -1\n", "a.off");
     assert_eq!((divided.points(), divided.field("w").is_none()), (&[[1.0, 2.0, 3.0], [-1.0; 3]][..], true));
     let seen = read(b"4OFF\n2 0 0\n2 4 6 2\n1 1 1 0\n", "a.off");

@@ -1,4 +1,4 @@
-//! DMAT, TGF, lists of edges and GraphML.
+//! Tests of DMAT, TGF, lists of edges and GraphML.
 
 use adwave_io::{
     Direction, Edges, Field, FieldValues, Format, ReadLimits, ShapeFile, ShapeKind, parse_dmat_field,
@@ -65,7 +65,7 @@ fn lists_of_edges_as_programs_write_them() {
     assert_eq!(sparse.field("id").unwrap().values, FieldValues::U64(vec![7, 50, 100]));
     assert_eq!(sparse.edges().pairs, [[2, 0], [0, 1]]);
     assert!(error(b"1 2\n3\n", "a.edges").contains("line 2: \"3\" is no edge of two vertices"));
-    // A count of vertices that takes no byte each asks for no memory.
+    // A count of vertices without bytes in the file must not allocate memory.
     assert_eq!(edges("# Nodes: 4000000000\n0 1\n").0, 2);
     survives(snap.as_bytes(), "a.edges", |_, _| {});
 }
@@ -120,7 +120,7 @@ fn a_graphml_keeps_fields_and_places() {
     assert_eq!(again.vertex_fields(), graph.vertex_fields());
 }
 
-/// Counts of the first lines, by hand; the bytes of the binary by NumPy.
+/// Counts of the first lines, by hand; the bytes of the binary file by NumPy.
 #[data_test]
 fn real_files() {
     let folder = common::test_inputs().join("formats/messy/libigl-tests-data");

@@ -1,4 +1,4 @@
-//! Medit meshes: hand-written files of each version, real ones, and broken ones.
+//! Tests of Medit meshes: handwritten files of each version, real ones, and damaged ones.
 
 use adwave::shape::Polygons;
 use adwave_io::{
@@ -123,9 +123,9 @@ fn broken_files_are_errors_of_one_line() {
     }
     for (from, to, said) in [
         ("1 2 5 7", "1 2 6 7", "line 17: face 0 names vertex 6, but there are 5"),
-        ("Vertices\n5", "Vertices\n5000000000", "more than the limit"),
+        ("Vertices\n5", "Vertices\n5000000000", "exceeds the limit"),
         ("Vertices\n5", "Vertices\n4", "line 12: \"0\" stands where a keyword belongs"),
-        ("Dimension\n3", "Dimension\n4", "line 3: points of dimension 4"),
+        ("Dimension\n3", "Dimension\n4", "line 3: points must have dimension 2 or 3, got 4"),
     ] {
         let bytes = TEXT.replacen(from, to, 1).into_bytes();
         let message = read_bytes(bytes, None, &ReadLimits::default()).unwrap_err().to_string();
@@ -151,7 +151,7 @@ fn what_does_not_fit_is_said() {
     );
 }
 
-/// Vertices and faces as `meshio` counts them; of the file of one cell its faces.
+/// Vertices and faces as counted by `meshio`; for the file with one cell its faces.
 #[data_test]
 fn real_files() {
     let folder = common::test_inputs().join("formats/messy/PyMesh/tests/data");

@@ -1,4 +1,4 @@
-//! Gmsh meshes: hand-written files of each version, real ones, and broken ones.
+//! Tests of Gmsh meshes: handwritten files of each version, real ones, and damaged ones.
 
 use adwave::shape::Polygons;
 use adwave_io::{Field, FieldValues, Format, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes};
@@ -20,7 +20,7 @@ fn written(file: &ShapeFile, format: Format) -> Vec<u8> {
     out
 }
 
-/// Sparse tags, a line, a triangle, a quadratic triangle and a quadrilateral, a field with a gap and one of faces.
+/// Sparse tags, a line, a triangle, a quadratic triangle and a quadrilateral, a field with a gap and a face field.
 const TEXT_2: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"skin\"\n$EndPhysicalNames\n\
     $Nodes\n5\n10 0 0 0\n20 1.50 0 0\n30 0 1 0\n1000000 1 1 0.5\n7 3 3 3\n$EndNodes\n\
     $Elements\n4\n1 1 2 0 1 10 20\n5 2 2 7 3 10 20 30\n6 9 3 8 4 99 20 1000000 30 7 7 7\n9 3 2 7 3 10 20 1000000 30\n$EndElements\n\
@@ -81,7 +81,7 @@ fn version_4_as_text_with_the_boundary_of_cells() {
     assert_eq!((file.faces().len(), file.face_fields()[0].to_f64()), (1, vec![6.0]));
 }
 
-/// A binary file of 4.1 in a byte order.
+/// Binary file of version 4.1 in a byte order.
 fn binary_41(is_big: bool) -> Vec<u8> {
     let int = |x: i32| if is_big { x.to_be_bytes() } else { x.to_le_bytes() };
     let size = |x: u64| if is_big { x.to_be_bytes() } else { x.to_le_bytes() };
@@ -170,9 +170,9 @@ fn messages_say_where_and_what() {
         ("9 3 2 7 3 10 20", "9 3 2 7 3 11 20", "line 21: element 3 names node 11, which is not there"),
         ("2.2 0 8", "3 0 8", "line 2: MSH of version 3 cannot be read"),
         ("20 1.50", "20 x", "line 11: node 1 has \"x\" where a number belongs"),
-        ("$Nodes\n5", "$Nodes\n5000000000", "vertices: 5000000000, more than the limit"),
+        ("$Nodes\n5", "$Nodes\n5000000000", "vertices: 5000000000 exceeds the limit"),
         ("$Nodes\n5", "$Nodes\n500000000", "in element `node`"),
-        ("9 3 2 7", "9 34 2 7", "elements of kind 34 cannot be read"),
+        ("9 3 2 7", "9 34 2 7", "elements of kind 34 are not supported"),
     ] {
         let message = error(TEXT_2.replacen(from, to, 1).as_bytes());
         assert!(message.contains(said), "{message}");
@@ -180,7 +180,7 @@ fn messages_say_where_and_what() {
     assert!(error(b"$NOD\n1\n").contains("version 1"));
 }
 
-/// Vertices and faces as `meshio` counts them; of the files of cells the faces that belong to one cell.
+/// Vertices and faces as counted by `meshio`; for files of cells the faces that belong to one cell.
 #[data_test]
 fn real_files() {
     let folder = common::test_inputs().join("formats/messy/PyMesh/tests/data");

@@ -1,4 +1,4 @@
-//! What files have that their formats hardly foresee: points without a place, points of the plane, other encodings, several solids.
+//! Tests of unusual content: points without a position, planar points, other encodings, several solids.
 
 use adwave_io::{Field, FieldValues, Format, ShapeFile, ShapeKind, read_path};
 
@@ -60,7 +60,7 @@ fn an_obj_of_the_plane() {
     file.set_points(vec![[0.0; 3], [2.0, 0.0, 0.25], [0.0, 1.0, 0.0]]).unwrap();
     assert_eq!(read(&written(&file, Format::OBJ), "a.obj").points(), file.points());
     let message = error(b"v 0 0 0\nv 1 2\nv 0 1 0\n", "a.obj");
-    assert!(message.contains("line 2: a vertex has 2 numbers and needs 3"), "{message}");
+    assert!(message.contains("line 2: a vertex needs 3 numbers, got 2"), "{message}");
 }
 
 #[test]

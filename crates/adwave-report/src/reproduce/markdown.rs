@@ -1,6 +1,6 @@
 //! The page of all figures as Markdown with small pictures, for a repository.
 
-use super::{Made, PictureFile, ReproduceError, Table, write};
+use super::{PictureFile, ReproduceError, ReproducedFigure as Made, Table, write};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, imageops};

@@ -63,7 +63,7 @@ fn layers(
     let of_each = norms(phi, f, n_channels);
     for (j, level) in levels.iter_mut().enumerate() {
         let scale = match response {
-            Response::Normalized => mean_of(&of_each[j], is_masked),
+            Response::Normalized => mean_over(&of_each[j], is_masked),
             Response::Sigma => sigma[j],
             _ => 1.0,
         };
@@ -74,7 +74,7 @@ fn layers(
     vec![(None, levels)]
 }
 
-fn mean_of(values: &[f64], is_masked: &[bool]) -> f64 {
+fn mean_over(values: &[f64], is_masked: &[bool]) -> f64 {
     let known: Vec<f64> = (0..values.len()).filter(|&x| !is_masked[x]).map(|x| values[x].abs()).collect();
     known.iter().sum::<f64>() / known.len() as f64
 }

@@ -14,7 +14,7 @@ use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave::signal::outward_normals;
 use adwave_register::{
     AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, SignedDistances, Summary, Surface, align,
-    common_lengths, consensus, described, signed_distances,
+    common_lengths, consensus, describe_shape, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
@@ -42,7 +42,7 @@ pub(super) fn difference(
     args: &DiffArgs,
     first: &Input,
     second: &mut Input,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<Difference, CliError> {
     for input in [first, &*second] {
@@ -69,7 +69,11 @@ pub(super) fn difference(
         }
         ByArg::Closest => false,
     };
-    if by_vertex { vectors(args, first, second, walk) } else { distances(args, first, second, walk, global) }
+    if by_vertex {
+        vectors(args, first, second, decomposer)
+    } else {
+        distances(args, first, second, decomposer, global)
+    }
 }
 
 /// From vertex to vertex.
@@ -77,10 +81,10 @@ fn vectors(
     args: &DiffArgs,
     first: &Input,
     second: &mut Input,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
 ) -> Result<Difference, CliError> {
     let points = first.shape.points().unwrap_or_default();
-    let areas = walk.areas();
+    let areas = decomposer.areas();
     let mut how =
         vec!["Both have the same vertices: the difference is the vector from vertex to vertex.".to_owned()];
     let mut motion = None;
@@ -110,13 +114,13 @@ fn distances(
     args: &DiffArgs,
     first: &Input,
     second: &mut Input,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<Difference, CliError> {
     let mut how = Vec::new();
     let mut motion = None;
     if args.align {
-        let (found, info) = fit(first, second, walk, global)?;
+        let (found, info) = fit(first, second, decomposer, global)?;
         how.push(moved_sentence(&second.name, &found));
         if info.overlap < LEAST_OVERLAP || info.median.is_nan() {
             note(
@@ -130,17 +134,17 @@ fn distances(
     let geometry = prepared(&second.shape, global)?;
     let surface = surface(&geometry, &second.name)?;
     let normals = file_normals(&first.file);
-    let outward = outward_normals(walk.geometry(), normals.as_deref(), global.progress())
+    let outward = outward_normals(decomposer.geometry(), normals.as_deref(), global.progress())
         .map_err(|e| CliError::classified(&e))?;
-    let limit = args.limit.map_or(f64::INFINITY, |limit| limit.in_units(walk.diagonal()));
+    let limit = args.limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.diagonal()));
     let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &Surface| {
         with_progress(global, "measuring", |progress| {
             signed_distances(points, normals, surface, limit, progress)
         })
         .map_err(|_| CliError::Cancelled)
     };
-    let there = measured(walk.geometry().points(), &outward.normals, &surface)?;
-    let own = self::surface(walk.geometry(), &first.name)?;
+    let there = measured(decomposer.geometry().points(), &outward.normals, &surface)?;
+    let own = self::surface(decomposer.geometry(), &first.name)?;
     let back = measured(geometry.points(), &vec![[0.0; 3]; geometry.points().len()], &own)?;
     how.push(format!(
         "The difference at a vertex of {} is its distance to the closest point of {}, {}.",
@@ -154,14 +158,14 @@ fn distances(
     ));
     let magnitude = |values: &[f64]| values.iter().map(|v| v.abs()).collect();
     let values = if outward.info.has_outside() { there.values.clone() } else { magnitude(&there.values) };
-    let values = walk.geometry().vertex_map().scatter(&values, 1);
+    let values = decomposer.geometry().vertex_map().scatter(&values, 1);
     if values.iter().all(|v| v.is_nan()) {
         return Err(CliError::Input(format!(
             "no vertex of {} has a closest point on {} (off its borders, within the limit); try --align",
             first.name, second.name
         )));
     }
-    let summary = Summary::new(&values, 1, &walk.areas());
+    let summary = Summary::new(&values, 1, &decomposer.areas());
     let greatest_back = Summary::new(&back.values, 1, &vec![1.0; back.values.len()]).greatest;
     let json = json!({
         "rms": summary.rms, "mean": summary.mean, "greatest": summary.greatest, "vertex": summary.vertex,
@@ -220,10 +224,10 @@ fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError>
 fn fit(
     first: &Input,
     second: &Input,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<(Motion, AlignInfo), CliError> {
-    let (geometry, target) = (prepared(&second.shape, global)?, surface(walk.geometry(), &first.name)?);
+    let (geometry, target) = (prepared(&second.shape, global)?, surface(decomposer.geometry(), &first.name)?);
     let from = |start: Motion| {
         with_progress(global, "fitting", |progress| {
             align(geometry.points(), &target, start, &AlignParams::default(), progress)
@@ -232,12 +236,12 @@ fn fit(
     };
     let straight = from(Motion::default())?;
     let is_poor = |info: &AlignInfo| {
-        info.median.is_nan() || info.median > POOR * walk.diagonal() || info.overlap < LEAST_OVERLAP
+        info.median.is_nan() || info.median > POOR * decomposer.diagonal() || info.overlap < LEAST_OVERLAP
     };
     if !is_poor(&straight.1) {
         return Ok(straight);
     }
-    let Some(start) = by_features(first, second, walk, global)? else { return Ok(straight) };
+    let Some(start) = by_features(first, second, decomposer, global)? else { return Ok(straight) };
     let fitted = from(start)?;
     let is_better = straight.1.median.is_nan() || fitted.1.median < straight.1.median;
     Ok(if is_better { fitted } else { straight })
@@ -247,21 +251,21 @@ fn fit(
 fn by_features(
     first: &Input,
     second: &Input,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<Option<Motion>, CliError> {
-    let params: &OperatorParams = walk.operator_params();
+    let params: &OperatorParams = decomposer.operator_params();
     let other = crate::progress::prepare(global, &second.shape, params)?;
-    let Ok(lengths) = common_lengths(&other, walk) else { return Ok(None) };
-    let of = |input: &Input, walk: &Decomposer| {
+    let Ok(lengths) = common_lengths(&other, decomposer) else { return Ok(None) };
+    let of = |input: &Input, decomposer: &Decomposer| {
         with_progress(global, "finding features", |progress| {
-            described(walk, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
+            describe_shape(decomposer, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
         })
         .map_err(|e| CliError::classified(&e))
     };
-    let (a, b) = (of(second, &other)?, of(first, walk)?);
+    let (a, b) = (of(second, &other)?, of(first, decomposer)?);
     let found = with_progress(global, "matching", |progress| {
-        consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &ConsensusParams::default(), progress)
+        consensus(&a, &b, &ConsensusParams::default(), progress)
     })
     .map_err(|_| CliError::Cancelled)?;
     Ok(found.filter(Consensus::is_clear).map(|found| found.motion))

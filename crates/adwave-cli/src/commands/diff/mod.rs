@@ -41,20 +41,20 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
         let other = ShapeArgs { shape: args.other.clone(), ..args.shape.clone() };
         Ok::<_, CliError>((load(&args.shape, global)?, load(&other, global)?))
     })?;
-    let walk = prepare(global, &first.shape, &args.shape.over_meshes().operator()?)?;
-    let found = difference(args, &first, &mut second, &walk, global)?;
+    let decomposer = prepare(global, &first.shape, &args.shape.over_meshes().operator()?)?;
+    let found = difference(args, &first, &mut second, &decomposer, global)?;
     let signal = Signal { n_channels: found.n_channels, values: Values::Other(found.values.clone()) };
-    let walk = mask(walk, &signal, DIFFERENCE, global)?;
-    let (schedule, why) = schedule_reaching(SALIENCY_EXTENT, &args.levels, &walk, global)?;
+    let decomposer = mask(decomposer, &signal, DIFFERENCE, global)?;
+    let (schedule, why) = schedule_reaching(SALIENCY_EXTENT, &args.levels, &decomposer, global)?;
     let bands = with_progress(global, "splitting", |progress| {
-        let request: BandsRequest<'_> = walk.request(&signal.values, signal.n_channels, &schedule);
+        let request: BandsRequest<'_> = decomposer.request(&signal.values, signal.n_channels, &schedule);
         request.params(&params).progress(progress).bands()
     })?;
     let compared = Compared {
         args,
         first: &first,
         second: &second,
-        walk: &walk,
+        decomposer: &decomposer,
         found: &found,
         bands: &bands,
         why: &why,
@@ -89,7 +89,7 @@ struct Compared<'a> {
     args: &'a DiffArgs,
     first: &'a Input,
     second: &'a Input,
-    walk: &'a Decomposer,
+    decomposer: &'a Decomposer,
     found: &'a Difference,
     bands: &'a Bands,
     why: &'a str,
@@ -102,7 +102,7 @@ impl Compared<'_> {
             format: "",
             fields: &[],
             shape: &self.first.shape,
-            walk: self.walk,
+            decomposer: self.decomposer,
             signal: DIFFERENCE,
             values: &self.found.values,
             normals: None,
@@ -121,7 +121,7 @@ impl Compared<'_> {
         for fact in &self.found.facts {
             let _ = writeln!(text, "  {:<12} {}{}", fact.name, fact.value, meaning(fact));
         }
-        let diagonal = self.walk.diagonal();
+        let diagonal = self.decomposer.diagonal();
         let _ = writeln!(text, "\n{} (rms by area, model units)\n", self.why);
         text += &table(
             ["level", "sigma", "FWHM", "% of diagonal", "rms of W", "largest |W|", "% of the bands"],
@@ -150,7 +150,7 @@ impl Compared<'_> {
 
     /// Root mean square of S_J by area.
     fn rest(&self) -> f64 {
-        Summary::new(self.bands.coarsest(), self.found.n_channels, &self.walk.areas()).rms
+        Summary::new(self.bands.coarsest(), self.found.n_channels, &self.decomposer.areas()).rms
     }
 
     fn json(&self, summaries: &[BandSummary]) -> Value {
@@ -168,7 +168,7 @@ impl Compared<'_> {
                 "rms": b.rms, "max": b.max,
                 "share": if b.detail_share.is_finite() { Some(b.detail_share) } else { None },
             })).collect::<Vec<_>>(),
-            "fwhm": fwhm_json(&sigma, self.walk.diagonal()),
+            "fwhm": fwhm_json(&sigma, self.decomposer.diagonal()),
             "rest_rms": self.rest(),
         })
     }

@@ -12,8 +12,8 @@ use crate::signal;
 use adwave::bands::Schedule;
 use adwave::features::{FEATURE_EXTENT, Feature, Response, features};
 use adwave::measure::{
-    Agreement, Change, Changed, LevelRepeatability, RepeatabilityParams, agreement, center_distance, change,
-    n_right, repeatability, share_by_chance,
+    Agreement, Change, ChangedShape, LevelRepeatability, RepeatabilityParams, agreement, center_distance,
+    change, n_right, repeatability, share_by_chance,
 };
 use adwave::shape::{Shape, surface_area};
 use adwave_io::ShapeFile;
@@ -92,9 +92,9 @@ fn against(
 /// Repeatability under changes.
 fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<(), CliError> {
     let reference = find(args, global, analysis)?;
-    let geometry = analysis.walk.geometry();
+    let geometry = analysis.decomposer.geometry();
     let area = match geometry.triangles() {
-        [] => analysis.walk.areas().iter().sum(),
+        [] => analysis.decomposer.areas().iter().sum(),
         triangles => surface_area(geometry.points(), triangles),
     };
     let mut rows: Vec<Again> = Vec::new();
@@ -110,7 +110,7 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
         })
         .collect();
     changes.push(("scaling by 7.3".to_owned(), vec![Trial::Change(Change::Scaling { factor: 7.3 })]));
-    let is_mesh = !analysis.walk.geometry().triangles().is_empty();
+    let is_mesh = !analysis.decomposer.geometry().triangles().is_empty();
     let resampling = if is_mesh { "4 × the faces" } else { "half the points" };
     changes.push((resampling.to_owned(), vec![Trial::Change(Change::Resampling { seed: 1 })]));
     if is_mesh {
@@ -167,14 +167,14 @@ enum Trial {
 }
 
 impl Trial {
-    fn of(&self, analysis: &Analysis, global: &Global<'_>) -> Result<Changed, CliError> {
+    fn of(&self, analysis: &Analysis, global: &Global<'_>) -> Result<ChangedShape, CliError> {
         let shape = &analysis.input.shape;
         match (self, shape) {
-            (Self::Change(step), _) => change(shape, &analysis.walk, step).map_err(CliError::input),
+            (Self::Change(step), _) => change(shape, &analysis.decomposer, step).map_err(CliError::input),
             (Self::OtherVertices(seed), Shape::Mesh(mesh)) => {
                 let mesh =
                     resample_mesh(mesh, *seed, global.progress()).map_err(|e| CliError::classified(&e))?;
-                Ok(Changed::resampled(Shape::Mesh(mesh)))
+                Ok(ChangedShape::resampled(Shape::Mesh(mesh)))
             }
             _ => Err(CliError::Input("only a mesh gets other vertices".to_owned())),
         }
@@ -242,7 +242,8 @@ fn repeatability_table(reference: &[Feature], rows: &[Again]) -> String {
 fn find(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<Vec<Feature>, CliError> {
     let params = args.detect.params(&args.border);
     let wavelets = analysis.wavelets(global, Some(params.response))?;
-    features(&analysis.walk, &wavelets, &params, global.progress()).map_err(|e| CliError::classified(&e))
+    features(&analysis.decomposer, &wavelets, &params, global.progress())
+        .map_err(|e| CliError::classified(&e))
 }
 
 /// The features of a changed shape, on levels of the same widths.
@@ -250,10 +251,10 @@ fn find_again(
     args: &EvaluateArgs,
     global: &Global<'_>,
     analysis: &Analysis,
-    changed: &Changed,
+    changed: &ChangedShape,
 ) -> Result<Vec<Feature>, CliError> {
     let shape = &changed.shape;
-    let walk = prepare(global, shape, &args.shape.operator_for(&args.levels)?)?;
+    let decomposer = prepare(global, shape, &args.shape.operator_for(&args.levels)?)?;
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
     let is_own = ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]
         .contains(&args.field.name());
@@ -268,11 +269,11 @@ fn find_again(
         // A field of the file is not known at other vertices.
         return Ok(Vec::new());
     };
-    let walk = match adwave::mask::missing(&values, n_channels) {
-        Some(flags) => walk.masked(&flags).map_err(CliError::input)?,
-        None => walk,
+    let decomposer = match adwave::mask::missing(&values, n_channels) {
+        Some(flags) => decomposer.masked(&flags).map_err(CliError::input)?,
+        None => decomposer,
     };
-    let step = changed.length_before(walk.diffusion().step_length());
+    let step = changed.length_before(decomposer.diffusion().step_length());
     let sigma = &analysis.sigma()[1..];
     let dyadic = args.levels.steps.is_none() && !args.levels.by_width() && args.levels.voices.is_none();
     let schedule = if dyadic {
@@ -282,8 +283,9 @@ fn find_again(
         Schedule::lengths(sigma, step)?
     };
     let params = bands_params(&args.levels)?;
-    let request = walk.request(&values, n_channels, &schedule).params(&params).progress(global.progress());
+    let request =
+        decomposer.request(&values, n_channels, &schedule).params(&params).progress(global.progress());
     let params = args.detect.params(&args.border);
     let wavelets = if params.response == Response::Channels { request.wavelets() } else { request.norms() }?;
-    features(&walk, &wavelets, &params, global.progress()).map_err(|e| CliError::classified(&e))
+    features(&decomposer, &wavelets, &params, global.progress()).map_err(|e| CliError::classified(&e))
 }

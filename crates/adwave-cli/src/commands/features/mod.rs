@@ -55,11 +55,11 @@ fn find(args: &FeaturesArgs, global: &Global<'_>) -> Result<Found, CliError> {
     analysis.input.file.forget_original();
     let wavelets = analysis.wavelets(global, Some(params.response))?;
     let start = Instant::now();
-    let features = features(&analysis.walk, &wavelets, &params, global.progress())
+    let features = features(&analysis.decomposer, &wavelets, &params, global.progress())
         .map_err(|e| CliError::classified(&e))?;
     let seconds = start.elapsed().as_secs_f64();
     let descriptors =
-        if args.descriptors { describe(&analysis.walk, &wavelets, &features) } else { Vec::new() };
+        if args.descriptors { describe(&analysis.decomposer, &wavelets, &features) } else { Vec::new() };
     Ok(Found { analysis, features, descriptors, seconds })
 }
 
@@ -125,7 +125,7 @@ fn text(args: &FeaturesArgs, found: &Found) -> String {
                 [
                     level.to_string(),
                     number(sigma),
-                    percent_of(sigma, analysis.walk.diagonal()),
+                    percent_of(sigma, analysis.decomposer.diagonal()),
                     count.to_string(),
                 ]
             }),
@@ -185,8 +185,8 @@ fn report(args: &FeaturesArgs, found: &Found) -> Value {
         "shape": analysis.input.name,
         "field": args.field.name(),
         "theta": args.detect.theta,
-        "vertices": analysis.walk.n_vertices(),
-        "operator": analysis.walk.operator_kind().name(),
+        "vertices": analysis.decomposer.n_vertices(),
+        "operator": analysis.decomposer.operator_kind().name(),
         "levels_reason": analysis.why,
         "steps": steps_json(&analysis.schedule.steps_from_zero()),
         "sigma": analysis.sigma(),

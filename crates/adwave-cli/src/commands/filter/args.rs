@@ -3,7 +3,7 @@
 use crate::args::{FieldArgs, LevelArgs, ShapeArgs, named};
 use crate::region::{region, regions_help};
 use adwave::filter::Preset;
-use adwave::positions::{Along, Borders};
+use adwave::positions::{Borders, MoveDirection};
 use adwave::region::Region;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -101,7 +101,7 @@ pub(crate) enum AlongArg {
     Free,
 }
 
-impl From<AlongArg> for Along {
+impl From<AlongArg> for MoveDirection {
     fn from(along: AlongArg) -> Self {
         match along {
             AlongArg::Normal => Self::Normal,

@@ -18,7 +18,7 @@ use adwave::bands::Schedule;
 use adwave::filter::{Edit, FilterError, Gains, Layer, Preset};
 use adwave::measure::rms;
 use adwave::operator::{OperatorKind, OperatorParams};
-use adwave::positions::{PositionParams, Volume, settle};
+use adwave::positions::{PositionParams, Volume, constrain_positions};
 use adwave::region::Length;
 use adwave_io::{Levels, Recipe, read_recipe, region_field, write_recipe};
 pub(crate) use args::FilterArgs;
@@ -198,8 +198,10 @@ fn settled(
     if decomposer.geometry().points().is_empty() {
         return Ok(points);
     }
-    with_progress(global, "settling", |progress| settle(decomposer, before, points, &params, progress))
-        .map_err(|e| CliError::of(&e))
+    with_progress(global, "settling", |progress| {
+        constrain_positions(decomposer, before, points, &params, progress)
+    })
+    .map_err(|e| CliError::of(&e))
 }
 
 /// The operator: that of the arguments, else that of the recipe, else the surface's where levels are given by width.

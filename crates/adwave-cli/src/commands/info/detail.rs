@@ -68,7 +68,7 @@ pub(super) fn measure(
     Ok(Detail {
         losses: detail_loss(&bands, &decomposer.areas()),
         diagonal,
-        error: args.error.map(|error| (error.in_units(diagonal), typed(error))),
+        error: args.error.map(|error| (error.to_model_units(diagonal), typed(error))),
         drop: Box::new(move |n| filter_command(&words, &output, n, n_levels, is_closed)),
     })
 }

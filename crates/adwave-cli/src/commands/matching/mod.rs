@@ -15,8 +15,8 @@ use adwave::features::match_features;
 use adwave::shape::surface_area;
 use adwave_io::atomic_write;
 use adwave_register::{
-    AlignInfo, AlignParams, Consensus, ConsensusParams, Described, Motion, Pair, PairParams, Surface, align,
-    common_lengths, consensus, described, pairs_under,
+    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, Pair, PairParams, ShapeFeatures, Surface,
+    align, common_lengths, consensus, describe_shape, pairs_under,
 };
 use adwave_report::Table;
 pub(crate) use args::MatchArgs;
@@ -31,8 +31,8 @@ const MAX_PRINTED: usize = 20;
 /// One of the two shapes.
 struct Side {
     input: Input,
-    walk: Decomposer,
-    described: Described,
+    decomposer: Decomposer,
+    described: ShapeFeatures,
 }
 
 /// What was found.
@@ -101,8 +101,8 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
     let mut prepared = Vec::new();
     for shape in &shapes {
         let input = with_spinner(global, "reading", || load(shape, global))?;
-        let walk = prepare(global, &input.shape, &shape.over_meshes().operator()?)?;
-        prepared.push((input, walk));
+        let decomposer = prepare(global, &input.shape, &shape.over_meshes().operator()?)?;
+        prepared.push((input, decomposer));
     }
     let own = |k: usize| common_lengths(&prepared[k].1, &prepared[k].1).map_err(|e| CliError::classified(&e));
     let lengths = if args.motion == MotionArg::Rigid {
@@ -112,13 +112,13 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
         [own(0)?, own(1)?]
     };
     let mut sides = Vec::new();
-    for ((input, walk), lengths) in prepared.into_iter().zip(lengths) {
+    for ((input, decomposer), lengths) in prepared.into_iter().zip(lengths) {
         let normals = file_normals(&input.file);
         let described = with_progress(global, "finding features", |progress| {
-            described(&walk, normals.as_deref(), &lengths, args.theta, progress)
+            describe_shape(&decomposer, normals.as_deref(), &lengths, args.theta, progress)
         })
         .map_err(|e| CliError::classified(&e))?;
-        sides.push(Side { input, walk, described });
+        sides.push(Side { input, decomposer, described });
     }
     sides.try_into().map_err(|_| CliError::Input("two shapes are needed".to_owned()))
 }
@@ -140,15 +140,13 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
     }
     let params =
         ConsensusParams { scaled: args.motion == MotionArg::Similarity, ..ConsensusParams::default() };
-    let found = with_progress(global, "matching", |progress| {
-        consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &params, progress)
-    })
-    .map_err(|_| CliError::Cancelled)?;
+    let found = with_progress(global, "matching", |progress| consensus(a, b, &params, progress))
+        .map_err(|_| CliError::Cancelled)?;
     let clear = found.filter(Consensus::is_clear);
-    let (Some(found), Some(surface)) = (clear, Surface::new(second.walk.geometry())) else {
+    let (Some(found), Some(surface)) = (clear, Surface::new(second.decomposer.geometry())) else {
         return Ok(Found { motion: None, pairs: Vec::new(), sigma });
     };
-    let points = first.walk.geometry().points();
+    let points = first.decomposer.geometry().points();
     let (motion, info) = with_progress(global, "fitting", |progress| {
         align(
             points,
@@ -159,9 +157,9 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
         )
     })
     .map_err(|_| CliError::Cancelled)?;
-    let area = match second.walk.geometry().triangles() {
-        [] => second.walk.areas().iter().sum(),
-        triangles => surface_area(second.walk.geometry().points(), triangles),
+    let area = match second.decomposer.geometry().triangles() {
+        [] => second.decomposer.areas().iter().sum(),
+        triangles => surface_area(second.decomposer.geometry().points(), triangles),
     };
     let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams { sigmas: args.within });
     Ok(Found { motion: Some((motion, found, info)), pairs, sigma })
@@ -170,7 +168,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
 fn describe(first: &Side, second: &Side, found: &Found) -> String {
     let mut text = String::new();
     for side in [first, second] {
-        let (n, n_features) = (side.walk.n_vertices(), side.described.features.len());
+        let (n, n_features) = (side.decomposer.n_vertices(), side.described.features.len());
         let _ = writeln!(text, "{}: {n} vertices, {n_features} features", side.input.name);
     }
     match &found.motion {
@@ -192,7 +190,7 @@ fn describe(first: &Side, second: &Side, found: &Found) -> String {
                 text,
                 "fit: median distance {} ({} mean edges), {:.0} % overlap",
                 number(info.median),
-                number(info.median / second.walk.mean_length()),
+                number(info.median / second.decomposer.mean_length()),
                 100.0 * info.overlap
             );
         }
@@ -243,7 +241,7 @@ fn pair_json(first: &Side, second: &Side, pair: &Pair) -> Value {
 fn report(first: &Side, second: &Side, found: &Found) -> Value {
     let side = |side: &Side| {
         json!({
-            "shape": side.input.name, "vertices": side.walk.n_vertices(), "features": side.described.features.len(),
+            "shape": side.input.name, "vertices": side.decomposer.n_vertices(), "features": side.described.features.len(),
             "signed": side.described.is_signed,
         })
     };

@@ -73,7 +73,7 @@ fn report(
         format: &format.map_or_else(|| "built-in".to_owned(), |f| f.to_string()),
         fields: &field_names(&input.file),
         shape: &input.shape,
-        walk: &analysis.walk,
+        decomposer: &analysis.decomposer,
         signal: if input.file.field(field).is_some() { field } else { signal_name(field) },
         values: &analysis.signal.values,
         normals: normals.as_deref(),

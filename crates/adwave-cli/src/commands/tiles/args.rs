@@ -138,7 +138,7 @@ pub(crate) enum KindArg {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Jobs of one kind may run in any order, at the same time and on several machines; runs come before the sort, which does those that are
-missing, all neighbors after it, where a cloud is denoised all sides after these, all bands after them, and, where there is a map or
+missing, all neighbors after it, where a cloud is denoised all orientations after these, all bands after them, and, where there is a map or
 features, all maps after all bands. 'status' says how many there are of each. A job that is done twice gives the same file again. 'adwave tiles' with the same arguments does what is left and joins.
 
 Examples:
@@ -173,8 +173,8 @@ pub(crate) enum JobKind {
     Sort,
     /// The neighbors of the points of a tile
     Neighbors,
-    /// Which normals of a tile are on one side, where a cloud is denoised
-    Sides,
+    /// The orientation of the normals of a tile, if a cloud is denoised
+    Orientation,
     /// The bands of a tile or its positions without noise, and its points as they come out
     Bands,
     /// The saliency map and the features of a tile, where they were asked for

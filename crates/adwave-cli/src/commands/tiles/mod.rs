@@ -11,7 +11,7 @@ use crate::progress::with_progress;
 use adwave::pages::keep_freed;
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_tiles::{
-    Forecast, Job, LevelSummary, Status, Summary, TilesError, Work, forecast, is_mesh, join, run_job,
+    Forecast, LevelSummary, Status, Summary, Task, TilesError, TilingJob, forecast, is_mesh, join, run_task,
 };
 use args::JobKind;
 pub(crate) use args::{TileArgs, TilesArgs};
@@ -52,7 +52,7 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
     let params = args.params();
     if args.forecast {
         let forecast = forecast(&args.files, &params).map_err(|e| failed(&e))?;
-        return print(global, &format!("{}\n", told(&forecast)), &json!(forecast));
+        return print(global, &format!("{}\n", format_forecast(&forecast)), &json!(forecast));
     }
     let wants_fields =
         !(params.magnitudes.is_empty() && params.vectors.is_empty() && params.saliency.is_none());
@@ -87,8 +87,8 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
     if !joined && folder != args.output {
         return Err(CliError::Input("--work is for results in one file; tiles stay in their folder".into()));
     }
-    let (work, forecast) = Work::begin(&folder, &args.files, &params).map_err(|e| failed(&e))?;
-    note(global, &told(&forecast));
+    let (job, forecast) = TilingJob::begin(&folder, &args.files, &params).map_err(|e| failed(&e))?;
+    note(global, &format_forecast(&forecast));
     if args.plan_only {
         return print(
             global,
@@ -99,12 +99,12 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
     if params.memory >= MUCH {
         keep_freed(); // each tile wants as much as the one before
     }
-    let summary = match with_progress(global, "tiles", |progress| adwave_tiles::run(&work, progress)) {
+    let summary = match with_progress(global, "tiles", |progress| adwave_tiles::run(&job, progress)) {
         Ok(summary) => summary,
         Err(error) => {
             // With such an input there is nothing to go on with.
-            if joined && !args.keep_work && error.kind() == ErrorKind::Input && !work.is_sorted() {
-                let _ = work.clean();
+            if joined && !args.keep_work && error.kind() == ErrorKind::Input && !job.is_sorted() {
+                let _ = job.clean();
                 let _ = std::fs::remove_dir(&folder);
             }
             return Err(failed(&error));
@@ -112,34 +112,34 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
     };
     let n_features = match features {
         Some((path, kind)) => {
-            let features = work.features().map_err(|e| failed(&e))?;
+            let features = job.features().map_err(|e| failed(&e))?;
             write_features(path, kind, &features, params.levels, global)?;
             Some(features.len())
         }
         None => None,
     };
     if joined {
-        with_progress(global, "joining", |progress| join(&work, &args.output, progress))
+        with_progress(global, "joining", |progress| join(&job, &args.output, progress))
             .map_err(|e| failed(&e))?;
     }
     if !args.keep_work {
         if joined {
-            work.remove_tiles().map_err(|e| failed(&e))?;
+            job.remove_tiles().map_err(|e| failed(&e))?;
         }
-        work.clean().map_err(|e| failed(&e))?;
+        job.clean().map_err(|e| failed(&e))?;
         if joined {
             // Whatever else is there stays.
             let _ = std::fs::remove_dir(&folder);
         }
     }
-    said(global, args, &summary, n_features)
+    print_summary(global, args, &summary, n_features)
 }
 
 /// Bytes of memory from which on what is kept of freed memory is little beside the rest, a tenth at most.
 const MUCH: u64 = 1 << 30;
 
 /// A forecast in words.
-fn told(forecast: &Forecast) -> String {
+fn format_forecast(forecast: &Forecast) -> String {
     let Forecast { n_points, n_tiles, points_per_tile, rings, share, memory, disk, .. } = forecast;
     let tiles = if *n_tiles == 1 {
         "one tile".to_owned()
@@ -155,7 +155,7 @@ fn told(forecast: &Forecast) -> String {
     )
 }
 
-fn said(
+fn print_summary(
     global: &Global<'_>,
     args: &TilesArgs,
     summary: &Summary,
@@ -201,12 +201,13 @@ fn status_in_words(status: &Status) -> String {
     let where_asked = |is_asked: bool, what: &str, n: usize| {
         if is_asked { format!("{what} of {n}, ") } else { String::new() }
     };
-    let sides = where_asked(status.has_sides, "sides", status.sides_done);
+    let orientation = where_asked(status.has_orientation, "orientation", status.orientation_done);
     let maps = where_asked(status.has_maps, "maps", status.maps_done);
     match n_tiles {
         Some(n) => {
-            let text =
-                format!("{n} tiles: neighbors of {neighbors_done}, {sides}bands of {bands_done}, {maps}");
+            let text = format!(
+                "{n} tiles: neighbors of {neighbors_done}, {orientation}bands of {bands_done}, {maps}"
+            );
             format!("{}\n", text.trim_end_matches(", "))
         }
         None if *n_runs > 0 => format!("not sorted; {runs_done} of {n_runs} runs\n"),
@@ -215,32 +216,33 @@ fn status_in_words(status: &Status) -> String {
 }
 
 pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let work = Work::open(&args.folder).map_err(|e| failed(&e))?;
-    let job = match args.job {
+    let job = TilingJob::open(&args.folder).map_err(|e| failed(&e))?;
+    let task = match args.job {
         JobKind::Status => {
-            let status = work.status().map_err(|e| failed(&e))?;
+            let status = job.status().map_err(|e| failed(&e))?;
             return print(global, &status_in_words(&status), &json!(status));
         }
-        JobKind::Run => Job::Run(args.index),
-        JobKind::Sort => Job::Sort,
-        JobKind::Neighbors => Job::Neighbors(args.index),
-        JobKind::Sides => Job::Sides(args.index),
-        JobKind::Bands => Job::Bands(args.index),
-        JobKind::Maps => Job::Maps(args.index),
+        JobKind::Run => Task::Run(args.index),
+        JobKind::Sort => Task::Sort,
+        JobKind::Neighbors => Task::Neighbors(args.index),
+        JobKind::Orientation => Task::Orientation(args.index),
+        JobKind::Bands => Task::Bands(args.index),
+        JobKind::Maps => Task::Maps(args.index),
     };
-    if !(args.if_missing && work.is_done(job)) {
-        with_progress(global, "working", |progress| run_job(&work, job, progress)).map_err(|e| failed(&e))?;
+    if !(args.if_missing && job.is_done(task)) {
+        with_progress(global, "working", |progress| run_task(&job, task, progress))
+            .map_err(|e| failed(&e))?;
     }
-    if let Job::Run(_) = job {
-        let n_runs = work.n_runs();
-        return print(global, &format!("done; {n_runs} runs\n"), &json!({ "job": job, "n_runs": n_runs }));
+    if let Task::Run(_) = task {
+        let n_runs = job.n_runs();
+        return print(global, &format!("done; {n_runs} runs\n"), &json!({ "job": task, "n_runs": n_runs }));
     }
-    let n_tiles = work.n_tiles().map_err(|e| failed(&e))?;
-    let is_last = matches!(job, Job::Maps(_)) || (matches!(job, Job::Bands(_)) && !work.has_maps());
-    let path = is_last.then(|| work.tile(args.index));
+    let n_tiles = job.n_tiles().map_err(|e| failed(&e))?;
+    let is_last = matches!(task, Task::Maps(_)) || (matches!(task, Task::Bands(_)) && !job.has_maps());
+    let path = is_last.then(|| job.tile(args.index));
     let text = match &path {
         Some(path) => format!("{}\n", path.display()),
         None => format!("done; {n_tiles} tiles\n"),
     };
-    print(global, &text, &json!({ "job": job, "n_tiles": n_tiles, "path": path }))
+    print(global, &text, &json!({ "job": task, "n_tiles": n_tiles, "path": path }))
 }

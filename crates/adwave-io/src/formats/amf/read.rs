@@ -1,4 +1,4 @@
-//! AMF: the objects of the file, where its constellations place them, joined to one shape.
+//! AMF reader: joins the objects of the file, placed by its constellations, to one shape.
 
 use std::collections::{HashMap, HashSet};
 
@@ -12,10 +12,10 @@ use crate::text::xml::{child, children, parse, text_of, wrong};
 use crate::text::{parse_f64, show};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// Constellations that hold themselves would go on for ever.
+/// Largest nesting of constellations; one that contains itself would never end.
 const DEEPEST: usize = 64;
 
-/// Red, green, blue, and alpha where it is there.
+/// Red, green, blue and, if present, alpha.
 type Color = [f64; 4];
 
 /// One object of the file.
@@ -25,11 +25,11 @@ struct Object {
     colors: Vec<Option<Color>>,
     triangles: Vec<[u32; 3]>,
     of_triangles: Vec<Option<Color>>,
-    /// Which volume each triangle belongs to, counted over the file.
+    /// Volume of each triangle, numbered over the whole file.
     volumes: Vec<u32>,
 }
 
-/// What is placed: an object or a constellation of others.
+/// Content of a placement: an object or a constellation of others.
 enum Placed {
     Object(Object),
     Constellation(Vec<(String, Transform)>),
@@ -54,13 +54,13 @@ pub(crate) fn read_amf(
 ) -> Result<ShapeFile, ReadError> {
     let text = if bytes.starts_with(b"PK") {
         let mut package = Package::open(&bytes, limits)?;
-        let missing = || ReadError::Whole("the archive has no AMF; get the whole file".into());
+        let missing = || ReadError::Whole("the archive contains no AMF; get the whole file".into());
         let name = package.find(".amf").ok_or_else(missing)?;
         package.text(&name, progress)?
     } else {
         let broken = |e: std::string::FromUtf8Error| {
             let at = e.utf8_error().valid_up_to();
-            ReadError::in_line(e.as_bytes(), at, "is no text in UTF-8; save it as such")
+            ReadError::in_line(e.as_bytes(), at, "the text must be UTF-8; save it as UTF-8")
         };
         crate::text::encoding::to_utf8(bytes).map_err(broken)?
     };
@@ -81,7 +81,7 @@ pub(crate) fn read_amf(
             _ => continue,
         };
         if placed.insert(id.clone(), own).is_some() {
-            let message = format!("there are two of id {}; correct one", show(id.as_bytes()));
+            let message = format!("ids must be unique, but {} occurs twice; rename one", show(id.as_bytes()));
             return Err(wrong(node, message));
         }
         order.push(id);
@@ -111,15 +111,14 @@ pub(crate) fn read_amf(
     Ok(shape)
 }
 
-/// The number in the element of that name; 0 where there is none.
+/// Number in the child element of that name; 0 if it is missing.
 fn number(node: Node<'_, '_>, name: &'static str) -> Result<f64, ReadError> {
     let Some(text) = text_of(node, name) else { return Ok(0.0) };
-    parse_f64(text.as_bytes()).ok_or_else(|| {
-        wrong(node, format!("{} is no number for `{name}`; correct it", show(text.as_bytes())))
-    })
+    parse_f64(text.as_bytes())
+        .ok_or_else(|| wrong(node, format!("`{name}` must be a number, got {}", show(text.as_bytes()))))
 }
 
-/// The color in a node; one by a formula is none.
+/// Color in a node; `None` for a color given by a formula.
 fn color(node: Node<'_, '_>) -> Option<Color> {
     let own = child(node, "color")?;
     let part = |name| text_of(own, name).and_then(|text| parse_f64(text.as_bytes()));
@@ -186,7 +185,7 @@ fn constellation(
     let mut instances = Vec::new();
     for own in children(node, "instance") {
         let Some(id) = own.attribute("objectid") else {
-            return Err(wrong(own, "an instance has no objectid; add it"));
+            return Err(wrong(own, "the instance has no objectid; add it"));
         };
         inner.insert(id.to_owned());
         let turn = [number(own, "rx")?, number(own, "ry")?, number(own, "rz")?];
@@ -196,7 +195,7 @@ fn constellation(
     Ok(instances)
 }
 
-/// Turned about x, then y, then z, by degrees, then moved.
+/// Rotation about x, then y, then z, in degrees, followed by a translation.
 fn placement(turn: [f64; 3], shift: [f64; 3]) -> Transform {
     let mut transform = Transform::IDENTITY;
     for (axis, degrees) in turn.into_iter().enumerate().filter(|(_, degrees)| *degrees != 0.0) {
@@ -219,13 +218,13 @@ impl Assembly<'_> {
         self.n_visits += 1;
         at_row(self.progress, self.n_visits, 0)?;
         if depth > DEEPEST || self.n_visits > 1_000_000 + self.n_bytes as u64 / 16 {
-            let message = "constellations hold one another too often; is there a circle? correct them";
+            let message = "constellations are nested too deeply; check whether one contains itself";
             return Err(ReadError::Whole(message.into()));
         }
         let instances = match self.placed.get(id) {
             None => {
                 let message =
-                    format!("object {} is placed and is not there; correct the id", show(id.as_bytes()));
+                    format!("the placed object {} does not exist; correct the id", show(id.as_bytes()));
                 return Err(ReadError::Whole(message));
             }
             Some(Placed::Object(object)) => {
@@ -255,7 +254,7 @@ impl Assembly<'_> {
     }
 }
 
-/// Colors as a field, NaN where there is none; nothing where there are none at all.
+/// Colors as a field, NaN where a color is missing; `None` if there are no colors.
 fn field(colors: &[Option<Color>]) -> Option<Field> {
     if !colors.iter().any(Option::is_some) {
         return None;

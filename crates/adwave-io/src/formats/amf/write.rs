@@ -1,4 +1,4 @@
-//! AMF: one object of one volume, with colors of its vertices and of its triangles.
+//! AMF writer: one object of one volume, with colors of its vertices and triangles.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ fn color(fields: &[Field]) -> Option<&Field> {
     fields.iter().find(|f| f.name == "color" && matches!(f.n_channels, 3 | 4))
 }
 
-/// Colors are numbers from 0 to 1 in an AMF; one of no number is left out.
+/// Writes a color as numbers from 0 to 1; a color that is not finite is omitted.
 fn push_color(field: Option<&Field>, i: usize, out: &mut Vec<u8>) {
     let Some(field) = field else { return };
     let scale = if matches!(field.values, FieldValues::U8(_)) { 255.0 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! What the XML of a CIFTI says of its rows and columns.
+//! Brain models in the XML of a CIFTI: the assignment of rows and columns.
 
 use adwave::Progress;
 use roxmltree::{Document, Node};
@@ -7,17 +7,17 @@ use crate::model::numbers::{NoNumber, from_text};
 use crate::text::one_line;
 use crate::{FieldValues, ReadError, ValueType};
 
-/// The vertices of one surface among the rows.
+/// Vertices of one surface among the rows.
 pub(super) struct Model {
-    /// As `CORTEX_LEFT`.
+    /// Name of the structure, such as `CORTEX_LEFT`.
     pub(super) structure: String,
     pub(super) n_vertices: u64,
-    /// The first of its rows, and the vertex of each.
+    /// Index of its first row, and the vertex of each row.
     pub(super) first: u64,
     pub(super) vertices: Vec<u32>,
 }
 
-/// The surfaces among the rows, and the names of the columns where these have some.
+/// Surfaces among the rows, and the names of the columns if there are any.
 pub(super) struct Maps {
     pub(super) models: Vec<Model>,
     pub(super) names: Option<Vec<String>>,
@@ -29,12 +29,12 @@ fn broken(what: &str) -> ReadError {
 
 fn number(node: Node<'_, '_>, name: &str) -> Result<u64, ReadError> {
     let text = node.attribute(name).ok_or_else(|| broken(&format!("has no {name}")))?;
-    text.trim().parse().map_err(|_| broken(&format!("has a {name} that is no number")))
+    text.trim().parse().map_err(|_| broken(&format!("has a {name} that is not a number")))
 }
 
-/// Reads the XML.
+/// Parses the XML.
 pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<Maps, ReadError> {
-    // The extension is padded by zeros.
+    // The extension is padded with zeros.
     let end = xml.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
     let text = std::str::from_utf8(&xml[..end]).map_err(|_| broken("is not UTF-8"))?;
     let document = Document::parse(text).map_err(|e| broken(&format!("is malformed ({})", one_line(&e))))?;
@@ -57,7 +57,7 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<Maps, ReadError
     }
     let Some(rows) = rows else {
         return Err(ReadError::Whole(
-            "this CIFTI has no row for each vertex; give dense scalars, series or labels".into(),
+            "this CIFTI has no rows for vertices; use dense scalars, series or labels".into(),
         ));
     };
     let models = rows.children().filter(|node| {
@@ -73,14 +73,14 @@ fn model(node: Node<'_, '_>, progress: Progress<'_>) -> Result<Model, ReadError>
     let vertices = match from_text(list.unwrap_or("").as_bytes(), ValueType::U32, progress) {
         Ok(FieldValues::U32(vertices)) => vertices,
         Err(NoNumber::Cancelled(cancelled)) => return Err(cancelled.into()),
-        _ => return Err(broken("has a vertex that is no number")),
+        _ => return Err(broken("has a vertex that is not a number")),
     };
     let n_vertices = number(node, "SurfaceNumberOfVertices")?;
     if vertices.len() as u64 != number(node, "IndexCount")? {
-        return Err(broken("has not as many vertices as it says"));
+        return Err(broken("has another number of vertices than it states"));
     }
     if let Some(vertex) = vertices.iter().find(|&&v| u64::from(v) >= n_vertices) {
-        return Err(broken(&format!("names vertex {vertex} of {n_vertices}")));
+        return Err(broken(&format!("names vertex {vertex}, but there are {n_vertices}")));
     }
     Ok(Model { structure: structure.to_owned(), n_vertices, first: number(node, "IndexOffset")?, vertices })
 }

@@ -1,4 +1,4 @@
-//! The values of one surface; vertices that a file has no values for are NaN.
+//! CIFTI reader: values of one surface, NaN at vertices without a value.
 
 use adwave::Progress;
 
@@ -8,18 +8,18 @@ use crate::model::numbers::Numbers;
 use crate::progress::extend;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
 
-/// Bytes of the header of a NIfTI-2.
+/// Size of the NIfTI-2 header in bytes.
 const HEADER: usize = 540;
-/// The number of the extension that holds the XML.
+/// Code of the extension that contains the XML.
 const CIFTI: i32 = 32;
 
-/// Whether it is a NIfTI of any version.
+/// True if the bytes are a NIfTI of any version.
 pub(crate) fn is_nifti(bytes: &[u8]) -> bool {
     let magic = |at: usize, magic: &[u8]| bytes.get(at..).is_some_and(|rest| rest.starts_with(magic));
     magic(4, b"n+2\0") || magic(344, b"n+1\0")
 }
 
-/// Reads the values of the surface that has so many vertices and, where it is known, this name.
+/// Reads the values of the surface with `n_vertices` vertices and, if known, this structure.
 pub(crate) fn read_cifti(
     bytes: &[u8],
     structure: Option<&str>,
@@ -29,7 +29,7 @@ pub(crate) fn read_cifti(
 ) -> Result<Vec<Field>, ReadError> {
     let cut = || ReadError::at_byte(bytes.len(), "the file ends too early; get the whole file");
     if !bytes[4..].starts_with(b"n+2") {
-        let message = "this NIfTI is of version 1 and no CIFTI, so that it has no vertices; give its values on a surface";
+        let message = "this NIfTI-1 file is not a CIFTI and has no vertices; use values on a surface";
         return Err(ReadError::Whole(message.into()));
     }
     if bytes.len() < HEADER + 4 {
@@ -51,16 +51,14 @@ pub(crate) fn read_cifti(
         other => {
             return Err(ReadError::at_byte(
                 12,
-                format!("values of type {other} are not known; save it as floats"),
+                format!("values of type {other} are not supported; save them as floats"),
             ));
         }
     };
     let (n_columns, n_rows) = (length(16 + 5 * 8)?, length(16 + 6 * 8)?);
     let maps = maps(
         extension(bytes, order).ok_or_else(|| {
-            ReadError::Whole(
-                "this NIfTI is no CIFTI, so that it has no vertices; give its values on a surface".into(),
-            )
+            ReadError::Whole("this NIfTI is not a CIFTI and has no vertices; use values on a surface".into())
         })?,
         progress,
     )?;
@@ -72,7 +70,7 @@ pub(crate) fn read_cifti(
     if n_columns == 0 || end.is_none_or(|end| end > n_rows) {
         let structure = &model.structure;
         let message =
-            format!("the rows of {structure} are not among the {n_rows} of the file; get the whole file");
+            format!("the rows of {structure} lie outside the {n_rows} rows of the file; get the whole file");
         return Err(ReadError::Whole(message));
     }
     // The file may have values for few of the vertices.
@@ -83,7 +81,7 @@ pub(crate) fn read_cifti(
     fields(model, &maps, &matrix, n_vertices, progress)
 }
 
-/// The XML in the header's extensions.
+/// XML in the extensions of the header.
 fn extension(bytes: &[u8], order: ByteOrder) -> Option<&[u8]> {
     let mut at = HEADER + 4;
     if bytes[HEADER] == 0 {
@@ -100,7 +98,7 @@ fn extension(bytes: &[u8], order: ByteOrder) -> Option<&[u8]> {
     }
 }
 
-/// The part of the file that is of the surface.
+/// Selects the brain model of the surface.
 fn chosen<'a>(maps: &'a Maps, structure: Option<&str>, n_vertices: usize) -> Result<&'a Model, ReadError> {
     let plain = |name: &str| name.replace('_', "").to_ascii_lowercase();
     let fits = |model: &&Model| match structure {
@@ -113,17 +111,18 @@ fn chosen<'a>(maps: &'a Maps, structure: Option<&str>, n_vertices: usize) -> Res
     match (&found[..], structure) {
         ([model], _) if model.n_vertices == n_vertices as u64 => Ok(model),
         ([model], _) => Err(ReadError::Whole(format!(
-            "has values for {} vertices of {}, but the surface has {n_vertices}; give the surface that they are of",
+            "has values for {} vertices of {}, but the surface has {n_vertices}; use the matching surface",
             model.n_vertices, model.structure
         ))),
         ([], Some(structure)) => Err(ReadError::Whole(format!(
-            "has no values for {structure}, which the surface is of, but for {known}"
+            "has values for {known}, but not for the surface's structure {structure}"
         ))),
-        ([], None) => {
-            Err(ReadError::Whole(format!("has no values for {n_vertices} vertices, but for {known}")))
-        }
+        ([], None) => Err(ReadError::Whole(format!(
+            "has values for {known}, but not for a surface of {n_vertices} vertices"
+        ))),
         _ => Err(ReadError::Whole(format!(
-            "has values for {known}, and the surface does not say of which it is; give a GIFTI that says so, or lh. and rh. files"
+            "has values for {known}, and the surface does not state its structure; use a GIFTI that states \
+            it, or files named lh. and rh."
         ))),
     }
 }

@@ -8,8 +8,8 @@ use adwave::{Cancelled, Progress};
 
 use crate::progress::all;
 
-/// A name for each column. Names of the file are kept, with `x`, `y`, `z` for the coordinates; columns without
-/// names get theirs from their values: unit vectors are normals, whole numbers up to 255 three by three are colors.
+/// Names the columns. Names in the file are kept, with `x`, `y`, `z` for the coordinates. Columns without names are
+/// named by their values: unit vectors are normals, and groups of three integers up to 255 are colors.
 pub(crate) fn name_columns(
     names: &[String],
     values: &[f64],
@@ -55,7 +55,7 @@ pub(crate) fn name_columns(
     Ok(named)
 }
 
-/// Within what a few digits of text leave of a unit vector.
+/// Deviation from a unit vector that a few digits of text allow.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
 fn is_unit(v: [f64; 3]) -> bool {

@@ -14,17 +14,17 @@ use crate::progress::{BYTES_PER_STEP, all, collect};
 use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// The numbers of a file, before it is known what they mean.
+/// Numbers of a file before their meaning is known.
 struct Table {
     separator: Separator,
     names: Vec<String>,
-    /// Where the line of names is.
+    /// Position of the line of names.
     names_line: Option<(usize, usize)>,
     n_columns: usize,
-    /// Row by row.
+    /// Values, row by row.
     values: Vec<f64>,
     rows: Vec<u64>,
-    /// The sum of the counts before blocks of rows.
+    /// Sum of the counts before blocks of rows.
     count: Option<u64>,
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn read_columns(
             "red" | "green" | "blue" | "alpha" | "r" | "g" | "b" | "a"
         )
     };
-    // All channels alike: bytes only when each is.
+    // All channels get the same type: bytes only if every channel has bytes.
     let mut has_bytes = true;
     for c in (0..k).filter(is_color) {
         has_bytes &= all(n, progress, |i| is_color_byte(table.values[i * k + c]))?;
@@ -120,13 +120,13 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<Table, ReadError> {
         let line = line.trim_ascii();
         let remark = line.strip_prefix(b"#").or_else(|| line.strip_prefix(b"//"));
         if line.is_empty() || remark.is_some() {
-            // Some programs write the names of the columns as a remark.
+            // Some programs write the names of the columns as a comment.
             if let Some(remark) = remark.filter(|_| table.rows.is_empty()) {
                 note_names(&mut table, remark, start, line.len());
             }
             continue;
         }
-        // A count before the rows does not show what separates their values.
+        // A count before the rows does not reveal the separator.
         if separator.is_none() && parse_u64(line).is_none() {
             separator = Some(find_separator(line));
         }
@@ -183,33 +183,37 @@ fn row(bytes: &[u8], table: &mut Table, line: &[u8], start: usize) -> Result<(),
                 return Ok(());
             }
         }
-        let message = format!("{} stands where a number belongs; correct it", show(cell));
+        let message = format!("expected a number, got {}; correct it", show(cell));
         return Err(ReadError::in_line(bytes, start, message));
     }
     if n == 1
         && let Some(count) = parse_u64(line)
     {
-        // The number of the points that follow.
+        // The number of points that follow.
         table.values.truncate(first);
         table.count = Some(table.count.unwrap_or(0).saturating_add(count));
         return Ok(());
     }
     if table.n_columns == 0 {
         if n < 3 {
-            let message = format!("a row has {n} numbers and needs x, y and z; add the missing ones");
+            let message = format!("a row needs x, y and z, got {n} numbers; add the missing ones");
             return Err(ReadError::in_line(bytes, start, message));
         }
         table.n_columns = n;
     }
     if n != table.n_columns {
-        let message = format!("a row has {n} values, the first row has {}; make them alike", table.n_columns);
+        let message = format!(
+            "all rows must have the same number of values, got {n} after {}; make them \
+                              equal",
+            table.n_columns
+        );
         return Err(ReadError::in_line(bytes, start, message));
     }
     table.rows.push(start as u64);
     Ok(())
 }
 
-/// Compares the rows with the count before them. Twice as many rows of three numbers are points, then normals.
+/// Compares the rows with the count before them. Twice as many rows of three numbers are points followed by normals.
 fn check_count(bytes: &[u8], table: &mut Table) -> Result<Option<Field>, ReadError> {
     let Some(count) = table.count else { return Ok(None) };
     let n = table.rows.len() as u64;
@@ -221,6 +225,6 @@ fn check_count(bytes: &[u8], table: &mut Table) -> Result<Option<Field>, ReadErr
         table.rows.truncate(count as usize);
         return Ok(Some(Field::new("normal", 3, FieldValues::F64(normals))));
     }
-    let message = format!("the count says {count} points, but there are {n} rows; correct the count");
+    let message = format!("the count is {count}, but there are {n} rows; correct the count");
     Err(ReadError::in_line(bytes, bytes.len(), message))
 }

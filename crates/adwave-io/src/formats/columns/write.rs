@@ -1,4 +1,4 @@
-//! Rows of numbers: XYZ, PTS, CSV.
+//! Writers for rows of numbers: XYZ, PTS, CSV.
 
 use std::io::Write;
 

@@ -18,10 +18,10 @@ pub fn read_csv_fields(path: &Path, limits: &ReadLimits) -> Result<Vec<Field>, R
     read_csv_fields_with(path, limits, Progress::none())
 }
 
-/// [`read_csv_fields`] that says how far it is and can be stopped.
+/// [`read_csv_fields`] with progress and cancellation.
 ///
 /// # Errors
-/// As [`read_csv_fields`], and [`ReadError::Cancelled`].
+/// The errors of [`read_csv_fields`], and [`ReadError::Cancelled`].
 pub fn read_csv_fields_with(
     path: &Path,
     limits: &ReadLimits,
@@ -78,7 +78,7 @@ fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Ve
         for (c, cell) in cells.into_iter().enumerate() {
             let Some(value) = cell else {
                 let word = show(record.get(c).unwrap_or_default());
-                let message = format!("{word} stands in column {} where a number belongs; correct it", c + 1);
+                let message = format!("column {} must have a number, got {word}; correct it", c + 1);
                 return Err(ReadError::Line { line, message });
             };
             columns[c].push(value);
@@ -86,7 +86,7 @@ fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Ve
         limits.check_points(columns[0].len() as u64)?;
     }
     if columns.first().is_none_or(Vec::is_empty) {
-        return Err(ReadError::Whole("the table has no row of numbers; give one row per vertex".into()));
+        return Err(ReadError::Whole("the table has no row of numbers; it needs one row per vertex".into()));
     }
     let name =
         |c: usize| names.get(c).filter(|n| !n.is_empty()).cloned().unwrap_or_else(|| (c + 1).to_string());
@@ -103,7 +103,10 @@ pub(super) fn number(cell: &[u8]) -> Option<f64> {
 fn row_error(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            format!("a row has {len} cells, the first row has {expected_len}; make them alike")
+            format!(
+                "all rows must have the same number of cells, got {len} after {expected_len}; make \
+                    them equal"
+            )
         }
         _ => format!("the table cannot be read ({})", crate::text::one_line(error)),
     }

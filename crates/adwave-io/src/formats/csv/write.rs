@@ -38,7 +38,7 @@ fn write_rows(n: usize, fields: &[Field], out: &mut dyn Write) -> Result<(), Wri
     let own = |field: &Field| {
         if field.n_channels == 1 { vec![field.name.clone()] } else { column_names(field) }
     };
-    // A row of numbers alone would be read as values.
+    // A row of names that are numbers would be read as values.
     let no_number =
         |name: String| if number(name.as_bytes()).is_some() { format!("field_{name}") } else { name };
     push_csv_row(&mut names, fields.iter().flat_map(own).map(no_number));

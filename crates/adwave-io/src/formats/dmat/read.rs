@@ -1,4 +1,5 @@
-//! DMAT: the numbers of columns and rows, then the numbers column by column. A binary one begins with `0 0`.
+//! DMAT reader. The file has the numbers of columns and rows, then the values column by column; a binary file begins
+//! with `0 0`.
 
 use std::path::Path;
 
@@ -12,7 +13,7 @@ use crate::text::line_end;
 use crate::text::tokens::{Tokens, check_rows};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// A matrix, column by column.
+/// Matrix, column by column.
 struct Matrix {
     n_columns: usize,
     n_rows: usize,
@@ -20,7 +21,7 @@ struct Matrix {
     is_binary: bool,
 }
 
-/// Whether bytes begin as such a matrix: two counts, and then numbers of which each has a line of its own.
+/// True if the bytes begin like such a matrix: two counts, then numbers on separate lines.
 pub(crate) fn begins_as_dmat(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(256)];
     let mut lines = head.split(|&b| b == b'\n');
@@ -36,7 +37,7 @@ pub(crate) fn begins_as_dmat(bytes: &[u8]) -> bool {
     if head.starts_with(b"0 0\n") || head.starts_with(b"0 0\r") {
         return numbers(lines.next()) == Some(2);
     }
-    // The last line of what is looked at may be cut.
+    // The last line may be truncated.
     let is_empty = first.is_some_and(|l| crate::text::words(l).any(|w| w.iter().all(|&b| b == b'0')));
     !is_empty
         && numbers(lines.next()) == Some(1)
@@ -84,7 +85,7 @@ pub(crate) fn read_dmat(
     let Matrix { n_columns, n_rows, values, is_binary } = parse(bytes, progress)?;
     if n_columns != 3 {
         return Err(ReadError::Whole(format!(
-            "the matrix has {n_columns} columns and points need 3; give it as a field of a shape"
+            "points need a matrix of 3 columns, got {n_columns}; use the matrix as a field of a shape"
         )));
     }
     limits.check_points(n_rows as u64)?;
@@ -107,10 +108,10 @@ pub fn read_dmat_field(path: &Path, limits: &ReadLimits) -> Result<Field, ReadEr
         .map_err(|e| e.in_file(path))
 }
 
-/// The matrix in bytes as a field of that name.
+/// Reads the matrix in bytes as a field of that name.
 ///
 /// # Errors
-/// As [`read_dmat_field`], without the file's name.
+/// The errors of [`read_dmat_field`], without the file's name.
 ///
 /// ```
 /// let field = adwave_io::parse_dmat_field(b"2 3\n1\n2\n3\n10\n20\n30\n", "a").unwrap();
@@ -119,7 +120,7 @@ pub fn read_dmat_field(path: &Path, limits: &ReadLimits) -> Result<Field, ReadEr
 pub fn parse_dmat_field(bytes: &[u8], name: &str) -> Result<Field, ReadError> {
     let Matrix { n_columns, n_rows, values, .. } = parse(bytes, Progress::none())?;
     if n_columns == 0 {
-        return Err(ReadError::Whole("the matrix has no columns; give one with values".into()));
+        return Err(ReadError::Whole("the matrix has no columns; it needs at least one".into()));
     }
     let value = |k: usize| values[(k % n_columns) * n_rows + k / n_columns];
     let values = FieldValues::F64((0..values.len()).map(value).collect());

@@ -1,4 +1,4 @@
-//! DMAT: the points as a matrix of three columns.
+//! DMAT writer: the points as a matrix of three columns.
 
 use std::io::Write;
 

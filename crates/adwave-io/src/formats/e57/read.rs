@@ -1,4 +1,4 @@
-//! All scans of a file as one cloud, each where its pose puts it.
+//! All scans of a file as one cloud, placed by their poses.
 
 use std::cell::Cell;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
@@ -12,14 +12,14 @@ use crate::progress::at_row;
 use crate::text::one_line;
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile};
 
-/// Bytes that may be read ahead of the points that they give: packets have up to 64 KiB.
+/// Bytes that may be read ahead of their points: packets have up to 64 KiB.
 const AHEAD: u64 = 1 << 22;
 
 fn wrong(error: &e57::Error) -> ReadError {
-    ReadError::Whole(format!("its E57 is broken ({}); get the whole file", one_line(error)))
+    ReadError::Whole(format!("the E57 is damaged ({}); get the whole file", one_line(error)))
 }
 
-/// The bytes of the file, which end where the points stay behind.
+/// Reader of the file's bytes that stops if the points fall behind.
 struct Watched {
     bytes: Cursor<Vec<u8>>,
     read: Rc<Cell<u64>>,
@@ -29,7 +29,7 @@ struct Watched {
 impl Read for Watched {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         if self.read.get() > self.most.get() {
-            return Err(io::Error::other("one of its streams runs ahead of the others"));
+            return Err(io::Error::other("one of the streams is far ahead of the others"));
         }
         let n = self.bytes.read(into)?;
         self.read.set(self.read.get() + n as u64);
@@ -54,7 +54,7 @@ pub(crate) fn read_e57(
     let mut file = E57Reader::new(watched).map_err(|e| wrong(&e))?;
     let scans = file.pointclouds();
     if scans.is_empty() {
-        return Err(ReadError::Whole("holds no scan; export one with points".into()));
+        return Err(ReadError::Whole("the file contains no scan; export one with points".into()));
     }
     let mut shape = ShapeFile::empty();
     shape.format = Some(Format::E57);
@@ -76,7 +76,7 @@ pub(crate) fn read_e57(
         for (row, record) in records.enumerate() {
             at_row(progress, row as u64, scan.records)?;
             let record = record.map_err(|e| wrong(&e))?;
-            // The share of the pages that sums take is small.
+            // The fraction of the pages used by checksums is small.
             most.set(AHEAD + (row as u64 + 1).saturating_mul(bits) / 7);
             if let Some(point) = layout.point(&record) {
                 points.push(pose.as_ref().map_or(point, |pose| pose.place(point)));
@@ -90,7 +90,7 @@ pub(crate) fn read_e57(
         columns.end_scan(points.len());
         let n_left = scan.records.saturating_sub((points.len() - first) as u64);
         if n_left > 0 {
-            shape.extras.push(format!("{n_left} records without a place in scan {k}"));
+            shape.extras.push(format!("{n_left} records without a position in scan {k}"));
         }
     }
     shape.n_vertices = points.len();
@@ -110,7 +110,7 @@ pub(crate) fn read_e57(
     Ok(shape)
 }
 
-/// Where a scan lies: first turned, then shifted.
+/// Pose of a scan: a rotation followed by a translation.
 struct Pose {
     turned: [[f64; 3]; 3],
     shift: [f64; 3],
@@ -125,12 +125,12 @@ impl Pose {
     }
 }
 
-/// The pose of a scan, where it is not that of the file.
+/// Pose of a scan; `None` if it is the identity.
 fn pose(scan: &PointCloud) -> Option<Pose> {
     let transform = scan.transform.as_ref()?;
     let Quaternion { w, x, y, z } = transform.rotation;
     let shift = [transform.translation.x, transform.translation.y, transform.translation.z];
-    // Files exist whose quaternion is 0 or not of length 1.
+    // In some files the quaternion is 0 or not of length 1.
     let length = (w * w + x * x + y * y + z * z).sqrt();
     let [w, x, y, z] = if length > 0.0 && length.is_finite() {
         [w, x, y, z].map(|c| c / length)
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use e57::{E57Writer, Record, RecordDataType, RecordName, RecordValue, Transform, Translation};
 
-    /// A file of one scan in memory.
+    /// A file with one scan in memory.
     fn file(prototype: Vec<Record>, rows: &[Vec<RecordValue>], transform: Option<Transform>) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
         let mut writer = E57Writer::new(&mut bytes, "file").unwrap();
@@ -192,7 +192,7 @@ mod tests {
             vec![s(k), s(2 * k), s(-k), i(state), RecordValue::Single(k as f32 / 8.0), i(k % 256), i(1), i(2)]
         };
         let rows: Vec<_> = (0..300).map(|k| row(k, if k == 7 { 2 } else { 0 })).collect();
-        // A quarter turn about z, one up.
+        // A quarter turn about z and a translation by one along z.
         let half = 0.5_f64.sqrt();
         let rotation = Quaternion { w: half, x: 0.0, y: 0.0, z: half };
         file(
@@ -225,7 +225,7 @@ mod tests {
         for end in (0..whole.len()).step_by(7) {
             assert!(crate::read_bytes(whole[..end].to_vec(), Some("a.e57"), &ReadLimits::default()).is_err());
         }
-        // Sums guard the pages, so the change is put behind new sums.
+        // Checksums protect the pages, so they are recomputed after the change.
         let mut state = 3_u64;
         for _ in 0..300 {
             let mut bytes = whole.clone();

@@ -1,31 +1,31 @@
-//! What the records of a scan are, and the columns that they become.
+//! Records of a scan, and the columns they are stored in.
 
 use e57::{PointCloud, RecordDataType, RecordName, RecordValue};
 
 use crate::{Field, FieldValues, ReadError};
 
-/// Where in a record the coordinates and fields are.
+/// Positions of the coordinates and fields within a record.
 pub(super) struct Layout {
     /// Cartesian x, y, z, or range, azimuth, elevation.
     place: [usize; 3],
     is_spherical: bool,
-    /// Whether there is a place at all.
+    /// Component that tells whether the record has a position.
     state: Option<usize>,
     types: Vec<RecordDataType>,
     columns: Vec<Column>,
 }
 
-/// A field of a scan.
+/// Field of a scan.
 #[derive(Clone, PartialEq)]
 struct Column {
     name: String,
     records: Vec<usize>,
-    /// Where a value other than 0 says that there is none.
+    /// Component that marks a missing value if it is not 0.
     invalid: Option<usize>,
     kind: Kind,
 }
 
-/// The type of a column's numbers, wider ones last.
+/// Type of a column's numbers, wider ones last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     U8,
@@ -49,7 +49,7 @@ fn kind(data_type: &RecordDataType) -> Kind {
     }
 }
 
-/// Bits of a value, by the range that the file gives it.
+/// Number of bits of a value, from the range given in the file.
 fn bits(data_type: &RecordDataType) -> u64 {
     match data_type {
         RecordDataType::Single { .. } => 32,
@@ -73,17 +73,17 @@ fn number(value: &RecordValue, data_type: &RecordDataType) -> f64 {
 }
 
 impl Layout {
-    /// Of scan `k`, or why it cannot be read.
+    /// Layout of scan `k`, or the reason for which it cannot be read.
     pub(super) fn of(scan: &PointCloud, k: usize) -> Result<Self, ReadError> {
-        let wrong = |what: &str| Err(ReadError::Whole(format!("scan {k} {what}; export the file anew")));
+        let wrong = |what: &str| Err(ReadError::Whole(format!("scan {k} {what}; export the file again")));
         let types: Vec<RecordDataType> =
             scan.prototype.iter().map(|record| record.data_type.clone()).collect();
         let is_upside_down = |t: &RecordDataType| matches!(t, RecordDataType::ScaledInteger { min, max, .. } | RecordDataType::Integer { min, max } if min > max);
         if types.iter().any(is_upside_down) {
-            return wrong("has a number whose least value is above its greatest");
+            return wrong("has a number whose minimum is above its maximum");
         }
         if types.iter().all(|t| bits(t) == 0) {
-            return wrong("has records of no bits, so that nothing tells how many there are");
+            return wrong("has records of no bits, so their number is unknown");
         }
         let find = |name: RecordName| scan.prototype.iter().position(|record| record.name == name);
         let three = |names: [RecordName; 3]| {
@@ -128,7 +128,7 @@ impl Layout {
         self.types.iter().map(bits).sum()
     }
 
-    /// Whether the coordinates are 32-bit floats.
+    /// True if the coordinates are 32-bit floats.
     pub(super) fn is_single(&self, scan: &PointCloud) -> bool {
         let single = |r: &usize| matches!(scan.prototype[*r].data_type, RecordDataType::Single { .. });
         !self.is_spherical && self.place.iter().all(single)
@@ -138,7 +138,7 @@ impl Layout {
         record.get(r).map_or(f64::NAN, |value| number(value, &self.types[r]))
     }
 
-    /// The place of a record, or `None` where the scanner saw none.
+    /// Position of a record; `None` if the scanner measured none.
     pub(super) fn point(&self, record: &[RecordValue]) -> Option<[f64; 3]> {
         if self.state.is_some_and(|r| self.value(record, r) != 0.0) {
             return None;
@@ -153,7 +153,7 @@ impl Layout {
     }
 }
 
-/// The columns of all scans so far.
+/// Columns of all scans read so far.
 #[derive(Default)]
 pub(super) struct Columns {
     columns: Vec<(Column, Vec<f64>)>,
@@ -161,7 +161,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// The columns of a scan among these; a column that is new begins with no values for the rows before it.
+    /// Finds the columns of a scan among these; a new column starts with missing values for the previous rows.
     pub(super) fn begin_scan(&mut self, layout: &Layout) -> Vec<usize> {
         let n_rows = self.n_rows;
         let places = layout.columns.iter().map(|column| {
@@ -178,7 +178,7 @@ impl Columns {
         places.collect()
     }
 
-    /// Adds the values of a record of a scan whose columns are at `places`.
+    /// Appends the values of a record of a scan whose columns are at `places`.
     pub(super) fn push(&mut self, layout: &Layout, places: &[usize], record: &[RecordValue]) {
         for (column, &k) in layout.columns.iter().zip(places) {
             let is_invalid = column.invalid.is_some_and(|r| layout.value(record, r) != 0.0);
@@ -188,7 +188,7 @@ impl Columns {
         self.n_rows += 1;
     }
 
-    /// Columns that a scan does not have get no values for it.
+    /// Fills the columns that a scan does not have with missing values.
     pub(super) fn end_scan(&mut self, n_rows: usize) {
         for (column, values) in &mut self.columns {
             values.resize(n_rows * column.records.len(), f64::NAN);
@@ -200,7 +200,7 @@ impl Columns {
         self.columns.iter().map(|(column, _)| 8 * column.records.len() as u64).sum()
     }
 
-    /// The fields, in the types that the file has; floats where a value is missing.
+    /// Converts the columns to fields, in the types of the file; to floats if a value is missing.
     pub(super) fn into_fields(self, n_rows: usize) -> Vec<Field> {
         let mut fields: Vec<Field> = Vec::new();
         for (column, values) in self.columns {

@@ -1,4 +1,5 @@
-//! FreeSurfer: surfaces (`lh.white`, `rh.pial`, …), and values on them (`lh.thickness`, `lh.aparc.annot`, MGH and MGZ).
+//! FreeSurfer: surfaces (`lh.white`, `rh.pial`, …), and values on them (`lh.thickness`, `lh.aparc.annot`, MGH and
+//! MGZ).
 //!
 //! Such files have no ending of their own; their first bytes tell.
 //!

@@ -7,12 +7,12 @@ use crate::model::numbers::{from_bytes, gathered};
 use crate::progress::collect;
 use crate::{Field, FieldValues, ReadError, ValueType};
 
-/// Bytes before the values of a curv file.
+/// Size of the header of a curv file in bytes.
 const CURV_HEADER: u64 = 15;
-/// Bytes before the values of an MGH.
+/// Size of the header of an MGH in bytes.
 const MGH_HEADER: usize = 284;
 
-/// The whole number of four bytes at a place.
+/// 32-bit integer at an offset.
 fn int(bytes: &[u8], at: usize) -> Option<i32> {
     bytes.get(at..)?.get(..4).map(|four| i32::from_bytes(four, ByteOrder::Big))
 }
@@ -21,14 +21,14 @@ fn cut(bytes: &[u8]) -> ReadError {
     ReadError::at_byte(bytes.len(), "the file ends within its values; get the whole file")
 }
 
-/// Whether it is a curv file: vertices, triangles, values for each vertex, and as many numbers.
+/// True if the bytes are a curv file: vertices, triangles, values per vertex, and as many numbers.
 pub(crate) fn is_curv(bytes: &[u8]) -> bool {
     let count = |at: usize| int(bytes, at).and_then(|n| u64::try_from(n).ok());
     let (Some(n), Some(_), Some(k)) = (count(3), count(7), count(11)) else { return false };
     bytes.starts_with(b"\xff\xff\xff") && n * k.min(1 << 20) * 4 + CURV_HEADER == bytes.len() as u64
 }
 
-/// Whether it is an MGH: its version, and a type of numbers that there is.
+/// True if the bytes are an MGH: its version, and a known type of numbers.
 pub(crate) fn is_mgh(bytes: &[u8]) -> bool {
     bytes.len() >= MGH_HEADER
         && int(bytes, 0) == Some(1)
@@ -36,7 +36,7 @@ pub(crate) fn is_mgh(bytes: &[u8]) -> bool {
         && (4..20).step_by(4).all(|at| int(bytes, at).is_some_and(|n| n > 0))
 }
 
-/// Whether it may be an annotation: pairs of a vertex and its color, and a table of colors after them.
+/// True if the bytes may be an annotation: pairs of a vertex and its color, followed by a table of colors.
 pub(crate) fn is_annotation(bytes: &[u8]) -> bool {
     let Some(n) = int(bytes, 0).and_then(|n| usize::try_from(n).ok()).filter(|&n| n > 0) else {
         return false;
@@ -53,7 +53,7 @@ pub(crate) fn read_curv(bytes: &[u8], progress: Progress<'_>) -> Result<Field, R
     Ok(Field::new("curv", k, values))
 }
 
-/// Reads an MGH, a column for each frame.
+/// Reads an MGH with one column per frame.
 pub(crate) fn read_mgh(bytes: &[u8], progress: Progress<'_>) -> Result<Field, ReadError> {
     let count = |at: usize| int(bytes, at).and_then(|n| usize::try_from(n).ok()).ok_or_else(|| cut(bytes));
     let n = [count(4)?, count(8)?, count(12)?].into_iter().try_fold(1_usize, usize::checked_mul);
@@ -67,7 +67,7 @@ pub(crate) fn read_mgh(bytes: &[u8], progress: Progress<'_>) -> Result<Field, Re
         other => {
             return Err(ReadError::at_byte(
                 20,
-                format!("values of type {other} are not known; save it as floats"),
+                format!("values of type {other} are not supported; save them as floats"),
             ));
         }
     };
@@ -75,15 +75,15 @@ pub(crate) fn read_mgh(bytes: &[u8], progress: Progress<'_>) -> Result<Field, Re
     let (Some(n), Some(n_bytes)) = (n, n_bytes) else { return Err(cut(bytes)) };
     let data = bytes.get(MGH_HEADER..).and_then(|data| data.get(..n_bytes)).ok_or_else(|| cut(bytes))?;
     if frames == 0 || n == 0 {
-        return Err(ReadError::at_byte(4, "there are no values; give a file that has some"));
+        return Err(ReadError::at_byte(4, "the file has no values; use a file with values"));
     }
     let by_frame = Field::new("overlay", 1, from_bytes(data, kind, ByteOrder::Big, progress)?);
     let by_vertex = gathered(&by_frame, n * frames, progress, &|i| i % frames * n + i / frames)?;
     Ok(Field::new("overlay", frames, by_vertex.values))
 }
 
-/// Reads an annotation: the place of each vertex's label in the table of colors, −1 where it has none; without
-/// a table the colors as numbers.
+/// Reads an annotation: for each vertex the index of its label in the table of colors, −1 without a label; without a
+/// table the colors as numbers.
 pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Field, ReadError> {
     let n = int(bytes, 0).and_then(|n| usize::try_from(n).ok()).ok_or_else(|| cut(bytes))?;
     let pairs =
@@ -93,7 +93,7 @@ pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Fi
         crate::progress::at_row(progress, i as u64, n as u64)?;
         let vertex = i32::from_bytes(pair, ByteOrder::Big);
         let place = usize::try_from(vertex).ok().and_then(|v| colors.get_mut(v)).ok_or_else(|| {
-            let message = format!("vertex {vertex} is named, but there are {n}; correct it");
+            let message = format!("vertex {vertex} does not exist, as there are {n}; correct it");
             ReadError::at_byte(4 + 8 * i, message)
         })?;
         *place = i32::from_bytes(&pair[4..], ByteOrder::Big);
@@ -103,7 +103,7 @@ pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Fi
         colors
     } else {
         let mut entries = table.entries().ok_or_else(|| {
-            ReadError::at_byte(table.at, "the table of colors breaks off; get the whole file")
+            ReadError::at_byte(table.at, "the table of colors is truncated; get the whole file")
         })?;
         entries.sort_by_key(|entry| entry.0);
         let label = |color: i32| {
@@ -115,7 +115,7 @@ pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Fi
     Ok(Field::new("label", 1, FieldValues::I32(labels)))
 }
 
-/// The table of colors at the end of an annotation.
+/// Table of colors at the end of an annotation.
 struct Table<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -128,20 +128,20 @@ impl Table<'_> {
         Some(value)
     }
 
-    /// Passes over a text after its length.
+    /// Skips a text after its length.
     fn text(&mut self) -> Option<()> {
         let length = usize::try_from(self.int()?).ok()?;
         self.at = self.at.checked_add(length).filter(|&end| end <= self.bytes.len())?;
         Some(())
     }
 
-    /// The color of each entry as the pairs have it, and its number.
+    /// Color of each entry in the encoding of the pairs, and its number.
     fn entries(&mut self) -> Option<Vec<(i32, i32)>> {
         if self.int()? != 1 {
             return None;
         }
         let first = self.int()?;
-        // Of the second version there is a negative number; it has the entries' numbers.
+        // The second version starts with a negative number and has explicit entry numbers.
         let is_numbered = first < 0;
         if is_numbered {
             self.int()?;

@@ -16,7 +16,7 @@ use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// Triangles, 32-bit coordinates.
 pub(super) const TRIANGLES: &[u8] = b"\xff\xff\xfe";
-/// Quadrangles, coordinates in hundredths. Values at vertices begin so too.
+/// Quadrangles, coordinates in hundredths. Files of values at vertices begin in the same way.
 const QUADS: &[u8] = b"\xff\xff\xff";
 /// Quadrangles, 32-bit coordinates.
 const NEW_QUADS: &[u8] = b"\xff\xff\xfd";
@@ -44,7 +44,7 @@ pub(crate) fn is_surface(bytes: &[u8]) -> bool {
         || (bytes.starts_with(QUADS) && !super::overlay::is_curv(bytes))
 }
 
-/// Reads a surface. The name of the file tells the hemisphere: `lh.white`.
+/// Reads a surface. The file name identifies the hemisphere: `lh.white`.
 pub(crate) fn read_surface(
     bytes: &[u8],
     name: Option<&str>,
@@ -67,7 +67,7 @@ pub(crate) fn read_surface(
     Ok(shape)
 }
 
-/// `n` rows of as many bytes from `at` on.
+/// Returns `n` rows of `width` bytes from `at` on.
 fn rows<'a>(bytes: &'a [u8], at: usize, n: u64, width: u64, element: &str) -> Result<&'a [u8], ReadError> {
     let needed = n.saturating_mul(width).saturating_add(at as u64);
     if needed > bytes.len() as u64 {
@@ -102,14 +102,14 @@ fn triangles(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Resul
             "the line of the creator does not end; get the whole file",
         ));
     };
-    // A blank line follows, but not all programs write it.
+    // A blank line should follow, but some programs omit it.
     let at = line_end + 1 + usize::from(bytes.get(line_end + 1) == Some(&b'\n'));
     let counts = rows(bytes, at, 2, 4, "counts")?;
     let count = |k: usize| u64::try_from(i32::from_bytes(&counts[4 * k..], ByteOrder::Big));
     let (Ok(n_vertices), Ok(n_faces)) = (count(0), count(1)) else {
         return Err(ReadError::at_byte(
             at,
-            "the counts of vertices and triangles are negative; get the whole file",
+            "the counts of vertices and triangles must not be negative; get the whole file",
         ));
     };
     limits.check_points(n_vertices)?;
@@ -147,7 +147,7 @@ fn quads(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Sh
     let points = if is_new {
         floats(points).to_points(progress)?
     } else {
-        // Hundredths, which FreeSurfer holds as 32-bit numbers, as the newer kinds of file do.
+        // Hundredths, converted to 32-bit floats as in FreeSurfer and in the newer kinds of file.
         let hundredths =
             |i: usize| f64::from(f32::from(i16::from_bytes(&points[2 * i..], ByteOrder::Big)) / 100.0);
         collect(n_vertices as usize, progress, |i| [0, 1, 2].map(|c| hundredths(3 * i + c)))?
@@ -161,7 +161,7 @@ fn quads(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Sh
             let index = [a, b, c, d][k].into();
             return Err(face_index(at, 4, 3, NoIndex::At(4 * q + k, index), n_vertices.into()));
         }
-        // As FreeSurfer splits them.
+        // Split as in FreeSurfer.
         corners.extend(if a % 2 == 0 { [[a, b, d], [c, d, b]] } else { [[a, b, c], [a, c, d]] });
     }
     shape.faces = Polygons::from(corners).into();

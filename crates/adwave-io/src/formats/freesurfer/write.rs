@@ -1,4 +1,4 @@
-//! Surfaces of triangles in 32-bit floats. One that was such a file keeps its creator and its tail.
+//! Writer for surfaces of triangles in 32-bit floats. A surface read from such a file keeps its creator and its tail.
 
 use std::io::Write;
 

@@ -1,4 +1,4 @@
-//! `[U][C][N][Z][4][u][v][n]MESH`: a grid of points, whose neighbors make quadrilaterals.
+//! `[U][C][N][Z][4][u][v][n]MESH`: a grid of points whose neighbors form quadrilaterals.
 
 use adwave::Progress;
 
@@ -7,7 +7,7 @@ use crate::progress::at_row;
 use crate::text::tokens::Tokens;
 use crate::{ReadError, ReadLimits};
 
-/// What the letters before `MESH` say.
+/// Options given by the letters before `MESH`.
 #[derive(Clone, Copy)]
 #[allow(clippy::struct_excessive_bools)] // one for each letter
 pub(crate) struct Letters {
@@ -20,7 +20,7 @@ pub(crate) struct Letters {
     wraps_v: bool,
 }
 
-/// The letters of a word that ends in `MESH`.
+/// Parses the letters of a word that ends in `MESH`.
 pub(crate) fn letters(word: &[u8]) -> Option<Letters> {
     let own = word.strip_suffix(b"MESH")?;
     let has = |letter: u8| own.contains(&letter);
@@ -35,7 +35,7 @@ pub(crate) fn letters(word: &[u8]) -> Option<Letters> {
     })
 }
 
-/// Reads what follows the keyword.
+/// Reads the content after the keyword.
 pub(crate) fn read_grid(
     tokens: &mut Tokens<'_>,
     letters: Letters,

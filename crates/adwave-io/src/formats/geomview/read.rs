@@ -11,20 +11,20 @@ use crate::text::tokens::Tokens;
 use crate::text::{is_space, show};
 use crate::{Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// Lists in lists: more are no scene of anyone.
+/// Largest nesting of lists.
 const DEEPEST: usize = 64;
 
-/// What the objects so far make.
+/// Shape built from the objects read so far.
 #[derive(Default)]
 pub(crate) struct Scene {
     pub(crate) points: Vec<[f64; 3]>,
-    /// The fourth coordinate of each, 1 where there is none.
+    /// Fourth coordinate of each point, 1 if there is none.
     w: Vec<f64>,
     normals: Vec<[f64; 4]>,
     colors: Vec<[f64; 4]>,
     pub(crate) faces: Polygons,
     edges: Vec<[u32; 2]>,
-    /// Where the faces of each object end.
+    /// End of each object's faces.
     ends: Vec<usize>,
     has_appearance: bool,
 }
@@ -93,7 +93,7 @@ pub(crate) fn begins_object(word: &[u8]) -> bool {
         || matches!(word, b"LIST" | b"VECT" | b"SKEL" | b"4SKEL")
 }
 
-/// `[C][N][4]QUAD` and `POLY`: whether there are normals, colors and a fourth coordinate.
+/// `[C][N][4]QUAD` and `POLY`: presence of normals, colors and a fourth coordinate.
 fn polygons(word: &[u8]) -> Option<[bool; 3]> {
     let own = word.strip_suffix(b"QUAD").or_else(|| word.strip_suffix(b"POLY"))?;
     own.iter().all(|b| b"CN4".contains(b)).then(|| [b'N', b'C', b'4'].map(|letter| own.contains(&letter)))
@@ -118,7 +118,7 @@ struct Reader<'a> {
     progress: Progress<'a>,
 }
 
-/// The next word, a brace being one by itself.
+/// Reads the next word; a brace is a word of its own.
 fn word<'a>(tokens: &mut Tokens<'a>) -> Option<(usize, &'a [u8])> {
     tokens.skip();
     let (start, bytes) = (tokens.position, tokens.bytes);
@@ -135,7 +135,7 @@ fn word<'a>(tokens: &mut Tokens<'a>) -> Option<(usize, &'a [u8])> {
 }
 
 impl Reader<'_> {
-    /// Reads one object, in braces or not.
+    /// Reads one object, with or without braces.
     fn object(&mut self, tokens: &mut Tokens<'_>, depth: usize) -> Result<(), ReadError> {
         if depth > DEEPEST {
             return Err(ReadError::in_line(tokens.bytes, tokens.position, "objects are nested too deeply"));
@@ -151,7 +151,11 @@ impl Reader<'_> {
                     word(tokens);
                     self.object(tokens, depth + 1)?;
                     let Some((_, b"}")) = word(&mut tokens.clone()) else {
-                        return Err(ReadError::in_line(tokens.bytes, tokens.position, "a } is missing here"));
+                        return Err(ReadError::in_line(
+                            tokens.bytes,
+                            tokens.position,
+                            "a closing } is missing here",
+                        ));
                     };
                     word(tokens);
                     return Ok(());
@@ -198,7 +202,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Quadrilaterals of four vertices each, up to a brace or the end.
+    /// Reads quadrilaterals of four vertices each, up to a brace or the end.
     fn quadrilaterals(
         &mut self,
         tokens: &mut Tokens<'_>,
@@ -236,7 +240,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `SKEL`: counts, vertices, then lines of shared vertices.
+    /// Reads a `SKEL`: counts, vertices, then lines of shared vertices.
     fn skeleton(&mut self, tokens: &mut Tokens<'_>) -> Result<(), ReadError> {
         let has_w = word(tokens).is_some_and(|(_, w)| w.starts_with(b"4"));
         let n_vertices = tokens.count("the number of vertices", 0)?;
@@ -259,14 +263,15 @@ impl Reader<'_> {
             for _ in 0..tokens.count("line", row)? {
                 let vertex = tokens.count("line", row)?;
                 if vertex >= n_vertices {
-                    let message = format!("line {row} names vertex {vertex} of {n_vertices}; correct it");
+                    let message =
+                        format!("line {row} names vertex {vertex}, but there are {n_vertices}; correct it");
                     return Err(ReadError::in_line(tokens.bytes, tokens.position, message));
                 }
                 let vertex = first + vertex as u32;
                 self.scene.edges.extend(previous.map(|before| [before, vertex]));
                 previous = Some(vertex);
             }
-            // A color may end the line.
+            // A color may follow at the end of the line.
             let end = crate::text::line_end(tokens.bytes, tokens.position);
             let rest = crate::text::words(&tokens.bytes[tokens.position..end]).take_while(|w| w[0] != b'}');
             if rest.count() == 4 {
@@ -279,7 +284,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `VECT`: counts, sizes of lines and numbers of colors, then vertices, then colors.
+    /// Reads a `VECT`: counts, sizes of lines and numbers of colors, then vertices, then colors.
     fn vectors(&mut self, tokens: &mut Tokens<'_>) -> Result<(), ReadError> {
         word(tokens);
         let mut counts = [0; 3];
@@ -291,14 +296,15 @@ impl Reader<'_> {
         tokens.check(n_lines, 4, "line")?;
         let mut sizes = Vec::new();
         for row in 0..n_lines {
-            // A negative number closes the line.
+            // A negative number marks a closed line.
             sizes.push(tokens.whole("line", row)?);
         }
         for row in 0..n_lines {
             tokens.count("line", row)?;
         }
         if sizes.iter().try_fold(0_u64, |sum, n| sum.checked_add(n.unsigned_abs())) != Some(n_vertices) {
-            let message = "the lines do not have as many vertices as there are; correct the counts";
+            let message = "the vertices of the lines must add up to the number of vertices; correct the \
+                          counts";
             return Err(ReadError::in_line(tokens.bytes, tokens.position, message));
         }
         tokens.check(n_vertices, 6, "vertex")?;
@@ -325,7 +331,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// An OFF among others, up to the brace that ends it.
+    /// Reads an OFF within a list, up to the brace that ends it.
     fn off(&mut self, tokens: &mut Tokens<'_>, start: usize) -> Result<(), ReadError> {
         let rest = &tokens.bytes[start..];
         let end = memchr::memchr2(b'}', b'{', rest).unwrap_or(rest.len());
@@ -359,7 +365,7 @@ impl Reader<'_> {
     }
 }
 
-/// Passes over what stands in braces.
+/// Skips content in braces.
 fn skip_braces(tokens: &mut Tokens<'_>) -> Result<(), ReadError> {
     let mut depth = 0_usize;
     while let Some((_, found)) = word(tokens) {
@@ -372,5 +378,5 @@ fn skip_braces(tokens: &mut Tokens<'_>) -> Result<(), ReadError> {
             return Ok(());
         }
     }
-    Err(ReadError::in_line(tokens.bytes, tokens.bytes.len(), "a } is missing; get the whole file"))
+    Err(ReadError::in_line(tokens.bytes, tokens.bytes.len(), "a closing } is missing; get the whole file"))
 }

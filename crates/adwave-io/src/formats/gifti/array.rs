@@ -1,4 +1,4 @@
-//! One array of a GIFTI as it is read: its metadata and its numbers.
+//! One array of a GIFTI: its metadata and its numbers.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -17,22 +17,22 @@ use crate::progress::{BYTES_PER_STEP, at_row};
 use crate::text::{parse_f64, show};
 use crate::{FieldValues, ReadLimits, ValueType};
 
-/// One array of a file.
+/// Array of a file.
 pub(super) struct Array {
-    /// What the array is for, without `NIFTI_INTENT_`, in lower case.
+    /// Intent of the array, without `NIFTI_INTENT_`, in lower case.
     pub(super) intent: String,
-    /// The last part of the name that the file gives it.
+    /// Last component of the array's name.
     pub(super) name: Option<String>,
-    /// The part of the anatomy that its metadata names.
+    /// Anatomical structure named in the metadata.
     pub(super) structure: Option<String>,
     pub(super) rows: usize,
     pub(super) columns: usize,
     pub(super) values: FieldValues,
-    /// Where its numbers stand in the text, with the element around them, and how.
+    /// Range of the element with the numbers in the text, and their encoding.
     pub(super) place: Option<(Range<usize>, Numbers)>,
 }
 
-/// Why an array is not read.
+/// Reasons for which an array is not read.
 pub(super) enum Stop {
     Cancelled(Cancelled),
     Broken(String),
@@ -69,21 +69,23 @@ pub(super) fn array(
     let intent = attribute("Intent")?.trim_start_matches("NIFTI_INTENT_").to_ascii_lowercase();
     let dimension = |k: usize| {
         let text = attribute(&format!("Dim{k}"))?;
-        text.trim().parse::<usize>().map_err(|_| format!("Dim{k} is {}, not a number", show(text.as_bytes())))
+        text.trim()
+            .parse::<usize>()
+            .map_err(|_| format!("Dim{k} must be a number, got {}", show(text.as_bytes())))
     };
     let n_dimensions: usize = attribute("Dimensionality")?.trim().parse().unwrap_or(0);
     if !(1..=6).contains(&n_dimensions) {
-        return Err("the array has no dimensions between 1 and 6; save the file again".into());
+        return Err("the array must have 1 to 6 dimensions; save the file again".into());
     }
     let rows = dimension(0)?;
     limits.check_points(rows as u64).map_err(|e| e.to_string())?;
     let mut columns = 1_usize;
     for k in 1..n_dimensions {
-        columns = columns.checked_mul(dimension(k)?).ok_or("the array is larger than memory")?;
+        columns = columns.checked_mul(dimension(k)?).ok_or("the array exceeds the address space")?;
     }
     let kind = value_type(attribute("DataType")?)?;
-    let n = rows.checked_mul(columns).ok_or("the array is larger than memory")?;
-    let n_bytes = n.checked_mul(kind.n_bytes()).ok_or("the array is larger than memory")?;
+    let n = rows.checked_mul(columns).ok_or("the array exceeds the address space")?;
+    let n_bytes = n.checked_mul(kind.n_bytes()).ok_or("the array exceeds the address space")?;
     let data = node.children().find(|c| c.has_tag_name("Data"));
     let text: String = data.map(|d| d.children().filter_map(|c| c.text()).collect()).unwrap_or_default();
     let by_column = node.attribute("ArrayIndexingOrder") == Some("ColumnMajorOrder") && columns > 1;
@@ -108,13 +110,14 @@ pub(super) fn array(
             (Encoding::ZlibBase64, whole(inflate(&base64(&text, progress)?, n_bytes, progress)?)?)
         }
         "ExternalFileBinary" => (Encoding::Base64, whole(external(node, folder, n_bytes)?)?),
-        other => return Err(format!("the encoding {} is not known", show(other.as_bytes())).into()),
+        other => return Err(format!("the encoding {} is unknown", show(other.as_bytes())).into()),
     };
     if values.len() != n {
         let found = values.len();
-        return Err(
-            format!("the array has {found} values and its dimensions say {n}; get the whole file").into()
-        );
+        return Err(format!(
+            "the dimensions of the array require {n} values, got {found}; get the whole file"
+        )
+        .into());
     }
     if by_column {
         values = transposed(&values, rows, columns, progress)?;
@@ -126,26 +129,29 @@ pub(super) fn array(
     Ok(Array { intent, name: name(node), structure, rows, columns, values, place })
 }
 
-/// The bytes of an array in a file of its own, which must lie beside the GIFTI.
+/// Reads the bytes of an array from a separate file, which must be in the folder of the GIFTI.
 fn external(node: Node<'_, '_>, folder: Option<&Path>, n_bytes: usize) -> Result<Vec<u8>, Stop> {
     let name = node.attribute("ExternalFileName").unwrap_or("").trim();
     let shown = show(name.as_bytes());
     let Some(folder) = folder else {
-        return Err(format!("the array is in the file {shown}; give the GIFTI by its path").into());
+        return Err(format!("the array is in the file {shown}; open the GIFTI by its path").into());
     };
-    // No file elsewhere is opened because a shape says so.
+    // No file in another folder is opened because of the content of a shape.
     if name.is_empty() || name.contains(['/', '\\', ':']) || matches!(name, "." | "..") {
-        return Err(
-            format!("the array is in the file {shown}; put it beside the GIFTI and name it alone").into()
-        );
+        return Err(format!(
+            "the array is in the file {shown}; move it next to the GIFTI and use its name alone"
+        )
+        .into());
     }
     let offset = node.attribute("ExternalFileOffset").unwrap_or("").trim();
     let offset: u64 = match offset {
         "" => 0,
-        _ => offset.parse().map_err(|_| format!("the offset {} is no number", show(offset.as_bytes())))?,
+        _ => offset
+            .parse()
+            .map_err(|_| format!("the offset must be a number, got {}", show(offset.as_bytes())))?,
     };
     let fails = |error: std::io::Error| {
-        format!("the array's file {shown} cannot be read ({error}); put it beside the GIFTI")
+        format!("the array's file {shown} cannot be read ({error}); move it next to the GIFTI")
     };
     let mut file = File::open(folder.join(name)).map_err(fails)?;
     file.seek(SeekFrom::Start(offset)).map_err(fails)?;
@@ -166,7 +172,7 @@ fn value_type(text: &str) -> Result<ValueType, String> {
         "INT64" => ValueType::I64,
         "FLOAT32" => ValueType::F32,
         "FLOAT64" => ValueType::F64,
-        other => return Err(format!("arrays of {} are not known", show(other.as_bytes()))),
+        other => return Err(format!("arrays of {} are not supported", show(other.as_bytes()))),
     })
 }
 
@@ -175,7 +181,7 @@ fn from_text(text: &str, kind: ValueType, progress: Progress<'_>) -> Result<Fiel
     for (i, word) in text.split_ascii_whitespace().enumerate() {
         at_row(progress, i as u64, 0)?;
         let number = parse_f64(word.as_bytes()).filter(|&x| values.push_f64(x));
-        number.ok_or_else(|| format!("{} stands where a number belongs", show(word.as_bytes())))?;
+        number.ok_or_else(|| format!("expected a number, got {}", show(word.as_bytes())))?;
     }
     Ok(values)
 }
@@ -187,7 +193,7 @@ fn base64(text: &str, progress: Progress<'_>) -> Result<Vec<u8>, Stop> {
         packed.extend(chunk.iter().filter(|b| !b.is_ascii_whitespace()));
     }
     let mut plain = Vec::with_capacity(packed.len() / 4 * 3);
-    // Groups of four letters stand for three bytes each; only the last may be shorter.
+    // Groups of four letters encode three bytes each; only the last group may be shorter.
     for (k, chunk) in packed.chunks(BYTES_PER_STEP).enumerate() {
         progress.check()?;
         let is_last = (k + 1) * BYTES_PER_STEP >= packed.len();
@@ -195,13 +201,13 @@ fn base64(text: &str, progress: Progress<'_>) -> Result<Vec<u8>, Stop> {
             return Err("the Base64 of the array ends before its text; get the whole file".into());
         }
         STANDARD.decode_vec(chunk, &mut plain).map_err(|e| {
-            Stop::Broken(format!("the Base64 of the array is broken ({e}); get the whole file"))
+            Stop::Broken(format!("the Base64 of the array is damaged ({e}); get the whole file"))
         })?;
     }
     Ok(plain)
 }
 
-/// What the zlib stream holds, no more than one byte beyond what is expected.
+/// Decompresses a zlib stream, up to one byte more than expected.
 fn inflate(packed: &[u8], n_bytes: usize, progress: Progress<'_>) -> Result<Vec<u8>, Stop> {
     let mut plain = Vec::new();
     let mut stream = flate2::read::ZlibDecoder::new(packed).take(n_bytes as u64 + 1);
@@ -209,7 +215,7 @@ fn inflate(packed: &[u8], n_bytes: usize, progress: Progress<'_>) -> Result<Vec<
         progress.check()?;
         let before = plain.len();
         stream.by_ref().take(BYTES_PER_STEP as u64).read_to_end(&mut plain).map_err(|e| {
-            format!("the compressed array breaks after {} bytes ({e}); get the whole file", plain.len())
+            format!("the compressed array is damaged after {} bytes ({e}); get the whole file", plain.len())
         })?;
         if plain.len() == before {
             return Ok(plain);
@@ -236,17 +242,17 @@ fn transposed(
     Ok(by_row)
 }
 
-/// The name of the entry that says of which part of the anatomy a surface or its values are.
+/// Name of the metadata entry with the anatomical structure.
 pub(super) const STRUCTURE: &str = "AnatomicalStructurePrimary";
 
-/// The last part of the name in the array's metadata, which often is a path.
+/// Last component of the name in the array's metadata, which often is a path.
 fn name(node: Node<'_, '_>) -> Option<String> {
     let value = about(node, "Name")?;
     let last = value.rsplit(['/', '\\']).next().unwrap_or("").to_owned();
     (!last.is_empty()).then_some(last)
 }
 
-/// An entry of the metadata of an array or a file.
+/// Entry of the metadata of an array or a file.
 pub(super) fn about(node: Node<'_, '_>, name: &str) -> Option<String> {
     let metadata = node.children().find(|c| c.has_tag_name("MetaData"))?;
     let text = |entry: Node<'_, '_>, tag: &str| {

@@ -1,4 +1,4 @@
-//! The numbers of an array of a GIFTI as they are written.
+//! Encoding of the numbers in an array of a GIFTI.
 
 use std::io::Write;
 
@@ -11,34 +11,34 @@ use flate2::write::ZlibEncoder;
 use crate::model::field::{ByteOrder, Number, with_values};
 use crate::{FieldValues, ValueType, WriteError};
 
-/// How numbers become text.
+/// Encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
-    /// Decimals.
+    /// Decimal numbers.
     Text,
-    /// Their bytes in Base64.
+    /// Bytes in Base64.
     Base64,
-    /// Their bytes by zlib in Base64.
+    /// Bytes compressed by zlib, in Base64.
     ZlibBase64,
 }
 
-/// How an array is stored.
+/// Storage of an array.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Numbers {
     pub(super) kind: ValueType,
     pub(super) order: ByteOrder,
     pub(super) encoding: Encoding,
-    /// Whether the first index runs fastest.
+    /// True if the first index runs fastest.
     pub(super) by_column: bool,
     pub(super) rows: usize,
     pub(super) columns: usize,
 }
 
-/// Numbers that are converted between two questions whether to stop.
+/// Numbers converted between two checks for cancellation.
 const NUMBERS_PER_STEP: usize = 8192;
 
 impl Numbers {
-    /// Writes the element with the numbers, `value(i)` being number i by rows.
+    /// Writes the element with the numbers; `value(i)` is number i by rows.
     pub(super) fn write(
         &self,
         out: &mut dyn Write,

@@ -20,20 +20,21 @@ use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueTyp
 /// What a file holds.
 struct Content {
     arrays: Vec<Array>,
-    /// The part of the anatomy that the file names for all its arrays.
+    /// Anatomical structure that the file states for all its arrays.
     structure: Option<String>,
-    /// Where the number of arrays stands.
+    /// Range of the number of arrays in the text.
     count: Option<Range<usize>>,
-    /// Where the last array ends.
+    /// End of the last array in the text.
     end: usize,
 }
 
-/// Whether the bytes are a GIFTI.
+/// True if the bytes are a GIFTI.
 pub(crate) fn is_gifti(head: &[u8]) -> bool {
     memchr::memmem::find(head, b"<GIFTI").is_some()
 }
 
-/// Reads the surface in a GIFTI, with arrays in other files where these lie in its folder: its points, its triangles, and every other array of values per vertex as a field.
+/// Reads the surface in a GIFTI: its points, its triangles, and every other array of values per vertex as a field.
+/// Arrays in separate files are read if these are in the same folder.
 pub(crate) fn read_gifti(
     bytes: Vec<u8>,
     folder: Option<&Path>,
@@ -42,17 +43,16 @@ pub(crate) fn read_gifti(
 ) -> Result<ShapeFile, ReadError> {
     let Content { mut arrays, structure, count, end } = content(&bytes, folder, limits, progress)?;
     let n_arrays = arrays.len();
-    // A copy elsewhere would have no file beside it.
+    // A copy in another folder would have no file next to it.
     let is_whole = arrays.iter().all(|array| array.place.is_some());
     let Some(at) = arrays.iter().position(|a| a.intent == "pointset") else {
         return Err(ReadError::Whole(
-            "this GIFTI has no points, only values; give it as a field of a surface (--field FILE.gii)"
-                .into(),
+            "this GIFTI has values but no points; use it as a field of a surface (--field FILE.gii)".into(),
         ));
     };
     let points = arrays.remove(at);
     if points.columns != 3 {
-        return Err(ReadError::Whole(format!("the points have {} coordinates, not 3", points.columns)));
+        return Err(ReadError::Whole(format!("points must have 3 coordinates, got {}", points.columns)));
     }
     let coordinates = &points.values;
     let point = |i: usize| [0, 1, 2].map(|c| coordinates.get(3 * i + c));
@@ -75,7 +75,7 @@ pub(crate) fn read_gifti(
             shape.extras.push(format!("{} array of {} rows", array.intent, array.rows));
         }
     }
-    // Places are counted without the mark of UTF-8, which hardly any file has.
+    // Offsets do not count the UTF-8 byte order mark, which is rare.
     if let (Some(points), Some(count)) = (points.place, count)
         && !bytes.starts_with(MARK)
         && is_whole
@@ -86,21 +86,22 @@ pub(crate) fn read_gifti(
     Ok(shape)
 }
 
-/// What some editors put before a text in UTF-8.
+/// UTF-8 byte order mark, which some editors write.
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Reads the values in a GIFTI, compressed or not, without its points and triangles: a field for each array.
+/// Reads the values in a GIFTI, compressed or not, without its points and triangles; each array becomes a field.
 ///
 /// # Errors
-/// One line with the file's name: it cannot be read, is no GIFTI, is malformed, or holds no values.
+/// The file cannot be read, is not a GIFTI, is malformed, or has no values. The message is one line with the file's
+/// name.
 pub fn read_gifti_fields(path: &Path, limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
     read_gifti_fields_with(path, limits, Progress::none())
 }
 
-/// [`read_gifti_fields`] that says how far it is and can be stopped.
+/// [`read_gifti_fields`] with progress and cancellation.
 ///
 /// # Errors
-/// As [`read_gifti_fields`], and [`ReadError::Cancelled`].
+/// The errors of [`read_gifti_fields`], and [`ReadError::Cancelled`].
 pub fn read_gifti_fields_with(
     path: &Path,
     limits: &ReadLimits,
@@ -132,7 +133,7 @@ fn parse_fields(
         }
     }
     if fields.is_empty() {
-        return Err(ReadError::Whole("this GIFTI has no values at vertices, only a surface".into()));
+        return Err(ReadError::Whole("this GIFTI has a surface but no values at vertices".into()));
     }
     Ok(fields)
 }
@@ -170,7 +171,7 @@ fn content(
     let bytes = bytes.strip_prefix(MARK).unwrap_or(bytes);
     let text = std::str::from_utf8(bytes)
         .map_err(|e| ReadError::at_byte(e.valid_up_to(), "the XML is not UTF-8; save it as UTF-8"))?;
-    // The standard document type names a file of its own; nothing is fetched.
+    // The standard document type refers to an external file, which is not fetched.
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|e| {
         let line = u64::from(e.pos().row);
@@ -181,7 +182,7 @@ fn content(
     })?;
     let root = document.root_element();
     if root.tag_name().name() != "GIFTI" {
-        return Err(ReadError::Whole("this XML is no GIFTI; give a .gii file".into()));
+        return Err(ReadError::Whole("this XML is not a GIFTI; use a .gii file".into()));
     }
     let count = root.attribute_node("NumberOfDataArrays").map(|count| count.range_value());
     let end = root.children().filter(|n| n.has_tag_name("DataArray")).map(|n| n.range().end).max();

@@ -13,7 +13,7 @@ use super::write::{left_out, write_field};
 use crate::model::f32_limits::check_range;
 use crate::{Field, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
-/// Where an array's numbers stand, with the element around them, and how.
+/// Range of the element with an array's numbers, and their encoding.
 type Place = (Range<usize>, Numbers);
 
 /// The text of a GIFTI and where its numbers stand.
@@ -23,14 +23,14 @@ pub(crate) struct GiftiSource {
     pub(super) points: Place,
     /// The fields by name.
     pub(super) fields: Vec<(String, Place)>,
-    /// Where the number of arrays stands, and what it is.
+    /// Range of the number of arrays.
     pub(super) count: Range<usize>,
     pub(super) n_arrays: usize,
-    /// Where the last array ends.
+    /// End of the last array.
     pub(super) end: usize,
 }
 
-/// What takes the place of a part of the text.
+/// Replacement of a range of the text.
 enum Change<'a> {
     Points(&'a Numbers),
     Values(&'a Numbers, &'a Field),

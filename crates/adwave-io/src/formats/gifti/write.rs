@@ -1,7 +1,7 @@
-//! GIFTI surfaces and values, as Connectome Workbench, FreeSurfer and nibabel read them.
+//! Writer for GIFTI surfaces and values, as read by Connectome Workbench, FreeSurfer and nibabel.
 //!
-//! Arrays are of the three types that the standard has: 32-bit floats, 32-bit whole numbers and bytes, by zlib in Base64.
-//! Points and `f64` fields are rounded to 32-bit floats, as everyone in the field stores them.
+//! Arrays have the three types of the standard: 32-bit floats, 32-bit integers and bytes, compressed by zlib in
+//! Base64. Points and `f64` fields are rounded to 32-bit floats, as is common in the field.
 
 use std::io::Write;
 use std::path::Path;
@@ -21,16 +21,16 @@ use crate::{
     Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport, atomic_write_with,
 };
 
-/// What stands before the arrays, but for their number.
+/// Text before the arrays, without their number.
 const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
     <!DOCTYPE GIFTI SYSTEM \"http://gifti.projects.nitrc.org/gifti.dtd\">\n";
 
-/// The space of the points is not said to be any other.
+/// Coordinate system of the points: unknown.
 const SPACE: &str = "<CoordinateSystemTransformMatrix>\n<DataSpace>NIFTI_XFORM_UNKNOWN</DataSpace>\n\
     <TransformedSpace>NIFTI_XFORM_UNKNOWN</TransformedSpace>\n\
     <MatrixData>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MatrixData>\n</CoordinateSystemTransformMatrix>\n";
 
-/// The type of a GIFTI that holds the values, rounded where it must be.
+/// Type in which a GIFTI stores the values, rounded if necessary.
 fn stored(values: &FieldValues) -> ValueType {
     let is_i32 = |x: f64| (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&x);
     match values {
@@ -46,12 +46,12 @@ fn stored(values: &FieldValues) -> ValueType {
     }
 }
 
-/// What an array is, beside its numbers.
+/// Description of an array besides its numbers.
 struct Array<'a> {
     intent: &'static str,
     /// Names and values of its metadata.
     about: Vec<(&'static str, &'a str)>,
-    /// What stands between metadata and numbers.
+    /// Text between metadata and numbers.
     space: &'static str,
     kind: ValueType,
     rows: usize,
@@ -59,7 +59,7 @@ struct Array<'a> {
 }
 
 impl Array<'_> {
-    /// Writes the array, `value(i)` being number i by rows.
+    /// Writes the array; `value(i)` is number i by rows.
     fn write(
         &self,
         out: &mut dyn Write,
@@ -98,7 +98,7 @@ fn metadata(entries: &[(&str, &str)]) -> String {
     xml + "</MetaData>\n"
 }
 
-/// The head with the part of the anatomy, which Connectome Workbench wants to know.
+/// Writes the head with the anatomical structure, which Connectome Workbench requires.
 fn write_head(out: &mut dyn Write, n_arrays: usize, structure: Option<&str>) -> Result<(), WriteError> {
     write!(
         out,
@@ -112,7 +112,7 @@ fn about(structure: Option<&str>) -> Vec<(&'static str, &str)> {
     structure.map(|structure| (STRUCTURE, structure)).into_iter().collect()
 }
 
-/// What a field is for.
+/// Intent of a field.
 fn intent(name: &str, n_channels: usize) -> &'static str {
     match (name, n_channels) {
         ("color", 3) => "RGB_VECTOR",
@@ -123,7 +123,7 @@ fn intent(name: &str, n_channels: usize) -> &'static str {
     }
 }
 
-/// Writes points, triangles and vertex fields; polygons are cut into triangles.
+/// Writes points, triangles and vertex fields; polygons are split into triangles.
 pub(crate) fn write_gifti(
     shape: &ShapeFile,
     report: &mut WriteReport,
@@ -159,7 +159,7 @@ pub(crate) fn write_gifti(
     Ok(out.write_all(b"</GIFTI>\n")?)
 }
 
-/// Refuses values that cannot be stored, and reports digits that are not.
+/// Checks that the values can be stored, and reports digits that are dropped.
 pub(super) fn left_out(
     field: &Field,
     report: &mut WriteReport,
@@ -176,7 +176,7 @@ pub(super) fn left_out(
     Ok(())
 }
 
-/// Writes a field of the vertices as one array.
+/// Writes a vertex field as one array.
 pub(super) fn write_field(
     field: &Field,
     out: &mut dyn Write,
@@ -187,9 +187,9 @@ pub(super) fn write_field(
     Array { intent, about, space: "", kind, rows, columns }.write(out, progress, |i| field.values.get(i))
 }
 
-/// Writes fields without a surface: an array for each channel, as the columns of functional and metric files are, named as in
-/// a table (`flow_x`, or `hks_0`). Numbers beyond bytes and 32-bit whole numbers are rounded to 32-bit floats. `structure` is
-/// the part of the anatomy, such as `CortexLeft`. `.gz` after the ending compresses.
+/// Writes fields without a surface: one array per channel, like the columns of functional and metric files, named as
+/// in a table (`flow_x` or `hks_0`). Numbers other than bytes and 32-bit integers are rounded to 32-bit floats.
+/// `structure` is the anatomical structure, such as `CortexLeft`. `.gz` after the extension compresses.
 ///
 /// ```
 /// use adwave_io::{Field, FieldValues, ReadLimits, read_gifti_fields, write_gifti_fields};
@@ -202,15 +202,16 @@ pub(super) fn write_field(
 /// ```
 ///
 /// # Errors
-/// As [`atomic_write`](crate::atomic_write), and [`WriteError::CannotHold`] for finite numbers that 32-bit floats cannot hold.
+/// The errors of [`atomic_write`](crate::atomic_write), and [`WriteError::CannotHold`] for finite numbers beyond the
+/// range of 32-bit floats.
 pub fn write_gifti_fields(path: &Path, fields: &[Field], structure: Option<&str>) -> Result<(), WriteError> {
     write_gifti_fields_with(path, fields, structure, Progress::none())
 }
 
-/// [`write_gifti_fields`] that can be stopped.
+/// [`write_gifti_fields`] with cancellation.
 ///
 /// # Errors
-/// As [`write_gifti_fields`], and [`WriteError::Cancelled`].
+/// The errors of [`write_gifti_fields`], and [`WriteError::Cancelled`].
 pub fn write_gifti_fields_with(
     path: &Path,
     fields: &[Field],

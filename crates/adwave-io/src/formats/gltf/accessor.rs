@@ -1,4 +1,4 @@
-//! Numbers of an accessor: where they are, how they are stored, which of them others replace.
+//! Accessor: location, storage and sparse replacement of numbers.
 
 use std::borrow::Cow;
 
@@ -10,22 +10,22 @@ use crate::model::field::{ByteOrder, Number};
 use crate::progress::{collect, extend};
 use crate::{FieldValues, ReadError, ReadLimits, ValueType};
 
-/// What an accessor says.
+/// Description of an accessor.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Accessor {
-    /// Its number in the file.
+    /// Index in the file.
     pub(crate) index: usize,
     pub(crate) value_type: ValueType,
     pub(crate) n_channels: usize,
     pub(crate) count: usize,
-    /// Whether whole numbers stand for fractions of their largest.
+    /// True if integers represent fractions of their largest value.
     pub(crate) is_normalized: bool,
-    /// Where its numbers are; all are 0 where it has none of its own.
+    /// Location of the numbers; `None` if all are 0.
     pub(crate) place: Option<Place>,
     pub(crate) is_sparse: bool,
 }
 
-/// Where numbers lie in a buffer.
+/// Location of numbers in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Place {
     pub(crate) buffer: usize,
@@ -34,7 +34,7 @@ pub(crate) struct Place {
 }
 
 fn wrong(index: usize, what: impl std::fmt::Display) -> ReadError {
-    ReadError::Whole(format!("accessor {index} {what}; get the whole file, or export it anew"))
+    ReadError::Whole(format!("accessor {index} {what}; get the whole file, or export it again"))
 }
 
 fn value_type(code: usize) -> Option<ValueType> {
@@ -49,7 +49,7 @@ fn value_type(code: usize) -> Option<ValueType> {
     })
 }
 
-/// The number of a type of component.
+/// Code of a component type.
 pub(crate) fn code(value_type: ValueType) -> usize {
     match value_type {
         ValueType::I8 => 5120,
@@ -62,10 +62,10 @@ pub(crate) fn code(value_type: ValueType) -> usize {
 }
 
 impl Accessor {
-    /// Accessor `index` of a file, with everything it claims checked against the bytes that are there.
+    /// Reads accessor `index` of a file and checks its statements against the existing bytes.
     pub(crate) fn of(document: &Document, index: usize, limits: &ReadLimits) -> Result<Self, ReadError> {
         let Some(json) = document.json.list_of("accessors").get(index) else {
-            return Err(wrong(index, "is named and not there"));
+            return Err(wrong(index, "is referenced but does not exist"));
         };
         let kind = json.index_of("componentType").and_then(value_type);
         let value_type = kind.ok_or_else(|| wrong(index, "has no known type of component"))?;
@@ -84,7 +84,7 @@ impl Accessor {
         let row = n_channels * value_type.n_bytes();
         let place = match json.index_of("bufferView") {
             None => {
-                // Numbers that no byte stands for take memory as well.
+                // Numbers without bytes of their own take memory as well.
                 limits.check_bytes((count as u64).saturating_mul(row as u64))?;
                 None
             }
@@ -95,7 +95,7 @@ impl Accessor {
         Ok(Self { index, value_type, n_channels, count, is_normalized, place, is_sparse })
     }
 
-    /// The bytes of its numbers, from the first row on.
+    /// Bytes of the numbers, from the first row on.
     fn bytes<'a>(&self, document: &'a Document) -> &'a [u8] {
         let within = |place: Place| document.buffer(place.buffer).and_then(|bytes| bytes.get(place.offset..));
         self.place.and_then(within).unwrap_or_default()
@@ -105,7 +105,7 @@ impl Accessor {
         self.place.map_or(0, |place| place.stride)
     }
 
-    /// Its numbers in the type that they have.
+    /// Reads the numbers in their own type.
     pub(crate) fn values(
         &self,
         document: &Document,
@@ -140,7 +140,7 @@ impl Accessor {
         })?)
     }
 
-    /// Appends its rows as positions: whole numbers that stand for fractions are those.
+    /// Appends its rows as positions; integers that represent fractions are converted.
     pub(crate) fn append_points(
         &self,
         document: &Document,
@@ -151,7 +151,7 @@ impl Accessor {
         if self.n_channels != 3 {
             return Err(wrong(
                 self.index,
-                format!("has {} numbers for a position and needs 3", self.n_channels),
+                format!("needs 3 numbers for a position, got {}", self.n_channels),
             ));
         }
         if self.value_type == ValueType::F32 && !self.is_sparse && self.place.is_some() {
@@ -171,7 +171,7 @@ impl Accessor {
         Ok(())
     }
 
-    /// Its values with whole numbers that stand for fractions as fractions.
+    /// Converts integers that represent fractions to fractions.
     pub(crate) fn fractions<'a>(&self, values: &'a FieldValues) -> Cow<'a, FieldValues> {
         let largest = match self.value_type {
             ValueType::I8 => 127.0,
@@ -187,7 +187,7 @@ impl Accessor {
         Cow::Owned(FieldValues::F64((0..values.len()).map(|k| (values.get(k) / largest).max(-1.0)).collect()))
     }
 
-    /// Puts the rows that a sparse accessor replaces into place.
+    /// Replaces the rows listed by a sparse accessor.
     fn replace<T: Number>(&self, document: &Document, values: &mut [T]) -> Result<(), ReadError> {
         let Some(sparse) = document.json.list_of("accessors").get(self.index).and_then(|a| a.get("sparse"))
         else {
@@ -196,10 +196,10 @@ impl Accessor {
         let (Some(n), Some(at), Some(by)) =
             (sparse.index_of("count"), sparse.get("indices"), sparse.get("values"))
         else {
-            return Err(wrong(self.index, "replaces numbers without saying which"));
+            return Err(wrong(self.index, "replaces numbers without naming their rows"));
         };
         let kind = at.index_of("componentType").and_then(value_type).filter(|t| t.is_integer());
-        let kind = kind.ok_or_else(|| wrong(self.index, "replaces rows that have no whole numbers"))?;
+        let kind = kind.ok_or_else(|| wrong(self.index, "replaces rows whose indices are not integers"))?;
         let row = self.n_channels * size_of::<T>();
         let view = |json: &Json, size: usize| {
             let view = json.index_of("bufferView").ok_or_else(|| wrong(self.index, "replaces nothing"))?;
@@ -215,7 +215,7 @@ impl Accessor {
                 _ => u32::from_bytes(from, ByteOrder::Little) as usize,
             };
             if i >= self.count {
-                return Err(wrong(self.index, format!("replaces row {i} of {}", self.count)));
+                return Err(wrong(self.index, format!("replaces row {i}, but has {} rows", self.count)));
             }
             for c in 0..self.n_channels {
                 let at = news.offset + k * row + c * size_of::<T>();
@@ -225,21 +225,21 @@ impl Accessor {
         Ok(())
     }
 
-    /// Its numbers as indices of vertices.
+    /// Reads the numbers as indices of vertices.
     pub(crate) fn indices(&self, document: &Document, progress: Progress<'_>) -> Result<Vec<u32>, ReadError> {
         if self.n_channels != 1 {
-            return Err(wrong(self.index, "has more than one number for a corner"));
+            return Err(wrong(self.index, "has more than one number per corner"));
         }
         match self.values(document, progress)? {
             FieldValues::U8(values) => Ok(values.into_iter().map(u32::from).collect()),
             FieldValues::U16(values) => Ok(collect(values.len(), progress, |k| values[k].into())?),
             FieldValues::U32(values) => Ok(values),
-            _ => Err(wrong(self.index, "has corners that are no whole numbers")),
+            _ => Err(wrong(self.index, "has corners that are not integers")),
         }
     }
 }
 
-/// Where `count` rows of `row` bytes are that `json` says are in a view of a buffer.
+/// Location of `count` rows of `row` bytes that `json` describes in a buffer view.
 fn place(
     document: &Document,
     index: usize,
@@ -249,12 +249,12 @@ fn place(
     row: usize,
 ) -> Result<Place, ReadError> {
     let Some(view_json) = document.json.list_of("bufferViews").get(view) else {
-        return Err(wrong(index, format!("names buffer view {view}, which is not there")));
+        return Err(wrong(index, format!("names buffer view {view}, which does not exist")));
     };
     let of = |json: &Json, key: &str| json.index_of(key).unwrap_or(0);
     let buffer = of(view_json, "buffer");
     let Some(bytes) = document.buffer(buffer) else {
-        return Err(wrong(index, format!("names buffer {buffer}, which is not there")));
+        return Err(wrong(index, format!("names buffer {buffer}, which does not exist")));
     };
     let stride = match of(view_json, "byteStride") {
         0 => row,
@@ -265,10 +265,10 @@ fn place(
     let needed = if count == 0 { 0 } else { stride.saturating_mul(count - 1).saturating_add(row) };
     let needed_in_view = needed.saturating_add(within);
     if stride < row && count > 1 {
-        return Err(wrong(index, format!("has rows of {row} bytes every {stride} bytes")));
+        return Err(wrong(index, format!("has rows of {row} bytes with a stride of {stride} bytes")));
     }
     if needed_in_view > length {
-        return Err(wrong(index, format!("needs {needed_in_view} bytes of {length} in its buffer view")));
+        return Err(wrong(index, format!("needs {needed_in_view} bytes, but its buffer view has {length}")));
     }
     let end = start.saturating_add(needed_in_view);
     if end > bytes.len() {

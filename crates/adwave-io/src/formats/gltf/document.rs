@@ -1,4 +1,4 @@
-//! The document and its buffers: a GLB's chunks, data in the text, files beside it.
+//! glTF document and its buffers: chunks of a GLB, data in the text, external files.
 
 use std::ops::Range;
 use std::path::Path;
@@ -13,28 +13,28 @@ use crate::{ReadError, ReadLimits};
 const JSON_CHUNK: u32 = 0x4e4f_534a;
 const BINARY_CHUNK: u32 = 0x004e_4942;
 
-/// Extensions without which a file's geometry cannot be read, and what to do.
+/// Unsupported extensions that encode geometry, and their description.
 const UNREAD: [(&str, &str); 2] = [
     ("KHR_draco_mesh_compression", "its meshes are compressed by Draco"),
     ("EXT_meshopt_compression", "its buffers are compressed by meshopt"),
 ];
 
-/// Where the bytes of a buffer are.
+/// Location of the bytes of a buffer.
 #[derive(Debug)]
 pub(crate) enum Buffer {
     /// In the file itself.
     Within(Range<usize>),
-    /// Decoded from the text, or read from a file beside it.
+    /// Decoded from the text, or read from an external file.
     Own(Vec<u8>),
 }
 
-/// A file taken apart.
+/// Parsed file.
 #[derive(Debug)]
 pub(crate) struct Document {
     pub(crate) bytes: Vec<u8>,
     pub(crate) json: Json,
     pub(crate) buffers: Vec<Buffer>,
-    /// Pictures that were in files beside it.
+    /// Pictures from external files.
     pub(crate) pictures: Vec<Option<Vec<u8>>>,
     pub(crate) is_binary: bool,
 }
@@ -48,7 +48,7 @@ fn truncated(bytes: &[u8], needed: u64, element: &str) -> ReadError {
 }
 
 impl Document {
-    /// Takes a file apart. `folder` is where files that it names are; none are read where it is not known.
+    /// Parses a file. `folder` contains external files; none are read if it is `None`.
     pub(crate) fn parse(
         bytes: Vec<u8>,
         folder: Option<&Path>,
@@ -64,7 +64,8 @@ impl Document {
             let required = json.list_of("extensionsRequired").iter().any(|e| e.text() == Some(name));
             if required {
                 return Err(ReadError::Whole(format!(
-                    "{what} ({name}), which is not read; export it without compression, or with KHR_mesh_quantization"
+                    "{what} ({name}), which is not supported; export it without compression, or with \
+                    KHR_mesh_quantization"
                 )));
             }
         }
@@ -74,7 +75,7 @@ impl Document {
         Ok(document)
     }
 
-    /// The bytes of a buffer.
+    /// Bytes of buffer `k`.
     pub(crate) fn buffer(&self, k: usize) -> Option<&[u8]> {
         match self.buffers.get(k)? {
             Buffer::Within(range) => self.bytes.get(range.clone()),
@@ -121,7 +122,7 @@ impl Document {
         Ok(())
     }
 
-    /// Pictures beside the file go with it where it is written; what is missing stays a name.
+    /// Loads external pictures, which are written together with the file; a missing one stays a name.
     fn load_pictures(
         &mut self,
         folder: Option<&Path>,
@@ -146,13 +147,13 @@ impl Document {
     }
 }
 
-/// Where the text and the numbers of a GLB are.
+/// Ranges of the text and the numbers in a GLB.
 fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), ReadError> {
     let (Some(version), Some(length)) = (u32_at(bytes, 4), u32_at(bytes, 8)) else {
         return Err(truncated(bytes, 20, "header"));
     };
     if version != 2 {
-        let message = format!("it is glTF {version}; convert it to glTF 2.0");
+        let message = format!("the file is glTF {version}; convert it to glTF 2.0");
         return Err(ReadError::at_byte(4, message));
     }
     if (length as usize) > bytes.len() {
@@ -174,7 +175,7 @@ fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), ReadErro
         }
     }
     let text =
-        text.ok_or_else(|| ReadError::at_byte(12, "the first chunk is not JSON; get the whole file"))?;
+        text.ok_or_else(|| ReadError::at_byte(12, "the first chunk must be JSON; get the whole file"))?;
     Ok((text, binary))
 }
 
@@ -203,32 +204,32 @@ fn resource(
     let shown: String = uri.chars().filter(|c| !c.is_control()).take(80).collect();
     if let Some(rest) = uri.strip_prefix("data:") {
         let encoded = rest.split_once(";base64,").map(|(_, encoded)| encoded);
-        let encoded = encoded.ok_or_else(|| ReadError::Whole(format!("`{shown}` is no base64 data")))?;
+        let encoded = encoded.ok_or_else(|| ReadError::Whole(format!("`{shown}` is not base64 data")))?;
         return base64::engine::general_purpose::STANDARD
             .decode(encoded.trim_end())
-            .map_err(|e| ReadError::Whole(format!("its base64 data is broken ({e}); get the whole file")));
+            .map_err(|e| ReadError::Whole(format!("the base64 data is damaged ({e}); get the whole file")));
     }
     let name = decoded(uri);
     let path = Path::new(&name);
-    // Nothing outside the folder is opened because a file says so.
+    // No file in another folder is opened because of the content of a file.
     let is_inside = path
         .components()
         .all(|part| matches!(part, std::path::Component::Normal(_) | std::path::Component::CurDir));
     if uri.contains("://") || !is_inside || name.is_empty() || name.contains(['\0', '\\']) {
         return Err(ReadError::Whole(format!(
-            "it names `{shown}`, which is not in its own folder; put it there, or make it a GLB"
+            "`{shown}` must be in the folder of the file; move it there, or convert the file to GLB"
         )));
     }
     let Some(folder) = folder else {
         return Err(ReadError::Whole(format!(
-            "its numbers are in `{shown}` beside it, which bytes alone do not give; open it by its path, or make it a GLB"
+            "the numbers are in the external file `{shown}`; open the file by its path, or convert it to GLB"
         )));
     };
     let path = folder.join(path);
     read_file(&path, limits, progress).map_err(|e| e.in_file(&path))
 }
 
-/// `%20` and the like decoded.
+/// Decodes `%20` and similar escapes.
 fn decoded(uri: &str) -> String {
     let bytes = uri.as_bytes();
     let mut plain = Vec::with_capacity(bytes.len());
@@ -246,7 +247,7 @@ fn decoded(uri: &str) -> String {
     String::from_utf8_lossy(&plain).into_owned()
 }
 
-/// A GLB of a text and the bytes of its first buffer.
+/// Creates the head of a GLB from a text and the size of its first buffer.
 pub(crate) fn glb_head(text: &[u8], n_binary: usize) -> Option<(Vec<u8>, usize)> {
     let (n_text, n_padded) = (text.len().next_multiple_of(4), n_binary.next_multiple_of(4));
     let has_binary = n_binary > 0;

@@ -1,4 +1,4 @@
-//! JSON as a tree whose objects keep the order of their keys.
+//! JSON tree whose objects keep the order of their keys.
 
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -7,10 +7,10 @@ use std::fmt;
 
 use crate::ReadError;
 
-/// No document has more values than this: a tree takes some ten times the bytes of its text.
+/// Largest number of values per document: a tree takes about ten times the bytes of its text.
 const MOST_VALUES: usize = 20_000_000;
 
-/// One value.
+/// JSON value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Json {
     Null,
@@ -22,14 +22,14 @@ pub(crate) enum Json {
 }
 
 impl Json {
-    /// The value of a text.
+    /// Parses a text.
     pub(crate) fn parse(text: &[u8]) -> Result<Self, ReadError> {
         let n_values = Cell::new(0);
         let mut parser = serde_json::Deserializer::from_slice(text);
         let value = Seed(&n_values).deserialize(&mut parser).and_then(|value| parser.end().map(|()| value));
         value.map_err(|e| ReadError::Line {
             line: e.line() as u64,
-            message: format!("its JSON is broken ({e}); get the whole file"),
+            message: format!("the JSON is damaged ({e}); get the whole file"),
         })
     }
 
@@ -37,7 +37,7 @@ impl Json {
         serde_json::to_vec(self).unwrap_or_default()
     }
 
-    /// The member of that name.
+    /// Member of that name.
     pub(crate) fn get(&self, key: &str) -> Option<&Self> {
         match self {
             Self::Object(members) => {
@@ -56,7 +56,7 @@ impl Json {
         }
     }
 
-    /// Gives the member of that name a value, at the end where there was none.
+    /// Sets the member of that name, or appends it.
     pub(crate) fn set(&mut self, key: &str, value: Self) {
         match self.get_mut(key) {
             Some(old) => *old = value,
@@ -74,17 +74,17 @@ impl Json {
         }
     }
 
-    /// The values of a list; none where it is no list.
+    /// Values of a list; empty for other values.
     pub(crate) fn list(&self) -> &[Self] {
         if let Self::List(values) = self { values } else { &[] }
     }
 
-    /// The list of that name; empty where there is none.
+    /// List of that name; empty if it is missing.
     pub(crate) fn list_of(&self, key: &str) -> &[Self] {
         self.get(key).map_or(&[], Self::list)
     }
 
-    /// The list of that name, made where there is none.
+    /// List of that name, created if it is missing.
     pub(crate) fn list_mut(&mut self, key: &str) -> Option<&mut Vec<Self>> {
         if self.get(key).is_none() {
             self.set(key, Self::List(Vec::new()));
@@ -95,11 +95,11 @@ impl Json {
         }
     }
 
-    /// A whole number that is not negative.
+    /// Non-negative integer.
     pub(crate) fn index(&self) -> Option<usize> {
         match self {
             Self::Number(n) => n.as_u64().and_then(|n| usize::try_from(n).ok()).or_else(|| {
-                // Some writers have `4.0`.
+                // Some writers write `4.0`.
                 let x = n.as_f64().filter(|x| x.fract() == 0.0 && (0.0..9e15).contains(x))?;
                 Some(x as usize)
             }),
@@ -123,7 +123,7 @@ impl Json {
         self.get(key).and_then(Self::text)
     }
 
-    /// `N` numbers of that name.
+    /// Array of `N` numbers of that name.
     pub(crate) fn numbers<const N: usize>(&self, key: &str) -> Option<[f64; N]> {
         let values = self.list_of(key);
         let mut numbers = [0.0; N];
@@ -150,7 +150,7 @@ impl From<&str> for Json {
     }
 }
 
-/// An object of these members.
+/// Creates an object of these members.
 pub(crate) fn object<const N: usize>(members: [(&str, Json); N]) -> Json {
     Json::Object(members.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
 }
@@ -174,7 +174,7 @@ impl Serialize for Json {
     }
 }
 
-/// Reads one value, and counts it.
+/// Deserializes one value and counts it.
 struct Seed<'a>(&'a Cell<usize>);
 
 impl<'de> DeserializeSeed<'de> for Seed<'_> {

@@ -1,4 +1,4 @@
-//! Where a node puts its mesh: matrices of 4 × 4 that end in (0, 0, 0, 1).
+//! Transforms of nodes: 4 × 4 matrices with the last row (0, 0, 0, 1).
 
 use super::json::Json;
 
@@ -7,7 +7,7 @@ pub(crate) type Matrix = [[f64; 4]; 3];
 
 pub(crate) const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// a · b.
+/// Product a · b.
 pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {
@@ -17,7 +17,7 @@ pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     })
 }
 
-/// Of a node, from its parent's place to its own: `matrix`, or translation · rotation · scale.
+/// Local transform of a node relative to its parent: `matrix`, or translation · rotation · scale.
 pub(crate) fn of_node(node: &Json) -> Option<Matrix> {
     if let Some(columns) = node.numbers::<16>("matrix") {
         return Some(std::array::from_fn(|i| std::array::from_fn(|j| columns[4 * j + i])));
@@ -36,7 +36,7 @@ pub(crate) fn of_node(node: &Json) -> Option<Matrix> {
     ])
 }
 
-/// Where a point goes.
+/// Transforms a point.
 pub(crate) fn point(m: &Matrix, p: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| m[i][0] * p[0] + m[i][1] * p[1] + m[i][2] * p[2] + m[i][3])
 }
@@ -49,13 +49,13 @@ fn cofactors(m: &Matrix) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| minor(i, j)))
 }
 
-/// The determinant of the linear part; negative where it mirrors.
+/// Determinant of the linear part; negative for a reflection.
 pub(crate) fn determinant(m: &Matrix) -> f64 {
     let c = cofactors(m);
     (0..3).map(|j| m[0][j] * c[0][j]).sum()
 }
 
-/// The direction of a normal: the linear part's inverse, transposed, applied to it, at length 1.
+/// Transforms a normal by the inverse transpose of the linear part and scales it to length 1.
 pub(crate) fn normal(m: &Matrix, n: [f64; 3]) -> [f64; 3] {
     let sign = if determinant(m) < 0.0 { -1.0 } else { 1.0 };
     let turned: [f64; 3] = cofactors(m).map(|row| sign * (row[0] * n[0] + row[1] * n[1] + row[2] * n[2]));
@@ -63,12 +63,12 @@ pub(crate) fn normal(m: &Matrix, n: [f64; 3]) -> [f64; 3] {
     if length > 0.0 && length.is_finite() { turned.map(|x| x / length) } else { n }
 }
 
-/// Whether it does more than shift.
+/// True if the matrix is more than a translation.
 pub(crate) fn turns(m: &Matrix) -> bool {
     (0..3).any(|i| (0..3).any(|j| m[i][j] != IDENTITY[i][j]))
 }
 
-/// The matrix that undoes `m`, or `None` where `m` flattens.
+/// Inverse of `m`, or `None` if `m` is singular.
 pub(crate) fn inverse(m: &Matrix) -> Option<Matrix> {
     let (c, d) = (cofactors(m), determinant(m));
     let inverse: Matrix = std::array::from_fn(|i| {
@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn a_node_turns_scales_and_shifts_in_that_order() {
-        // A quarter turn about z, twice as large, five up.
+        // A quarter turn about z, a scaling by 2, and a translation by 5 along z.
         let node = Json::parse(br#"{"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,2,2],"translation":[0,0,5]}"#);
         let m = of_node(&node.unwrap()).unwrap();
         let p = point(&m, [1.0, 0.0, 0.0]);
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn normals_of_a_mirrored_and_stretched_plane_stay_normal() {
         let m = [[-3.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        // The plane x = y, of which (1, 1, 0) is a tangent and (1, -1, 0) the normal.
+        // The plane x = y with the tangent (1, 1, 0) and the normal (1, -1, 0).
         let (t, n) = (point(&m, [1.0, 1.0, 0.0]), normal(&m, [1.0, -1.0, 0.0]));
         assert!((0..3).map(|k| t[k] * n[k]).sum::<f64>().abs() < 1e-12);
     }

@@ -1,4 +1,4 @@
-//! From the scene to one shape.
+//! Conversion of the scene to one shape.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,15 +19,15 @@ use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeF
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub(crate) instance: Instance,
-    /// Numbers of the primitives in the mesh.
+    /// Indices of the primitives in the mesh.
     pub(crate) primitives: Vec<usize>,
     pub(crate) first: usize,
     pub(crate) positions: Accessor,
-    /// The other attributes, as the file calls them.
+    /// Other attributes, with their names in the file.
     pub(crate) attributes: Vec<(String, Accessor)>,
 }
 
-/// Reads a glTF or GLB; `folder` is where files that it names are.
+/// Reads a glTF or GLB; `folder` contains external files.
 pub(crate) fn read_gltf(
     bytes: Vec<u8>,
     folder: Option<&Path>,
@@ -52,7 +52,7 @@ pub(crate) fn read_gltf(
             part.positions.append_points(&document, &mut points, |p| point(&matrix, p), progress)?;
         }
     }
-    // What a node moves has more digits than the file's numbers.
+    // Transformed coordinates have more digits than the file's numbers.
     let is_plain = |part: &Part| part.instance.matrix == IDENTITY && !part.positions.is_normalized;
     shape.precision = if parts.iter().all(is_plain) { Precision::F32 } else { Precision::F64 };
     shape.points = points.into();
@@ -73,7 +73,7 @@ fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<Part>, ReadErro
     for instance in instances(document)? {
         let Some(mesh) = document.json.list_of("meshes").get(instance.mesh) else {
             return Err(ReadError::Whole(format!(
-                "mesh {} is named and not there; export the file anew",
+                "mesh {} is referenced but does not exist; export the file again",
                 instance.mesh
             )));
         };
@@ -96,13 +96,15 @@ fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<Part>, ReadErro
             let positions = Accessor::of(document, positions, limits)?;
             if compressed.is_some() && positions.place.is_none() {
                 return Err(ReadError::Whole(
-                    "its meshes are compressed by Draco (KHR_draco_mesh_compression), which is not read; export it without compression".into(),
+                    "the meshes are compressed by Draco (KHR_draco_mesh_compression), which is not \
+                    supported; export the file without compression"
+                        .into(),
                 ));
             }
             if let Some((name, other)) = others.iter().find(|(_, other)| other.count != positions.count) {
                 let shown: String = name.chars().filter(|c| !c.is_control()).take(40).collect();
                 return Err(ReadError::Whole(format!(
-                    "mesh {}, primitive {k} has {} positions and {} of {shown}; export the file anew",
+                    "mesh {}, primitive {k} has {} positions and {} of {shown}; export the file again",
                     instance.mesh, positions.count, other.count
                 )));
             }
@@ -120,7 +122,7 @@ fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<Part>, ReadErro
     Ok(parts)
 }
 
-/// The field that an attribute is.
+/// Name of the field for an attribute.
 pub(crate) fn field_name(attribute: &str) -> String {
     match attribute {
         "NORMAL" => "normal".into(),
@@ -130,12 +132,12 @@ pub(crate) fn field_name(attribute: &str) -> String {
     }
 }
 
-/// Whether an attribute has texture coordinates.
+/// True if an attribute has texture coordinates.
 pub(crate) fn is_texcoord(attribute: &str) -> bool {
     attribute.starts_with("TEXCOORD_")
 }
 
-/// The fields of all parts; where a part has none of that name they are NaN, or 0 of whole numbers, or white.
+/// Fields of all parts; a part without a field of that name gets NaN, 0 for integers, or white.
 fn fields(
     document: &Document,
     parts: &[Part],
@@ -183,7 +185,8 @@ fn fields(
     numbered(&fields, progress)
 }
 
-/// Single attributes `hks_0`, `hks_1`, … of more than four channels are one field: no attribute has more than four.
+/// Joins scalar attributes `hks_0`, `hks_1`, … to one field of more than four channels, as an attribute has at most
+/// four.
 fn numbered(fields: &[Field], progress: Progress<'_>) -> Result<Vec<Field>, ReadError> {
     let mut grouped: Vec<Field> = Vec::new();
     let mut k = 0;
@@ -207,8 +210,8 @@ fn numbered(fields: &[Field], progress: Progress<'_>) -> Result<Vec<Field>, Read
     Ok(grouped)
 }
 
-/// Normals are turned with their mesh, texture coordinates have v upwards, small whole numbers that stand for fractions are those
-/// but for colors.
+/// Transforms values to the scene: normals are rotated with their mesh, v of texture coordinates points upwards, and
+/// small integers that represent fractions are converted, except for colors.
 fn in_scene(attribute: &str, accessor: &Accessor, values: FieldValues, matrix: &Matrix) -> FieldValues {
     let is_color = attribute.starts_with("COLOR_");
     let mut values = match accessor.fractions(&values) {
@@ -237,7 +240,7 @@ pub(crate) fn flip_v(values: &mut FieldValues) {
     }
 }
 
-/// Rows of more channels: the alpha of a color that has none is 1.
+/// Adds channels to rows; the alpha of a color without alpha is 1.
 fn widened(values: FieldValues, from: usize, to: usize, n_rows: usize) -> FieldValues {
     if from == to {
         return values;
@@ -260,7 +263,7 @@ fn absent(attribute: &str, n: usize) -> FieldValues {
     FieldValues::F32(vec![value; n])
 }
 
-/// One list after the other; of two types both become floats, colors as fractions.
+/// Concatenates two lists; lists of different types become floats, colors become fractions.
 fn joined(before: FieldValues, after: FieldValues) -> FieldValues {
     macro_rules! same {
         ($($variant:ident),*) => {
@@ -289,7 +292,7 @@ fn as_floats(values: &FieldValues) -> Vec<f32> {
     (0..values.len()).map(|k| (values.get(k) / largest) as f32).collect()
 }
 
-/// Faces, edges, and which material each face has.
+/// Faces, edges, and the material of each face.
 fn cells(
     document: &Document,
     parts: &[Part],
@@ -328,7 +331,7 @@ fn cells(
                 mode => {
                     let told =
                         format!("mesh {}, primitive {k} has the unknown mode {mode}", part.instance.mesh);
-                    return Err(ReadError::Whole(told + "; export the file anew"));
+                    return Err(ReadError::Whole(told + "; export the file again"));
                 }
             }
             if is_mirrored {
@@ -364,14 +367,14 @@ fn surface(mode: usize, n: usize, corner: &impl Fn(usize) -> u32, triangles: &mu
                 let odd = k % 2;
                 [corner(k - 2), corner(k - 1 + odd), corner(k - odd)]
             });
-            // A strip goes on over triangles without area.
+            // A strip continues across triangles without area.
             triangles.extend(strip.filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
         }
         _ => triangles.extend((2..n).map(|k| [corner(k - 1), corner(k), corner(0)])),
     }
 }
 
-/// What only this format keeps.
+/// Content that only this format can store.
 fn extras(json: &Json) -> Vec<String> {
     let mut extras = Vec::new();
     for (key, one, many) in [

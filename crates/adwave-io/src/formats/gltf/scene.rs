@@ -1,23 +1,24 @@
-//! Which meshes the scene has, and where.
+//! Meshes of the scene and their transforms.
 
 use super::document::Document;
 use super::json::Json;
 use super::matrix::{IDENTITY, Matrix, of_node, product};
 use crate::ReadError;
 
-/// Deeper trees of nodes are refused.
+/// Largest number of nodes on a path of the tree.
 const DEEPEST: usize = 1 << 16;
 
-/// A mesh where a node puts it.
+/// Mesh placed by a node.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Instance {
-    /// The node, where there is one.
+    /// Index of the node; `None` if there are no nodes.
     pub(crate) node: Option<usize>,
     pub(crate) mesh: usize,
     pub(crate) matrix: Matrix,
 }
 
-/// The meshes of the scene that is shown, in the order of its nodes; without a scene those of all nodes, without nodes all meshes.
+/// Meshes of the default scene in the order of its nodes; without a scene those of all nodes, without nodes all
+/// meshes.
 pub(crate) fn instances(document: &Document) -> Result<Vec<Instance>, ReadError> {
     let json = &document.json;
     let (nodes, scenes) = (json.list_of("nodes"), json.list_of("scenes"));
@@ -31,25 +32,29 @@ pub(crate) fn instances(document: &Document) -> Result<Vec<Instance>, ReadError>
     };
     let mut found = Vec::new();
     let mut seen = vec![false; nodes.len()];
-    // Those to be visited, the next one last.
+    // Nodes to be visited, the next one last.
     let mut open: Vec<(usize, Matrix, usize)> =
         roots.into_iter().rev().map(|node| (node, IDENTITY, 0)).collect();
     while let Some((k, parent, depth)) = open.pop() {
         let Some(node) = nodes.get(k) else {
-            return Err(ReadError::Whole(format!("node {k} is named and not there; export the file anew")));
+            return Err(ReadError::Whole(format!(
+                "node {k} is referenced but does not exist; export the file again"
+            )));
         };
         if std::mem::replace(&mut seen[k], true) || depth > DEEPEST {
             return Err(ReadError::Whole(format!(
-                "node {k} has two parents or itself below it; export the file anew"
+                "node {k} has two parents or is its own ancestor; export the file again"
             )));
         }
         let own = of_node(node);
         let matrix = own.map_or(parent, |own| product(&parent, &own));
         if let Some(mesh) = node.index_of("mesh") {
-            // Joints, not nodes, move the mesh of a skin.
+            // A skinned mesh is moved by joints, not by nodes.
             let matrix = if node.get("skin").is_some() { IDENTITY } else { matrix };
             if !matrix.as_flattened().iter().all(|x| x.is_finite()) {
-                return Err(ReadError::Whole(format!("node {k} has no finite place; export the file anew")));
+                return Err(ReadError::Whole(format!(
+                    "the transform of node {k} must be finite; export the file again"
+                )));
             }
             found.push(Instance { node: Some(k), mesh, matrix });
         }
@@ -59,7 +64,7 @@ pub(crate) fn instances(document: &Document) -> Result<Vec<Instance>, ReadError>
     Ok(found)
 }
 
-/// Nodes that are no node's child.
+/// Nodes without a parent.
 fn roots(nodes: &[Json]) -> Vec<usize> {
     let mut is_child = vec![false; nodes.len()];
     for child in nodes.iter().flat_map(|node| node.list_of("children")).filter_map(Json::index) {

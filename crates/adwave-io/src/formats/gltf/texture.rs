@@ -38,7 +38,7 @@ enum Found {
     Picture,
 }
 
-/// What a primitive is painted with.
+/// Paint of a primitive.
 enum Painted<'a> {
     Nothing(Found),
     Factor([f64; 3]),
@@ -129,7 +129,7 @@ impl<'a> Painted<'a> {
     }
 }
 
-/// The bytes of a picture: in a buffer, in the text, or from a file beside it.
+/// Bytes of a picture: from a buffer, from the text, or from an external file.
 fn picture_bytes(document: &Document, k: usize) -> Option<Vec<u8>> {
     if let Some(bytes) = document.pictures.get(k).and_then(Option::as_ref) {
         return Some(bytes.clone());

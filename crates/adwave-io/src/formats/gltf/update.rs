@@ -104,13 +104,13 @@ fn update_gltf(
 fn of_reading(error: ReadError) -> WriteError {
     match error {
         ReadError::Cancelled(e) => e.into(),
-        // What was read once is read again.
+        // Everything that could be read once can be read again.
         other => WriteError::Io(std::io::Error::other(other.to_string())),
     }
 }
 
 impl Changed<'_> {
-    /// Writes the new positions of a part, if it moved; whether digits are lost.
+    /// Writes the new positions of a part if it moved; returns true if digits are lost.
     fn move_part(&mut self, shape: &ShapeFile, k: usize, progress: Progress<'_>) -> Result<bool, WriteError> {
         let original = self.original;
         let part = &original.parts[k];
@@ -124,7 +124,7 @@ impl Changed<'_> {
             return Ok(false);
         }
         let back = inverse(&matrix).unwrap_or(IDENTITY);
-        // What did not move keeps its bits.
+        // Unchanged coordinates keep their bits.
         let own = |i: usize| {
             let local = if is_same(i) {
                 before[i]
@@ -157,7 +157,7 @@ impl Changed<'_> {
         Ok(is_rounded)
     }
 
-    /// Writes the rows that a part has of a field.
+    /// Writes the rows of a field that belong to a part.
     fn set_field(&mut self, field: &Field, k: usize, progress: Progress<'_>) -> Result<(), WriteError> {
         let original = self.original;
         let part = &original.parts[k];
@@ -192,7 +192,7 @@ impl Changed<'_> {
         Ok(())
     }
 
-    /// Bounds that hold no longer are optional.
+    /// Removes the bounds, which are optional, because they no longer hold.
     fn forget_range(&mut self, index: usize) {
         if let Some(json) = self.json.list_mut("accessors").and_then(|list| list.get_mut(index)) {
             json.remove("min");
@@ -200,7 +200,7 @@ impl Changed<'_> {
         }
     }
 
-    /// Whether an accessor's bytes are those of one part alone, in a place where new ones can go.
+    /// True if an accessor's bytes belong to one part alone and can be overwritten.
     fn is_own(&self, accessor: &Accessor, k: usize) -> bool {
         if accessor.is_sparse || accessor.place.is_none() || accessor.value_type != ValueType::F32 {
             return false;
@@ -213,7 +213,7 @@ impl Changed<'_> {
         if of_others.any(shares) {
             return false;
         }
-        // And of no primitive that the scene does not show.
+        // Primitives that are not part of the scene must not use them either.
         let meshes = self.original.document.json.list_of("meshes").iter().enumerate();
         let names = |value: &Json| value.index() == Some(accessor.index);
         !meshes.into_iter().any(|(m, mesh)| {
@@ -232,7 +232,7 @@ impl Changed<'_> {
         })
     }
 
-    /// Puts rows over those of an accessor that is a part's own.
+    /// Overwrites the rows of an accessor that belongs to one part.
     fn put(&mut self, accessor: &Accessor, rows: &Rows) {
         let Some(place) = accessor.place else { return };
         let row = rows.n_channels * rows.value_type.n_bytes();
@@ -243,7 +243,8 @@ impl Changed<'_> {
         }
     }
 
-    /// Makes a part's primitives take an attribute from another accessor; a mesh that other nodes show too is copied first.
+    /// Redirects an attribute of a part's primitives to another accessor; a mesh that other nodes use too is copied
+    /// first.
     fn point_to(&mut self, k: usize, attribute: &str, accessor: usize) {
         let part = &self.original.parts[k];
         let mesh = self.own_mesh(k);
@@ -279,7 +280,7 @@ impl Changed<'_> {
         mesh
     }
 
-    /// Pictures that were beside the file go into it.
+    /// Embeds external pictures.
     fn pack_pictures(&mut self, format: Format) {
         for (k, picture) in self.original.document.pictures.iter().enumerate() {
             let Some(bytes) = picture else { continue };
@@ -339,14 +340,14 @@ impl Changed<'_> {
     }
 }
 
-/// Whether an accessor has rows of the type that an attribute is written with.
+/// True if an accessor has rows of the type in which an attribute is written.
 fn holds(accessor: &Accessor, attribute: &Attribute) -> bool {
     accessor.value_type == attribute.value_type
         && accessor.n_channels == attribute.channels.1
         && accessor.is_normalized == attribute.is_normalized
 }
 
-/// By their first bytes.
+/// Media type by the first bytes.
 fn kind_of_picture(bytes: &[u8]) -> &'static str {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => "image/png",

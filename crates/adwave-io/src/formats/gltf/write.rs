@@ -1,4 +1,4 @@
-//! A new file: one mesh in one buffer.
+//! Writer of a new file: one mesh in one buffer.
 
 use std::io::Write;
 use std::ops::Range;
@@ -16,24 +16,24 @@ use crate::progress::collect;
 use crate::provenance::{NAME, Provenance};
 use crate::{Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
-/// What a buffer view is for.
+/// Target of a buffer view.
 pub(crate) const VERTICES: usize = 34962;
 const INDICES: usize = 34963;
 
-/// Numbers behind one another, with the views and accessors that find them.
+/// Consecutive numbers with their views and accessors.
 #[derive(Default)]
 pub(crate) struct Numbers {
     pub(crate) bytes: Vec<u8>,
     pub(crate) views: Vec<Json>,
     pub(crate) accessors: Vec<Json>,
-    /// How many views and accessors there were before.
+    /// Number of views and accessors that existed before.
     pub(crate) n_views: usize,
     pub(crate) n_accessors: usize,
-    /// Where in the buffer the bytes begin.
+    /// Offset of the bytes in the buffer.
     pub(crate) start: usize,
 }
 
-/// Rows of numbers as they stand in a buffer.
+/// Rows of numbers in the encoding of a buffer.
 pub(crate) struct Rows {
     pub(crate) bytes: Vec<u8>,
     pub(crate) count: usize,
@@ -49,11 +49,11 @@ impl Rows {
 }
 
 impl Numbers {
-    /// Adds rows, and gives the number of their accessor.
+    /// Appends rows and returns the index of their accessor.
     pub(crate) fn add(&mut self, rows: &Rows, target: usize, range: Option<[[f32; 3]; 2]>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let (at, row) = (self.start + self.bytes.len(), rows.row());
-        // Rows of vertices begin at multiples of four bytes.
+        // Rows of vertices are aligned to four bytes.
         let stride = if target == VERTICES { row.next_multiple_of(4) } else { row };
         if stride == row {
             self.bytes.extend_from_slice(&rows.bytes);
@@ -92,7 +92,7 @@ impl Numbers {
     }
 }
 
-/// Positions as 32-bit floats, with the box around them.
+/// Positions as 32-bit floats, with their bounding box.
 pub(crate) fn positions(
     points: &[[f32; 3]],
     progress: Progress<'_>,
@@ -104,7 +104,7 @@ pub(crate) fn positions(
     Ok((rows, range(points)))
 }
 
-/// The box around the points that are somewhere.
+/// Bounding box of the finite points.
 pub(crate) fn range(points: &[[f32; 3]]) -> [[f32; 3]; 2] {
     let mut range = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
     for point in points {
@@ -118,16 +118,16 @@ pub(crate) fn range(points: &[[f32; 3]]) -> [[f32; 3]; 2] {
     if range.as_flattened().iter().all(|x| x.is_finite()) { range } else { [[0.0; 3]; 2] }
 }
 
-/// What an attribute holds of a field.
+/// Attribute that stores channels of a field.
 pub(crate) struct Attribute {
     pub(crate) name: String,
-    /// The first of the field's channels, and how many.
+    /// First channel of the field, and the number of channels.
     pub(crate) channels: (usize, usize),
     pub(crate) value_type: ValueType,
     pub(crate) is_normalized: bool,
 }
 
-/// The attributes that a field becomes: more than one where it has more than four channels.
+/// Attributes for a field: several if it has more than four channels.
 pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
     let (n, own) = (field.n_channels, field.values.value_type());
     let small = matches!(own, ValueType::U8 | ValueType::I8 | ValueType::U16 | ValueType::I16);
@@ -187,7 +187,7 @@ pub(crate) fn rows(
     Ok(Rows { bytes, count, n_channels: n, value_type, is_normalized })
 }
 
-/// Refuses values that a 32-bit float cannot hold, and reports digits that it does not.
+/// Checks that the values fit 32-bit floats, and reports digits that do not.
 pub(crate) fn report_field(
     field: &Field,
     format: Format,
@@ -206,9 +206,9 @@ pub(crate) fn report_field(
     Ok(())
 }
 
-/// Where the node puts the points: about their center where 32-bit floats would lose what the shape has there.
+/// Translation of the node: the center of the points if 32-bit floats would lose their digits otherwise.
 fn place(shape: &ShapeFile) -> Option<[f64; 3]> {
-    /// So many times farther from the origin than they are large.
+    /// Distance from the origin, in sizes of the shape, from which points are translated.
     const FAR: f64 = 16.0;
     let flat = shape.points.as_flattened();
     if !flat.iter().all(|x| x.is_finite()) || flat.iter().all(|&x| f64::from(x as f32) == x) {
@@ -220,7 +220,7 @@ fn place(shape: &ShapeFile) -> Option<[f64; 3]> {
     center.iter().any(|x| x.abs() > FAR * size).then_some(center)
 }
 
-/// Says in the asset's extras where the shape came from, or no longer.
+/// Sets or removes the provenance of the shape in the extras of the asset.
 pub(super) fn set_provenance(json: &mut Json, provenance: Option<&Provenance>) {
     let value = provenance.and_then(|own| Json::parse(own.to_json().as_bytes()).ok());
     let Some(asset) = json.get_mut("asset") else { return };
@@ -323,7 +323,7 @@ fn corner_rows(corners: &[u32], n_vertices: usize, progress: Progress<'_>) -> Re
     Ok(Rows { bytes, count: corners.len(), n_channels: 1, value_type, is_normalized: false })
 }
 
-/// Writes the document with its buffers: the first of a GLB behind the text, all others in it.
+/// Writes the document with its buffers: the first buffer of a GLB follows the text, all others are embedded in it.
 pub(crate) fn finish(
     mut json: Json,
     buffers: Vec<Vec<u8>>,
@@ -364,7 +364,7 @@ mod tests {
 
     #[test]
     fn a_shape_far_from_the_origin_keeps_its_detail() {
-        // A survey's coordinates, with millimeters.
+        // Coordinates of a survey, in millimeters.
         let points = vec![[4_512_345.123, 5_401_234.456, 312.001], [4_512_346.125, 5_401_234.455, 312.002]];
         let shape = ShapeFile::from_cloud(points.clone());
         let mut bytes = Vec::new();

@@ -1,4 +1,4 @@
-//! Lists of edges: two names a line, and a weight where there is one; `#` and `%` begin remarks.
+//! Reader for lists of edges: two names per line and an optional weight; `#` and `%` begin comments.
 
 use adwave::Progress;
 
@@ -7,16 +7,16 @@ use crate::progress::at_row;
 use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
 use crate::{Direction, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// What the lines say.
+/// Content of the lines.
 #[derive(Default)]
 struct Lines<'a> {
     ends: Vec<[&'a [u8]; 2]>,
     weights: Vec<Option<f64>>,
-    /// The number of vertices that a remark names.
+    /// Number of vertices stated in a comment.
     n_vertices: Option<u64>,
 }
 
-/// Reads a graph. Vertices that are whole numbers are in the order of these, others in the order of the file.
+/// Reads a graph. Vertices named by integers are in ascending order, others in the order of the file.
 pub(crate) fn read_edge_list(
     bytes: &[u8],
     limits: &ReadLimits,
@@ -31,7 +31,7 @@ pub(crate) fn read_edge_list(
         distinct.sort_unstable();
         distinct.dedup();
         let largest = distinct.last().copied();
-        // Vertices without edges take no byte, yet whoever works with the graph takes memory for each.
+        // Vertices without edges take no bytes in the file, but memory in every later computation.
         let limit = 1_000_000 + 64 * bytes.len() as u64;
         let named = lines.n_vertices.filter(|&n| n <= limit && largest.is_none_or(|l| l < n));
         let (ends, _) = numbers.as_chunks::<2>();
@@ -84,32 +84,32 @@ fn parse<'a>(bytes: &'a [u8], progress: Progress<'_>) -> Result<Lines<'a>, ReadE
         }
         let mut parts = line.split(|&b| is_blank(b) || matches!(b, b',' | b';')).filter(|w| !w.is_empty());
         let (Some(a), Some(b)) = (parts.next(), parts.next()) else {
-            let message = format!("{} is no edge of two vertices; add the other", show(line));
+            let message = format!("an edge needs two vertices, got {}; add the other one", show(line));
             return Err(ReadError::in_line(bytes, start, message));
         };
         lines.ends.push([a, b]);
         let third = parts.next();
         let weight = match third {
-            // NetworkX writes a dictionary of Python.
+            // NetworkX writes a Python dictionary.
             Some(word) if word.starts_with(b"{") => in_dictionary(line),
             other => other.and_then(parse_f64),
         };
         lines.weights.push(weight);
     }
     if lines.ends.is_empty() && lines.n_vertices.is_none() {
-        return Err(ReadError::in_line(bytes, bytes.len(), "there is no edge; get the whole file"));
+        return Err(ReadError::in_line(bytes, bytes.len(), "the file has no edges; get the whole file"));
     }
     Ok(lines)
 }
 
-/// The number after `Nodes:` in a remark, as SNAP has it.
+/// Number after `Nodes:` in a comment of SNAP.
 fn n_nodes(line: &[u8]) -> Option<u64> {
     let lower = line.to_ascii_lowercase();
     let at = memchr::memmem::find(&lower, b"nodes:")?;
     parse_u64(crate::text::words(&line[at + 6..]).next()?)
 }
 
-/// The number after `'weight':`.
+/// Number after `'weight':`.
 fn in_dictionary(line: &[u8]) -> Option<f64> {
     let at = memchr::memmem::find(line, b"weight")? + 7;
     let rest = line.get(at..)?;

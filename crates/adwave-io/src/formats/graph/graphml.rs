@@ -1,4 +1,4 @@
-//! GraphML: XML with nodes, edges and their attributes.
+//! GraphML reader: XML with nodes, edges and their attributes.
 
 use std::collections::HashMap;
 
@@ -12,14 +12,14 @@ use crate::text::xml::{children, parse, wrong};
 use crate::text::{parse_f64, show};
 use crate::{Direction, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// What a key stands for.
+/// Meaning of a key.
 struct Key<'a> {
     name: &'a str,
     kind: &'a str,
     default: Option<&'a str>,
 }
 
-/// Values of one attribute of the nodes, as far as they are known.
+/// Values of one node attribute read so far.
 struct Column {
     name: String,
     kind: String,
@@ -27,7 +27,8 @@ struct Column {
     values: Vec<f64>,
 }
 
-/// Reads a graph: weights from the attribute `weight`, places from `x`, `y` and `z` or from `pos`, other numbers as fields.
+/// Reads a graph: weights from the attribute `weight`, positions from `x`, `y` and `z` or from `pos`, other numbers
+/// as fields.
 pub(crate) fn read_graphml(
     bytes: Vec<u8>,
     limits: &ReadLimits,
@@ -35,7 +36,7 @@ pub(crate) fn read_graphml(
 ) -> Result<ShapeFile, ReadError> {
     let broken = |e: std::string::FromUtf8Error| {
         let at = e.utf8_error().valid_up_to();
-        ReadError::in_line(e.as_bytes(), at, "is no text in UTF-8; save it as such")
+        ReadError::in_line(e.as_bytes(), at, "the text must be UTF-8; save it as UTF-8")
     };
     let text = crate::text::encoding::to_utf8(bytes).map_err(broken)?;
     let document = parse(&text)?;
@@ -64,7 +65,10 @@ pub(crate) fn read_graphml(
         for (end, name) in pair.iter_mut().zip(["source", "target"]) {
             let id = edge.attribute(name).unwrap_or("");
             *end = nodes.rows.get(id).copied().ok_or_else(|| {
-                wrong(edge, format!("an edge names node {}, which is not there; add it", show(id.as_bytes())))
+                wrong(
+                    edge,
+                    format!("an edge names node {}, which does not exist; add it", show(id.as_bytes())),
+                )
             })?;
         }
         pairs.push(pair);
@@ -93,7 +97,7 @@ fn weight(edge: Node<'_, '_>, keys: &HashMap<&str, Key<'_>>) -> Option<f64> {
     parse_f64(data.text()?.trim().as_bytes())
 }
 
-/// The nodes so far.
+/// Nodes read so far.
 #[derive(Default)]
 struct Nodes<'a> {
     n: usize,
@@ -101,7 +105,7 @@ struct Nodes<'a> {
     columns: Vec<Column>,
     positions: Vec<[f64; 3]>,
     has_text: bool,
-    /// How many values the file has.
+    /// Number of values in the file.
     n_values: usize,
 }
 
@@ -109,7 +113,7 @@ impl<'a> Nodes<'a> {
     fn add(&mut self, node: Node<'a, '_>, keys: &HashMap<&str, Key<'_>>) -> Result<(), ReadError> {
         let id = node.attribute("id").unwrap_or("");
         if self.rows.insert(id, self.n as u32).is_some() {
-            return Err(wrong(node, format!("node {} is there twice; rename one", show(id.as_bytes()))));
+            return Err(wrong(node, format!("node {} occurs twice; rename one", show(id.as_bytes()))));
         }
         let row = self.n;
         self.n += 1;
@@ -147,9 +151,12 @@ impl<'a> Nodes<'a> {
             }
             self.n_values += 1;
         }
-        // A column of one value must not ask for memory at every node again and again.
+        // A column with few values must not allocate memory at every node.
         if row.saturating_mul(self.columns.len()) > 1_000_000 + 64 * self.n_values {
-            return Err(wrong(node, "the attributes of nodes are at too few of them; give them at all"));
+            return Err(wrong(
+                node,
+                "an attribute must be present at most of the nodes; add it to all of them",
+            ));
         }
         Ok(())
     }
@@ -184,7 +191,7 @@ impl<'a> Nodes<'a> {
     }
 }
 
-/// Numbers in the type that the key names, where they fit.
+/// Numbers in the type that the key names, if they fit it.
 fn typed(kind: &str, values: Vec<f64>) -> FieldValues {
     let is_whole = |from: f64, to: f64| values.iter().all(|x| x.fract() == 0.0 && (from..=to).contains(x));
     match kind {
@@ -197,13 +204,13 @@ fn typed(kind: &str, values: Vec<f64>) -> FieldValues {
     }
 }
 
-/// Two or three numbers in brackets, quotes or none.
+/// Two or three numbers, with or without brackets or quotes.
 fn position(text: &str) -> Option<[f64; 3]> {
     let separators =
         |c: char| c.is_whitespace() || matches!(c, '[' | ']' | '(' | ')' | ',' | '"' | '\'' | '!');
     let numbers: Option<Vec<f64>> =
         text.split(separators).filter(|w| !w.is_empty()).map(|w| parse_f64(w.as_bytes())).collect();
-    // A place that is no number is none.
+    // A position that is not a number is missing.
     let numbers = numbers.filter(|numbers| !numbers.iter().any(|x| x.is_nan()));
     match numbers?[..] {
         [x, y] => Some([x, y, 0.0]),

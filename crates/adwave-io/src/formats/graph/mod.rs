@@ -1,4 +1,4 @@
-//! Graphs: TGF, lists of edges as of SNAP and NetworkX, and GraphML.
+//! Graphs: TGF, lists of edges as in SNAP and NetworkX, and GraphML.
 //!
 //! Library: `roxmltree` for GraphML (`petgraph` only writes it, and knows no fields); TGF and lists are a few words a line.
 
@@ -13,14 +13,14 @@ use std::collections::HashMap;
 
 use crate::{Direction, Edges, Format, ShapeFile, WriteError, WriteReport};
 
-/// Names of vertices and their rows.
+/// Rows of vertices by name.
 #[derive(Default)]
 pub(crate) struct Names<'a> {
     rows: HashMap<&'a [u8], u32>,
 }
 
 impl<'a> Names<'a> {
-    /// The row of a name, which is a new one where it was not there.
+    /// Row of a name; a new name gets the next row.
     pub(crate) fn add(&mut self, name: &'a [u8]) -> u32 {
         let next = self.rows.len() as u32;
         *self.rows.entry(name).or_insert(next)
@@ -35,13 +35,13 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Edges with their weights where every one has one.
+/// Builds edges; they have weights if every edge has one.
 pub(crate) fn edges(pairs: Vec<[u32; 2]>, weights: Vec<Option<f64>>, direction: Direction) -> Edges {
     let weights: Option<Vec<f64>> = weights.into_iter().collect();
     Edges { pairs, weights: weights.unwrap_or_default(), direction }
 }
 
-/// Refuses what has no edges to write, and names what a graph is without.
+/// Checks that there are edges to write, and reports content that a graph cannot store.
 pub(crate) fn check(shape: &ShapeFile, format: Format, report: &mut WriteReport) -> Result<(), WriteError> {
     if shape.edges.pairs.is_empty() && !shape.points.is_empty() {
         let what = "a shape without edges of its own".into();

@@ -1,4 +1,5 @@
-//! Trivial graph format: a line of a name and a label for each vertex, a line of `#`, a line of two names and a label for each edge.
+//! Reader of the trivial graph format: a line with a name and a label per vertex, a line with `#`, a line with two
+//! names and a label per edge.
 
 use adwave::Progress;
 
@@ -7,7 +8,8 @@ use crate::progress::at_row;
 use crate::text::{line_end, parse_f64, show, words};
 use crate::{Direction, Format, ReadError, ReadLimits, ShapeFile};
 
-/// Reads a graph. Labels of three numbers at all vertices are their places, those of one number at all edges their weights.
+/// Reads a graph. Labels of three numbers at all vertices are positions, labels of one number at all edges are
+/// weights.
 pub(crate) fn read_tgf(
     bytes: &[u8],
     limits: &ReadLimits,
@@ -39,7 +41,7 @@ pub(crate) fn read_tgf(
             0 => {
                 let n = names.len();
                 if names.add(name) as usize != n {
-                    let message = format!("vertex {} is there twice; rename one", show(name));
+                    let message = format!("vertex {} occurs twice; rename one", show(name));
                     return Err(ReadError::in_line(bytes, start, message));
                 }
                 let label: Vec<&[u8]> = parts.collect();
@@ -56,7 +58,7 @@ pub(crate) fn read_tgf(
                 for (end, name) in pair.iter_mut().zip([name, parts.next().unwrap_or(b"")]) {
                     *end = names.get(name).ok_or_else(|| {
                         let message =
-                            format!("an edge names vertex {}, which is not there; add it", show(name));
+                            format!("an edge names vertex {}, which does not exist; add it", show(name));
                         ReadError::in_line(bytes, start, message)
                     })?;
                 }
@@ -67,7 +69,7 @@ pub(crate) fn read_tgf(
         }
     }
     if part == 0 {
-        let message = "the line of # between vertices and edges is missing; get the whole file";
+        let message = "the line with # between vertices and edges is missing; get the whole file";
         return Err(ReadError::in_line(bytes, bytes.len(), message));
     }
     limits.check_points(names.len() as u64)?;

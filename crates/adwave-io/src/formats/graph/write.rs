@@ -1,4 +1,4 @@
-//! Graphs as TGF, as a list of edges and as GraphML.
+//! Writers for graphs: TGF, list of edges and GraphML.
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ use crate::progress::at_row;
 use crate::text::{escape_xml, push_f64};
 use crate::{Direction, FieldValues, Format, ShapeFile, WriteError, WriteReport};
 
-/// Edges with the weights that they have where they stand for both directions: half of what each direction has alone.
+/// Edges with the weights of their format: if an edge represents both directions, each direction has half the weight.
 struct Weights<'a> {
     shape: &'a ShapeFile,
     part: f64,
@@ -20,12 +20,12 @@ impl<'a> Weights<'a> {
     fn of(shape: &'a ShapeFile, report: &mut WriteReport) -> Self {
         let is_directed = shape.edges.direction == Direction::RowToColumn;
         if is_directed {
-            report.leave_out("directions of edges (half of each weight goes both ways)");
+            report.leave_out("directions of edges (half of each weight for each direction)");
         }
         Self { shape, part: if is_directed { 0.5 } else { 1.0 } }
     }
 
-    /// Appends a blank and the weight, where there is one to write.
+    /// Appends a blank and the weight if the edge has one.
     fn push(&self, edge: usize, out: &mut Vec<u8>) {
         let weight = self.shape.edges.weights.get(edge).copied();
         if weight.is_some() || self.part != 1.0 {
@@ -69,7 +69,7 @@ pub(crate) fn write_tgf(
     Ok(())
 }
 
-/// Writes a list of edges with the counts before it that SNAP has.
+/// Writes a list of edges after a comment with the counts, as in SNAP.
 pub(crate) fn write_edge_list(
     shape: &ShapeFile,
     report: &mut WriteReport,
@@ -95,10 +95,10 @@ pub(crate) fn write_edge_list(
     Ok(())
 }
 
-/// Appends number i.
+/// Function that appends number i.
 type Push<'a> = dyn Fn(usize, &mut Vec<u8>) + 'a;
 
-/// A column of the vertices: its name, its type, and number i.
+/// Vertex column: its name, its type, and a function for number i.
 struct Column<'a> {
     name: String,
     kind: &'static str,
@@ -130,7 +130,7 @@ fn columns(shape: &ShapeFile) -> Vec<Column<'_>> {
     all
 }
 
-/// Writes a GraphML with coordinates and all fields of the vertices.
+/// Writes a GraphML with coordinates and all vertex fields.
 pub(crate) fn write_graphml(
     shape: &ShapeFile,
     report: &mut WriteReport,

@@ -1,9 +1,9 @@
-//! The counts of points in the header of a LAS.
+//! Point counts in the header of a LAS.
 
 use crate::formats::las::read::u32_at;
 use crate::formats::las::write::{LONG_HEADER, put};
 
-/// How many points there are, and how many of each return.
+/// Number of points, and number of points of each return.
 #[derive(Default)]
 pub(crate) struct Counts {
     pub(crate) n: u64,
@@ -18,8 +18,7 @@ impl Counts {
         self.by_return[usize::from(row[14] & mask)] += 1;
     }
 
-    /// Puts the counts where the header has a place for them. The 32-bit ones stay 0 where they are 0, and become 0 where there are
-    /// more points than they count.
+    /// Stores the counts in the header. 32-bit counts that are 0 stay 0, and become 0 if they overflow.
     pub(crate) fn put_into(&self, header: &mut [u8]) {
         if u32_at(header, 107).is_some_and(|legacy| legacy > 0) {
             let fits = u32::try_from(self.n).is_ok();
@@ -38,7 +37,7 @@ impl Counts {
     }
 }
 
-/// Whether the header has 64-bit counts.
+/// True if the header has 64-bit counts.
 pub(crate) fn has_long_counts(header: &[u8]) -> bool {
     header[25] >= 4 && header.len() >= LONG_HEADER
 }

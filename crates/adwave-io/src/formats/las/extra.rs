@@ -1,15 +1,15 @@
-//! Attributes that programs add behind the standard ones of a LAS record, and the list that describes them.
+//! Extra bytes: attributes after the standard ones of a LAS record, and their descriptions.
 
 use adwave::Progress;
 
 use crate::model::grouping::{column_names, group};
 use crate::{Field, FieldValues, ValueType};
 
-/// Bytes of the description of one attribute.
+/// Size of the description of one attribute in bytes.
 pub(crate) const DESCRIPTION: usize = 192;
-/// Bytes of an attribute's name.
+/// Size of an attribute's name in bytes.
 const NAME: usize = 32;
-/// The types by their number in a description, from 1 on.
+/// Types by their number in a description, from 1 on.
 const TYPES: [ValueType; 10] = [
     ValueType::U8,
     ValueType::I8,
@@ -23,24 +23,24 @@ const TYPES: [ValueType; 10] = [
     ValueType::F64,
 ];
 
-/// An attribute that a program has added after the standard ones.
+/// Attribute after the standard ones.
 pub(crate) struct ExtraBytes {
     pub(crate) name: String,
     pub(crate) value_type: ValueType,
     pub(crate) n_channels: usize,
-    /// The factor and the offset of the numbers.
+    /// Scale and offset of the numbers.
     pub(crate) scale: Option<(f64, f64)>,
-    /// Where it is in the record.
+    /// Byte offset in the record.
     pub(crate) at: usize,
 }
 
 impl ExtraBytes {
-    /// Parses the descriptions of what begins at byte `at` of a record; stops at one whose size is not known.
+    /// Parses the descriptions of the bytes from `at` on; stops at a description of unknown size.
     pub(crate) fn parse(content: &[u8], mut at: usize) -> Vec<Self> {
         let mut all = Vec::new();
         for entry in content.chunks_exact(DESCRIPTION) {
             let code = usize::from(entry[2]);
-            // Type 0 is `options` bytes without a meaning; 11 to 30 are pairs and triples of the first ten.
+            // Type 0 means `options` bytes without a meaning; 11 to 30 are pairs and triples of the first ten.
             let (value_type, n_channels) = match code {
                 0 => (ValueType::U8, usize::from(entry[3]).max(1)),
                 1..=30 => (TYPES[(code - 1) % 10], 1 + (code - 1) / 10),
@@ -64,18 +64,18 @@ impl ExtraBytes {
         all
     }
 
-    /// Bytes of a record.
+    /// Number of bytes in a record.
     pub(crate) fn n_bytes(&self) -> usize {
         self.value_type.n_bytes() * self.n_channels
     }
 
-    /// The type that its values are read in.
+    /// Type in which the values are read.
     fn read_type(&self) -> ValueType {
         if self.scale.is_some() { ValueType::F64 } else { self.value_type }
     }
 }
 
-/// The description of a new attribute of one number.
+/// Creates the description of a new attribute with one number.
 pub(crate) fn description(name: &str, value_type: ValueType) -> [u8; DESCRIPTION] {
     let mut entry = [0; DESCRIPTION];
     entry[2] = 1 + TYPES.iter().position(|&own| own == value_type).unwrap_or(9) as u8;
@@ -83,7 +83,7 @@ pub(crate) fn description(name: &str, value_type: ValueType) -> [u8; DESCRIPTION
     entry
 }
 
-/// Descriptions of bytes that no description names, so that what comes behind them is not taken for them.
+/// Creates descriptions for undescribed bytes, so that later descriptions refer to the correct bytes.
 pub(crate) fn undescribed(mut n_bytes: usize) -> Vec<u8> {
     let mut entries = Vec::new();
     while n_bytes > 0 {
@@ -97,7 +97,7 @@ pub(crate) fn undescribed(mut n_bytes: usize) -> Vec<u8> {
     entries
 }
 
-/// Fields by their names and the attributes that each is made of, as reading makes them.
+/// Fields by name with the attributes that form each, as in reading.
 pub(crate) fn fields_of(extra: &[ExtraBytes]) -> Vec<(String, Vec<usize>)> {
     let alone = |e: &usize| extra[*e].n_channels == 1;
     let (columns, arrays): (Vec<usize>, Vec<usize>) = (0..extra.len()).partition(alone);
@@ -108,7 +108,7 @@ pub(crate) fn fields_of(extra: &[ExtraBytes]) -> Vec<(String, Vec<usize>)> {
     all
 }
 
-/// The name that a field of `n_channels` gets here, and those of its columns: short enough, and unlike the `others`.
+/// Names for a field with `n_channels` channels and for its columns: short enough and different from `others`.
 pub(crate) fn names(name: &str, n_channels: usize, others: &[String]) -> (String, Vec<String>) {
     let is_free = |name: &String| !others.iter().any(|other| other.eq_ignore_ascii_case(name));
     for number in 1_usize.. {
@@ -129,14 +129,14 @@ pub(crate) fn names(name: &str, n_channels: usize, others: &[String]) -> (String
 }
 
 fn columns_of(name: &str, n_channels: usize) -> Vec<String> {
-    // Names may have blanks here.
+    // Names may contain blanks here.
     if n_channels == 1 && !name.is_empty() {
         return vec![name.replace(|c: char| c.is_control(), "_")];
     }
     column_names(&Field { name: name.to_owned(), n_channels, values: FieldValues::U8(Vec::new()) })
 }
 
-/// Whether an attribute holds all values of a channel as they are.
+/// True if an attribute can store all values of a channel exactly.
 pub(crate) fn holds(extra: &ExtraBytes, values: &FieldValues) -> bool {
     extra.scale.is_none() && extra.value_type == values.value_type()
 }
@@ -156,7 +156,7 @@ mod tests {
         let second = own(long, &[&first]);
         assert!(second.ends_with("_2") && second.len() == NAME, "{second}");
         assert_eq!(own("Intensity", &["intensity"]), "Intensity_2");
-        // Not within a letter.
+        // Not within a character.
         assert_eq!(own(&"é".repeat(20), &[]), "é".repeat(16));
         assert_eq!(own(&format!("a{}", "é".repeat(20)), &[]), format!("a{}", "é".repeat(15)));
         assert_eq!(own("Pulse width", &[]), "Pulse width");

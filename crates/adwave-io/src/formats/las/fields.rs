@@ -1,4 +1,4 @@
-//! The fields of a LAS point record.
+//! Fields of a LAS point record.
 
 use adwave::{Cancelled, Progress};
 
@@ -8,14 +8,13 @@ use crate::model::grouping::{group, unique};
 use crate::progress::{at_row, collect};
 use crate::{Field, FieldValues, ValueType};
 
-/// The bytes of a record of the point format, without extra bytes.
+/// Size of a record of the point format in bytes, without extra bytes.
 pub(crate) fn record_bytes(format: u8) -> Option<usize> {
     const BYTES: [usize; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
     BYTES.get(usize::from(format)).copied()
 }
 
-/// Where a record has the field of that name, its type and its channels; `None` of a field that is a few bits of a byte, or is not
-/// there.
+/// Byte offset, type and number of channels of the field of that name; `None` for a bit field or a missing field.
 pub(crate) fn whole_column(format: u8, name: &str) -> Option<(usize, ValueType, usize)> {
     let old = format < 6;
     let has_time = matches!(format, 1 | 3 | 4 | 5) || !old;
@@ -38,10 +37,10 @@ pub(crate) fn whole_column(format: u8, name: &str) -> Option<(usize, ValueType, 
     }
 }
 
-/// A field that is some bits of one byte: its name, the byte, the first bit and the mask.
+/// Bit field: its name, byte offset, first bit and mask.
 pub(crate) type Bits = (&'static str, usize, u8, u8);
 
-/// The fields of the point format that are some bits of a byte.
+/// Bit fields of the point format.
 pub(crate) fn bit_columns(format: u8) -> &'static [Bits] {
     const OLD: &[Bits] = &[
         ("return_number", 14, 0, 7),
@@ -62,7 +61,7 @@ pub(crate) fn bit_columns(format: u8) -> &'static [Bits] {
     if format < 6 { OLD } else { NEW }
 }
 
-/// The point records, one after the other.
+/// Point records, one after the other.
 pub(crate) struct Records<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) record_bytes: usize,
@@ -75,7 +74,7 @@ impl Records<'_> {
         &self.bytes[i * self.record_bytes..][..self.record_bytes]
     }
 
-    /// `n_channels` numbers of each record, the first at byte `at`.
+    /// Reads `n_channels` numbers of each record, the first at byte `at`.
     fn column(&self, t: ValueType, at: usize, n_channels: usize) -> Result<FieldValues, Cancelled> {
         let mut values = t.empty();
         for i in 0..self.n {
@@ -87,13 +86,13 @@ impl Records<'_> {
         Ok(values)
     }
 
-    /// Some bits of one byte of each record.
+    /// Reads a bit field of each record.
     fn bits(&self, at: usize, shift: u8, mask: u8) -> Result<FieldValues, Cancelled> {
         Ok(FieldValues::U8(collect(self.n, self.progress, |i| (self.record(i)[at] >> shift) & mask)?))
     }
 }
 
-/// All attributes of the points, each in its own type.
+/// Reads all attributes of the points, each in its own type.
 pub(crate) fn fields(
     format: u8,
     records: &Records<'_>,

@@ -1,5 +1,5 @@
-//! Unpacking the records of a LAZ with the library `laz`, which reserves what sizes in the file say and panics on
-//! some broken files: the sizes are checked here first, and a panic becomes an error.
+//! Decompression of LAZ records with the crate `laz`. The crate allocates sizes stated in the file and panics on some
+//! damaged files, so the sizes are checked here first, and a panic becomes an error.
 
 use std::io::{Cursor, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -9,10 +9,10 @@ use adwave::{Cancelled, Progress};
 use crate::ReadError;
 use crate::formats::las::read::Header;
 
-/// The size of chunks in the description where they differ.
+/// Chunk size in the description that stands for chunks of different sizes.
 pub(crate) const VARIABLE: u64 = u32::MAX as u64;
 
-/// One part of a record, compressed on its own.
+/// Part of a record that is compressed separately.
 pub(crate) struct Item {
     kind: u16,
     size: u16,
@@ -20,7 +20,7 @@ pub(crate) struct Item {
 }
 
 impl Item {
-    /// In how many layers each chunk keeps it, where it is kept in layers at all.
+    /// Number of layers per chunk; 0 for parts without layers.
     pub(crate) fn n_layers(&self) -> usize {
         match self.kind {
             10 => 9,
@@ -46,14 +46,14 @@ pub(crate) fn i64_at(bytes: &[u8], at: usize) -> Option<i64> {
 fn broken(header: &Header, what: &str) -> ReadError {
     ReadError::at_byte(
         header.points_start,
-        format!("the LAZ compression is broken ({what}); get an unbroken file"),
+        format!("the LAZ compression is damaged ({what}); get an undamaged file"),
     )
 }
 
-/// All point records, one after the other.
+/// Decompresses all point records, one after the other.
 ///
-/// A panic of the library on a broken file is caught and becomes an error. The panic hook of the program is left as it is:
-/// the standard one prints the panic's message to the standard error, and a program that does not want that sets its own.
+/// A panic of the library on a damaged file is caught and becomes an error. The panic hook of the program is not
+/// changed: the default one prints the panic's message to the standard error; a program can install its own.
 pub(crate) fn unpack(
     bytes: &[u8],
     header: &Header,
@@ -64,7 +64,7 @@ pub(crate) fn unpack(
         return Ok(Vec::new());
     }
     check(bytes, header, description).map_err(|what| broken(header, what))?;
-    // Nothing of the library outlives this, so what a panic leaves half done is never seen.
+    // No object of the library survives, so a state left inconsistent by a panic is never used.
     let unpacked = catch_unwind(AssertUnwindSafe(|| unpack_checked(bytes, header, description, progress)));
     match unpacked {
         Ok(Ok(points)) => Ok(points),
@@ -74,10 +74,10 @@ pub(crate) fn unpack(
     }
 }
 
-/// Points unpacked between two questions whether to stop.
+/// Points decompressed between two checks for cancellation.
 const STEP: u64 = 1 << 15;
 
-/// Why unpacking ended early.
+/// Reasons for an early end of the decompression.
 enum Stop {
     Cancelled(Cancelled),
     Broken(String),
@@ -94,7 +94,7 @@ fn unpack_checked(
     let mut source = Cursor::new(bytes);
     source.seek(SeekFrom::Start(header.points_start as u64)).map_err(|e| one_line(&e))?;
     let mut decompressor = laz::LasZipDecompressor::new(source, description).map_err(|e| one_line(&e))?;
-    // Grown step by step: the number of points is only a promise.
+    // Grown step by step, because the stated number of points may be wrong.
     let mut points = Vec::new();
     let mut left = header.n_points;
     while left > 0 {
@@ -108,12 +108,12 @@ fn unpack_checked(
     Ok(points)
 }
 
-/// The parts of a record of that many bytes.
+/// Parts of a record of that many bytes.
 pub(crate) fn items_of(description: &[u8], record_bytes: usize) -> Result<Vec<Item>, &'static str> {
     let items = items(description)?;
     let total: usize = items.iter().map(|i| usize::from(i.size)).sum();
     if total != record_bytes {
-        return Err("its parts do not fill a record");
+        return Err("its parts do not add up to a record");
     }
     Ok(items)
 }
@@ -121,7 +121,7 @@ pub(crate) fn items_of(description: &[u8], record_bytes: usize) -> Result<Vec<It
 fn items(description: &[u8]) -> Result<Vec<Item>, &'static str> {
     let n = u16_at(description, 32) as usize;
     if n == 0 || n > 16 || description.len() < 34 + 6 * n {
-        return Err("its description names no parts of a record");
+        return Err("its description contains no parts of a record");
     }
     let item = |i: usize| {
         let at = 34 + 6 * i;
@@ -141,14 +141,14 @@ fn check(bytes: &[u8], header: &Header, description: &[u8]) -> Result<(), &'stat
         return Ok(());
     }
     let n_chunks = match u32_at(description, 12) {
-        // Chunks of different sizes, as many as the table says.
+        // Chunks of different sizes; the table contains their number.
         None | Some(0 | VARIABLE) => table.and_then(|table| u32_at(bytes, table + 4)).unwrap_or(0),
         Some(size) => header.n_points.div_ceil(size),
     };
     check_layers(bytes, header, &items, table, n_chunks)
 }
 
-/// The table of chunks may not have more entries than the file has bytes. Where it starts, if the file says so.
+/// Checks that the chunk table has no more entries than the file has bytes. Returns its position, if stated.
 fn check_chunk_table(bytes: &[u8], start: usize) -> Result<Option<usize>, &'static str> {
     let end = bytes.len();
     let mut found = None;
@@ -165,10 +165,11 @@ fn check_chunk_table(bytes: &[u8], start: usize) -> Result<Option<usize>, &'stat
     Ok(found)
 }
 
-/// In formats 6 to 10 each chunk states the sizes of its layers, and buffers of that size would be made.
+/// Checks the sizes of layers: in formats 6 to 10 each chunk states them, and the library would allocate buffers of
+/// these sizes.
 ///
-/// The chunks up to the table are looked at, and as many as the description or the table gives, whatever numbers of points
-/// they claim: the library does not go by those.
+/// It checks the chunks up to the table, as many as the description or the table states. Their numbers of points are
+/// ignored, as the library does not use them.
 fn check_layers(
     bytes: &[u8],
     header: &Header,
@@ -194,8 +195,8 @@ fn check_layers(
         for layer in 0..n_layers {
             match u32_at(bytes, at + 4 * layer) {
                 Some(own) => size += own,
-                None if is_needed => return Err("a chunk is cut"),
-                // The library meets the end of the file here.
+                None if is_needed => return Err("a chunk is truncated"),
+                // The library reaches the end of the file here.
                 None => return Ok(()),
             }
         }

@@ -1,4 +1,4 @@
-//! Fields of a shape in the records of a LAS: in the standard places, in those of extra bytes, or in extra bytes that are added.
+//! Fields of a shape in LAS records: in standard dimensions, in existing extra bytes, or in added extra bytes.
 
 use adwave::Progress;
 
@@ -12,16 +12,16 @@ use crate::model::field::{ByteOrder, Number as _, with_values};
 use crate::progress::at_row;
 use crate::{Field, FieldValues, ShapeFile, ValueType, WriteError, WriteReport};
 
-/// Who describes extra bytes, and the number of that record.
+/// User of the record that describes extra bytes.
 const SPECIFICATION: &[u8] = b"LASF_Spec";
 const EXTRA_BYTES: u16 = 4;
 
-/// Colors of one byte become those of two.
+/// Factor that converts one-byte colors to two bytes.
 fn factor(field: &Field) -> f64 {
     if field.name == "color" && matches!(field.values, FieldValues::U8(_)) { 257.0 } else { 1.0 }
 }
 
-/// Whether the type holds all values of the field as they are.
+/// True if the type can store all values of the field exactly.
 pub(crate) fn fits(field: &Field, kind: ValueType) -> bool {
     let range = match kind {
         ValueType::U8 => 0.0..=255.0,
@@ -31,7 +31,7 @@ pub(crate) fn fits(field: &Field, kind: ValueType) -> bool {
         _ => 0.0..=65535.0,
     };
     let factor = factor(field);
-    // Colors that are numbers from 0 to 1 are no colors of a LAS.
+    // Colors given as numbers from 0 to 1 are not LAS colors.
     let is_color = field.name != "color" || matches!(field.values, FieldValues::U8(_) | FieldValues::U16(_));
     let holds = |k: usize| {
         let value = factor * field.values.get(k);
@@ -40,16 +40,16 @@ pub(crate) fn fits(field: &Field, kind: ValueType) -> bool {
     is_color && (0..field.values.len()).all(holds)
 }
 
-/// Where the standard records have a field.
+/// Location of a field in the standard record.
 pub(crate) enum Place {
-    /// A byte, the first bit and the mask.
+    /// Byte offset, first bit and mask.
     Bits(usize, u8, u8),
-    /// The first byte and the type of each channel.
+    /// First byte and type of each channel.
     Whole(usize, ValueType),
 }
 
 impl Place {
-    /// The place in the point format that holds all values of a field as they are.
+    /// Finds the dimension of the point format that can store all values of a field exactly.
     pub(crate) fn of(format: u8, field: &Field) -> Option<Self> {
         let is_mine = |bits: &&(&str, usize, u8, u8)| bits.0 == field.name && field.n_channels == 1;
         if let Some(&(_, at, shift, mask)) = bit_columns(format).iter().find(is_mine) {
@@ -64,7 +64,7 @@ impl Place {
     }
 }
 
-/// The names that the standard records have for fields.
+/// Field names of the standard dimensions.
 fn standard_names(format: u8) -> Vec<String> {
     let whole = [
         "intensity",
@@ -80,13 +80,14 @@ fn standard_names(format: u8) -> Vec<String> {
     let bits = bit_columns(format).iter().map(|bits| bits.0);
     let colors: &[&str] =
         if whole_column(format, "color").is_some() { &["red", "green", "blue"] } else { &[] };
-    // What other programs call the standard parts.
+    // Names of the standard dimensions in other programs.
     let others = ["x", "y", "z", "point_source_id"].iter().chain(colors).copied();
     whole.chain(bits).chain(others).map(str::to_owned).collect()
 }
 
 impl Parts {
-    /// Values of the fields that changed, or of all in a new file; fields without a place become extra bytes.
+    /// Stores the changed fields, or all fields in a new file; fields without a standard dimension become extra
+    /// bytes.
     pub(crate) fn set_fields(
         &mut self,
         shape: &ShapeFile,
@@ -126,12 +127,12 @@ impl Parts {
         self.add_fields(&added, &described, report, progress)
     }
 
-    /// Bytes of a record without extra bytes.
+    /// Size of a record without extra bytes.
     fn standard_bytes(&self) -> usize {
         record_bytes(self.parsed.format).unwrap_or(self.parsed.record_bytes)
     }
 
-    /// The list of extra bytes.
+    /// Descriptions of the extra bytes.
     fn descriptions(&self) -> &[u8] {
         self.records.iter().find(|record| is_list(record)).map_or(&[], |record| &record[RECORD_HEAD..])
     }
@@ -168,7 +169,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Puts the channels of a field at these bytes of the records.
+    /// Stores the channels of a field at these bytes of the records.
     fn set_extra(
         &mut self,
         field: &Field,
@@ -190,7 +191,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Makes the records longer by fields that they have no place for.
+    /// Extends the records by fields without a dimension.
     fn add_fields(
         &mut self,
         fields: &[&Field],
@@ -208,7 +209,7 @@ impl Parts {
                 continue;
             };
             if name != field.name {
-                report.leave_out(format!("the name of `{}` (it is `{name}` there)", field.name));
+                report.leave_out(format!("the name of `{}` (stored as `{name}`)", field.name));
             }
             placed.push((field, places));
         }
@@ -228,18 +229,18 @@ impl Parts {
     }
 }
 
-/// The list of extra bytes of a file whose records grow.
+/// Descriptions of the extra bytes of a file whose records grow.
 pub(crate) struct ExtraList {
     descriptions: Vec<u8>,
-    /// Names that are given already.
+    /// Names in use.
     taken: Vec<String>,
-    /// Bytes of a record with all that was added.
+    /// Size of a record with all additions, in bytes.
     pub(crate) record_bytes: usize,
     is_understood: bool,
 }
 
 impl ExtraList {
-    /// The list in these records, to which nothing is added yet.
+    /// Reads the descriptions in these records.
     pub(crate) fn read(records: &[Vec<u8>], format: u8, size: usize) -> Self {
         let content = records.iter().find(|record| is_list(record)).map_or(&[][..], |r| &r[RECORD_HEAD..]);
         Self::of(content, &ExtraBytes::parse(content, record_bytes(format).unwrap_or(size)), format, size)
@@ -248,7 +249,7 @@ impl ExtraList {
     fn of(content: &[u8], described: &[ExtraBytes], format: u8, size: usize) -> Self {
         let standard = record_bytes(format).unwrap_or(size);
         let end = described.last().map_or(standard, |last| last.at + last.n_bytes());
-        // What stands behind a description that is not understood, or behind records that are too short, is not found.
+        // Content after an unknown description, or beyond the end of short records, cannot be located.
         let is_understood = content.len() == described.len() * DESCRIPTION && end <= size;
         let mut descriptions = content.to_vec();
         if is_understood {
@@ -259,7 +260,7 @@ impl ExtraList {
         Self { descriptions, taken, record_bytes: size, is_understood }
     }
 
-    /// Adds a field; the name that it gets and where each channel is in the record, `None` where there is no room.
+    /// Adds a field and returns its name and the location of each channel; `None` if there is no room.
     pub(crate) fn add(
         &mut self,
         name: &str,
@@ -284,7 +285,7 @@ impl ExtraList {
         Some((name, places))
     }
 
-    /// The list in place of the one that was there.
+    /// Replaces the descriptions in the records.
     pub(crate) fn put_into(&self, records: &mut Vec<Vec<u8>>) {
         let record = variable_record(SPECIFICATION, EXTRA_BYTES, &self.descriptions);
         match records.iter_mut().find(|record| is_list(record)) {

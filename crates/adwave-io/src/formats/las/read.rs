@@ -1,8 +1,8 @@
-//! LAS 1.0 – 1.4 and its compressed form LAZ.
+//! Reader for LAS 1.0 – 1.4 and its compressed form LAZ.
 //!
-//! The header and the point records are parsed here, since every field of a record is wanted in its own type, bits
-//! and extra bytes included, and no number of the header may be believed. The library `laz` unpacks compressed
-//! records; what it would trust blindly is checked first in [`crate::laz_check`].
+//! The header and the point records are parsed here, because every field of a record is read in its own type,
+//! including bit fields and extra bytes, and because numbers of the header are not trusted. The crate `laz`
+//! decompresses records; sizes that it would trust are checked first.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -17,10 +17,10 @@ use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
 /// Bytes of the header in every version; later ones add to it.
 pub(crate) const LEAST_HEADER: usize = 227;
-/// Bytes of the head of a variable-length record.
+/// Size of the head of a variable-length record in bytes.
 pub(crate) const RECORD_HEAD: usize = 54;
 
-/// What is needed of the header.
+/// Header fields used for reading.
 pub(crate) struct Header {
     pub(crate) format: u8,
     pub(crate) record_bytes: usize,
@@ -32,26 +32,26 @@ pub(crate) struct Header {
     pub(crate) is_compressed: bool,
 }
 
-/// A variable-length record of the header.
+/// Variable-length record of the header.
 pub(crate) struct Record<'a> {
-    /// Where it begins.
+    /// Start of the record.
     pub(crate) start: usize,
     pub(crate) user: &'a [u8],
     pub(crate) id: u16,
     pub(crate) content: &'a [u8],
 }
 
-/// The number of the record of the compression.
+/// Number of the record that describes the compression.
 pub(crate) const LASZIP: u16 = 22204;
 
 impl Record<'_> {
-    /// Whether it describes the compression of the points.
+    /// True if the record describes the compression of the points.
     pub(crate) fn is_compression(&self) -> bool {
         self.user.starts_with(b"laszip encoded") && self.id == LASZIP
     }
 }
 
-/// Whether that user of a record is COPC, whose records are true of one order of the points only.
+/// True if the record's user is COPC, whose records are valid only for one order of the points.
 pub(crate) fn is_copc_record(user: &[u8]) -> bool {
     user.starts_with(b"copc\0")
 }
@@ -120,7 +120,7 @@ pub(crate) fn read_las(
     Ok(shape)
 }
 
-/// The point records one after the other, unpacked where they are compressed.
+/// Returns the point records one after the other, decompressed if necessary.
 pub(crate) fn unpacked<'a>(
     bytes: &'a [u8],
     header: &Header,
@@ -133,10 +133,10 @@ pub(crate) fn unpacked<'a>(
     crate::formats::las::laz::unpack(bytes, header, description, progress).map(Cow::Owned)
 }
 
-/// What the file says about its compression.
+/// Description of the compression in the file.
 pub(crate) fn compression<'a>(records: &[Record<'a>]) -> Result<&'a [u8], ReadError> {
     let missing =
-        || ReadError::Whole("the LAZ has no record of its compression; get an unbroken file".into());
+        || ReadError::Whole("the LAZ has no record of its compression; get an undamaged file".into());
     records.iter().find(|r| r.is_compression()).map(|r| r.content).ok_or_else(missing)
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
     let minor = *bytes.get(25)?;
     let format_byte = *bytes.get(104)?;
     let legacy = u64::from(u32_at(bytes, 107)?);
-    // From 1.4 on there is a 64-bit count; older programs leave it out of their shorter header.
+    // From version 1.4 on there is a 64-bit count; older programs omit it from their shorter header.
     let long = if minor >= 4 && u16_at(bytes, 94)? >= 255 { u64_at(bytes, 247)? } else { 0 };
     let triple = |at: usize| Some([f64_at(bytes, at)?, f64_at(bytes, at + 8)?, f64_at(bytes, at + 16)?]);
     bytes.get(LEAST_HEADER - 1)?;
@@ -160,11 +160,11 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
     })
 }
 
-/// What of the header can be wrong in a file of that many bytes.
+/// Checks the header of a file of that many bytes.
 pub(crate) fn check_header(n_bytes: u64, header: &Header) -> Result<(), ReadError> {
     let Some(least) = record_bytes(header.format) else {
         let message =
-            format!("point format {} is none of LAS's 0 to 10; get an unbroken file", header.format);
+            format!("the point format must be in 0..=10, got {}; get an undamaged file", header.format);
         return Err(ReadError::at_byte(104, message));
     };
     if header.record_bytes < least {
@@ -173,12 +173,12 @@ pub(crate) fn check_header(n_bytes: u64, header: &Header) -> Result<(), ReadErro
         return Err(ReadError::at_byte(105, message));
     }
     if header.bytes < LEAST_HEADER {
-        let message = format!("a header of {} bytes is too short; get an unbroken file", header.bytes);
+        let message = format!("a header of {} bytes is too short; get an undamaged file", header.bytes);
         return Err(ReadError::at_byte(94, message));
     }
     if header.points_start < header.bytes {
         let message = format!(
-            "the points begin at byte {}, inside the header of {} bytes; get an unbroken file",
+            "the points begin at byte {}, inside the header of {} bytes; get an undamaged file",
             header.points_start, header.bytes
         );
         return Err(ReadError::at_byte(96, message));
@@ -196,7 +196,7 @@ pub(crate) fn check_header(n_bytes: u64, header: &Header) -> Result<(), ReadErro
     Ok(())
 }
 
-/// The records between header and points, as many as are whole.
+/// Complete records between header and points.
 pub(crate) fn records<'a>(bytes: &'a [u8], header: &Header) -> Vec<Record<'a>> {
     let bytes = bytes.get(..header.points_start).unwrap_or(bytes);
     let mut records = Vec::new();

@@ -43,20 +43,20 @@ impl SourceDocument for LasSource {
 pub(crate) const CHUNK: u32 = 50_000;
 /// Largest coordinate in steps of the scale that a new file gets.
 const MOST_STEPS: f64 = 1e9;
-/// The bit of the point format that says that points are compressed.
+/// Bit of the point format that marks compressed points.
 pub(crate) const COMPRESSED: u8 = 0x80;
-/// Bytes of the header of version 1.4.
+/// Size of the header of version 1.4 in bytes.
 pub(crate) const LONG_HEADER: usize = 375;
 
-/// A file in parts, uncompressed.
+/// Uncompressed file in parts.
 pub(crate) struct Parts {
     pub(crate) header: Vec<u8>,
-    /// The variable-length records, whole, without that of the compression.
+    /// Complete variable-length records, without that of the compression.
     pub(crate) records: Vec<Vec<u8>>,
-    /// What a program left between these and the points.
+    /// Unused bytes between these records and the points.
     gap: Vec<u8>,
     pub(crate) points: Vec<u8>,
-    /// What comes after the points, and where it began.
+    /// Content after the points, and its original start.
     tail: Vec<u8>,
     tail_start: usize,
     pub(crate) parsed: Header,
@@ -88,14 +88,14 @@ pub(crate) fn write_las(
         parts.set_points(shape, format, progress)?;
     }
     parts.set_fields(shape, original.is_some(), report, progress)?;
-    // A scan that did not change keeps its bytes.
+    // An unchanged scan keeps its bytes.
     let is_same = original.is_some() && !shape.moved && shape.edited.is_empty();
     if !is_same {
         parts.records.retain(|record| !is_provenance(record));
         parts.records.extend(shape.valid_provenance().and_then(provenance_record));
     }
     if original.is_none() && !parts.is_exact(shape) {
-        report.leave_out("digits of coordinates beyond a thousand-millionth of the extent");
+        report.leave_out("digits of coordinates beyond 1e-9 of the extent");
     }
     if original.is_none_or(|original| original.kept.is_some()) {
         parts.count();
@@ -147,7 +147,8 @@ impl Parts {
         Some(this)
     }
 
-    /// Extended records and wave packets say where they begin; without compression, all after the points is kept.
+    /// Start of the tail: the extended records and wave packets state theirs; without compression, everything after
+    /// the points is kept.
     fn where_tail_starts(&self, end: usize) -> usize {
         let stated = self.positions().into_iter().filter_map(|at| usize::try_from(self.u64_at(at)).ok());
         let points_end = self.parsed.points_start + self.parsed.n_points as usize * self.parsed.record_bytes;
@@ -159,7 +160,7 @@ impl Parts {
         stated.filter(|start| (least..end).contains(start)).min().unwrap_or(otherwise).min(end)
     }
 
-    /// Where the header has positions of what comes after the points.
+    /// Header offsets of positions after the points.
     fn positions(&self) -> Vec<usize> {
         let (minor, length) = (self.header[25], self.header.len());
         let mut found = Vec::new();
@@ -178,8 +179,8 @@ impl Parts {
         u64::from_le_bytes(own)
     }
 
-    /// A file without fields: of version 1.2 where its records have a place for all fields of the shape, else of 1.4, which is
-    /// the first that describes extra bytes.
+    /// Creates a file without fields: version 1.2 if its records can store all fields of the shape, else 1.4, the
+    /// first version with extra bytes.
     fn new(shape: &ShapeFile, format: Format) -> Result<Self, WriteError> {
         if shape.points.is_empty() {
             return Err(cannot(format, "a shape without points"));
@@ -194,7 +195,7 @@ impl Parts {
             let all = || shape.points.iter().map(|p| p[axis]);
             let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
             let extent = (high - low).max(f64::EPSILON * high.abs().max(low.abs())).max(f64::MIN_POSITIVE);
-            // Points that share a coordinate have it exactly by any scale: the usual one.
+            // Equal coordinates are exact with any scale; the usual one is used.
             scales[axis] =
                 if low == high { 0.001 } else { 10_f64.powf((extent / MOST_STEPS).log10().ceil()) };
             lows[axis] = low;
@@ -218,7 +219,7 @@ impl Parts {
         })
     }
 
-    /// Coordinates as whole numbers of the header's steps, and the bounds. What did not move keeps its number.
+    /// Stores the coordinates in steps of the header, and the bounds. Unchanged coordinates keep their number.
     fn set_points(
         &mut self,
         shape: &ShapeFile,
@@ -251,7 +252,7 @@ impl Parts {
         Ok(())
     }
 
-    /// Whether the coordinates are those of the shape to the last bit.
+    /// True if the coordinates equal those of the shape exactly.
     fn is_exact(&self, shape: &ShapeFile) -> bool {
         let size = self.parsed.record_bytes;
         let is_same = |(i, p): (usize, &[f64; 3])| {
@@ -265,7 +266,7 @@ impl Parts {
         shape.points.iter().enumerate().all(is_same)
     }
 
-    /// Counts the points, of each return too, into the header.
+    /// Stores the number of points, in total and per return, in the header.
     fn count(&mut self) {
         let mut counts = Counts::default();
         for row in self.points.chunks_exact(self.parsed.record_bytes) {
@@ -274,7 +275,7 @@ impl Parts {
         counts.put_into(&mut self.header);
     }
 
-    /// The whole file.
+    /// Assembles the whole file.
     fn assembled(
         mut self,
         compressed: bool,
@@ -304,7 +305,7 @@ impl Parts {
             Some(description) if !self.points.is_empty() => {
                 let points = std::mem::take(&mut self.points);
                 let size = self.parsed.record_bytes;
-                // Nothing of the library outlives this, so what a panic leaves half done is never seen.
+                // No object of the library survives, so a state left inconsistent by a panic is never used.
                 let compressed =
                     catch_unwind(AssertUnwindSafe(|| compress(bytes, description, &points, size, progress)));
                 bytes = compressed
@@ -313,7 +314,7 @@ impl Parts {
             }
             _ => bytes.append(&mut self.points),
         }
-        // What was after the points has moved.
+        // The content after the points has moved.
         for at in self.positions() {
             let old = self.u64_at(at);
             if old >= self.tail_start as u64 && old > 0 && !self.tail.is_empty() {
@@ -326,14 +327,14 @@ impl Parts {
     }
 }
 
-/// The header of a new file without points, of version 1.2 or 1.4 (`minor`).
+/// Creates the header of a new file without points, of version 1.2 or 1.4 (`minor`).
 pub(crate) fn new_header(minor: u8, format: u8, size: u16, scale: [f64; 3], offset: [f64; 3]) -> Vec<u8> {
     let n_bytes = if minor >= 4 { LONG_HEADER } else { LEAST_HEADER };
     let mut header = vec![0; n_bytes];
     header[..4].copy_from_slice(b"LASF");
     header[24..26].copy_from_slice(&[1, minor]);
     if format >= 6 {
-        // Coordinate systems of these formats are texts.
+        // Coordinate systems of these formats are stored as text.
         header[6] = 16;
     }
     header[26..31].copy_from_slice(b"OTHER");
@@ -349,7 +350,7 @@ pub(crate) fn new_header(minor: u8, format: u8, size: u16, scale: [f64; 3], offs
     header
 }
 
-/// How points of this format and size are compressed; else why they are not.
+/// Compression for points of this format and size; the error has the reason if there is none.
 pub(crate) fn compression(format: u8, size: usize, chunk: u32) -> Result<laz::LazVlr, String> {
     let extra = size.saturating_sub(record_bytes(format).unwrap_or(size));
     let builder = laz::LazVlrBuilder::default().with_point_format(format, extra as u16);
@@ -359,39 +360,39 @@ pub(crate) fn compression(format: u8, size: usize, chunk: u32) -> Result<laz::La
         .build())
 }
 
-/// The variable-length record of the compression.
+/// Creates the variable-length record of the compression.
 pub(crate) fn compression_record(description: &laz::LazVlr) -> Vec<u8> {
     let mut content = Vec::new();
-    // A vector takes whatever is written.
+    // Writing to a vector cannot fail.
     let _ = description.write_to(&mut content);
     variable_record(b"laszip encoded", LASZIP, &content)
 }
 
-/// The number of the record that says where the points came from.
+/// Number of the record with the provenance.
 const PROVENANCE: u16 = 1;
 
-/// The record that says where the points came from, where it fits in one.
+/// Creates the record with the provenance; `None` if it does not fit in one record.
 pub(crate) fn provenance_record(provenance: &Provenance) -> Option<Vec<u8>> {
     let json = provenance.to_json();
     u16::try_from(json.len()).ok()?;
     Some(variable_record(NAME.as_bytes(), PROVENANCE, json.as_bytes()))
 }
 
-/// Whether a whole record says where the points came from.
+/// True if the record contains the provenance.
 pub(crate) fn is_provenance(record: &[u8]) -> bool {
     record[2..].starts_with(NAME.as_bytes())
         && record[2 + NAME.len()] == 0
         && record[18..20] == PROVENANCE.to_le_bytes()
 }
 
-/// Where the points came from, if a record says so.
+/// Provenance of the points, if a record has it.
 pub(crate) fn provenance(records: &[Record<'_>]) -> Option<Provenance> {
     let is_own =
         |r: &&Record<'_>| r.id == PROVENANCE && r.user.split(|&b| b == 0).next() == Some(NAME.as_bytes());
     Provenance::from_json(std::str::from_utf8(records.iter().find(is_own)?.content).ok()?)
 }
 
-/// A variable-length record of at most 65 535 bytes.
+/// Creates a variable-length record of at most 65,535 bytes.
 pub(crate) fn variable_record(user: &[u8], id: u16, content: &[u8]) -> Vec<u8> {
     let mut record = vec![0; RECORD_HEAD];
     record[2..2 + user.len()].copy_from_slice(user);
@@ -401,7 +402,7 @@ pub(crate) fn variable_record(user: &[u8], id: u16, content: &[u8]) -> Vec<u8> {
     record
 }
 
-/// Points that are compressed between two looks at whether to stop.
+/// Points compressed between two checks for cancellation.
 const STEP: usize = 1 << 15;
 
 enum Stop {
@@ -418,9 +419,10 @@ impl Stop {
     }
 }
 
-/// Appends the compressed points to what is before them; positions in them count from the start of the file.
+/// Appends the compressed points; the positions stored in them count from the start of the file.
 ///
-/// The library subtracts times as whole numbers and panics in a debug build where that overflows; the caller catches it.
+/// The library subtracts times as integers and panics in a debug build if that overflows; the caller catches the
+/// panic.
 fn compress(
     before: Vec<u8>,
     description: &laz::LazVlr,

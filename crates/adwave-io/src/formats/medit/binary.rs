@@ -22,7 +22,7 @@ pub(crate) fn begins_as_meshb(bytes: &[u8]) -> Option<ByteOrder> {
     })
 }
 
-/// A place in the file and its version.
+/// Read position in the file, and its version.
 struct Input<'a> {
     cursor: Cursor<'a>,
     version: i32,
@@ -30,12 +30,12 @@ struct Input<'a> {
 }
 
 impl Input<'_> {
-    /// Bytes of a reference, an index or a count.
+    /// Size of a reference, an index or a count in bytes.
     fn n_whole_bytes(&self) -> usize {
         if self.version >= 4 { 8 } else { 4 }
     }
 
-    /// A count or the place of the next keyword.
+    /// Reads a count or the position of the next keyword.
     fn whole(&mut self, n_bytes: usize, element: &str) -> Result<i64, ReadError> {
         if n_bytes == 8 { self.cursor.number(element, 0) } else { self.cursor.i32(element).map(i64::from) }
     }
@@ -51,8 +51,9 @@ pub(crate) fn read_meshb(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let order = begins_as_meshb(&bytes)
-        .ok_or_else(|| ReadError::at_byte(0, "this is no head of a binary Medit mesh; get it anew"))?;
+    let order = begins_as_meshb(&bytes).ok_or_else(|| {
+        ReadError::at_byte(0, "the head of a binary Medit mesh is invalid; get the file again")
+    })?;
     let version = i32::from_bytes(&bytes[4..], order);
     let mut input = Input { cursor: Cursor::new(&bytes, 8, order), version, dimension: 3 };
     let mut found = Found::default();
@@ -67,7 +68,8 @@ pub(crate) fn read_meshb(
             Some(Content::Dimension) => {
                 let dimension = input.cursor.i32("the dimension")?;
                 if !matches!(dimension, 2 | 3) {
-                    let message = format!("points of dimension {dimension} cannot be read; save them as 3");
+                    let message =
+                        format!("points must have dimension 2 or 3, got {dimension}; save them as 3");
                     return Err(ReadError::at_byte(start, message));
                 }
                 input.dimension = dimension as usize;
@@ -85,7 +87,7 @@ pub(crate) fn read_meshb(
         }
         let next = usize::try_from(next).ok().filter(|&n| n >= input.cursor.position && n <= bytes.len());
         let Some(next) = next else {
-            let message = "the place of the next keyword is not in the file; get the whole file";
+            let message = "the position of the next keyword lies outside the file; get the whole file";
             return Err(ReadError::at_byte(start + 4, message));
         };
         input.cursor.position = next;
@@ -138,7 +140,7 @@ fn count(input: &mut Input<'_>, n_bytes: usize, what: &str) -> Result<u64, ReadE
     let start = input.cursor.position;
     let n = input.whole(n_bytes, what)?;
     u64::try_from(n)
-        .map_err(|_| ReadError::at_byte(start, format!("{what} is below 0; get an unbroken file")))
+        .map_err(|_| ReadError::at_byte(start, format!("{what} must not be negative; get an undamaged file")))
 }
 
 fn elements(

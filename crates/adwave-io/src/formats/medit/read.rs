@@ -11,19 +11,19 @@ use crate::progress::{all, at_row, collect};
 use crate::text::tokens::Tokens;
 use crate::{Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// What stands after a keyword.
+/// Content after a keyword.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Content {
     Dimension,
     Vertices,
-    /// Elements of so many nodes, the first of which are the corners.
+    /// Elements with that many nodes, the corners first.
     Edges(usize),
     Faces(u8, usize),
     Cells(Cell, usize),
     End,
 }
 
-/// Name and number of the keywords that are read.
+/// Names and numbers of the supported keywords.
 const KEYWORDS: &[(&str, i32, Content)] = &[
     ("Dimension", 3, Content::Dimension),
     ("Vertices", 4, Content::Vertices),
@@ -44,15 +44,15 @@ const KEYWORDS: &[(&str, i32, Content)] = &[
     ("End", 54, Content::End),
 ];
 
-/// What follows the keyword of that number in a binary file.
+/// Content after the keyword of that number in a binary file.
 pub(crate) fn content_of(number: i32) -> Option<Content> {
     KEYWORDS.iter().find(|(_, own, _)| *own == number).map(|(.., content)| *content)
 }
 
-/// Stands for a vertex that is not there.
+/// Index of a vertex that does not exist.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// What is found in a file.
+/// Content read from a file.
 #[derive(Default)]
 pub(crate) struct Found {
     pub(crate) points: Vec<[f64; 3]>,
@@ -67,7 +67,7 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// The list of corners that elements of this kind go to, after noting that `n` more come.
+    /// List of corners for elements of this kind, with capacity for `n` more.
     pub(crate) fn begin(
         &mut self,
         content: Content,
@@ -95,7 +95,7 @@ impl Found {
             }
         };
         extra(!self.cells.kinds.is_empty(), "volume cells");
-        extra(self.has_other, "corners, ridges, required elements and the like");
+        extra(self.has_other, "corners, ridges, required elements and similar");
         let has_faces = !self.sizes.is_empty() || !self.cells.kinds.is_empty();
         extra(has_faces && !self.edges.is_empty(), "elements of a line");
         let n_corners = self.corners.len().max(self.cells.corners.len());
@@ -128,7 +128,7 @@ impl Found {
     }
 }
 
-/// References as a field, where one is not 0.
+/// References as a field; `None` if all are 0.
 fn reference(list: &[i64], progress: Progress<'_>) -> Result<Option<Field>, ReadError> {
     if all(list.len(), progress, |k| list[k] == 0)? {
         return Ok(None);
@@ -161,7 +161,8 @@ pub(crate) fn read_medit(
             Some(Content::Dimension) => {
                 dimension = tokens.whole("the dimension", 0)?;
                 if !matches!(dimension, 2 | 3) {
-                    let message = format!("points of dimension {dimension} cannot be read; save them as 3");
+                    let message =
+                        format!("points must have dimension 2 or 3, got {dimension}; save them as 3");
                     return Err(ReadError::in_line(&bytes, start, message));
                 }
             }
@@ -179,7 +180,7 @@ pub(crate) fn read_medit(
             }
             _ => {
                 let word = crate::text::show(word);
-                let message = format!("{word} stands where a keyword belongs; correct the count before it");
+                let message = format!("expected a keyword, got {word}; correct the count before it");
                 return Err(ReadError::in_line(&bytes, start, message));
             }
         }

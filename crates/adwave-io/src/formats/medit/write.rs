@@ -115,7 +115,7 @@ pub(crate) fn write_medit(
 struct Writer<'a, 'p> {
     is_binary: bool,
     version: i32,
-    /// Bytes written so far to a binary file.
+    /// Bytes written to a binary file so far.
     position: u64,
     out: &'a mut dyn Write,
     progress: Progress<'p>,

@@ -1,4 +1,4 @@
-//! The elements of a Gmsh mesh.
+//! Elements of a Gmsh mesh.
 
 use std::collections::HashMap;
 
@@ -12,10 +12,10 @@ use crate::model::field::{ByteOrder, Number};
 use crate::model::volume::Cells;
 use crate::progress::{at_row, extend};
 
-/// Elements of one dimension: corners as rows of nodes, and what names them.
+/// Elements of one dimension: corners as rows of nodes, and their tags.
 #[derive(Default)]
 pub(crate) struct Part {
-    /// How many corners each has.
+    /// Number of corners of each element.
     pub(crate) sizes: Vec<u8>,
     pub(crate) corners: Vec<u32>,
     pub(crate) tags: Vec<u64>,
@@ -23,7 +23,7 @@ pub(crate) struct Part {
     pub(crate) elementary: Vec<i32>,
 }
 
-/// All elements but points.
+/// All elements except points.
 #[derive(Default)]
 pub(crate) struct Elements {
     pub(crate) lines: Part,
@@ -31,14 +31,14 @@ pub(crate) struct Elements {
     pub(crate) volumes: Part,
     pub(crate) cells: Cells,
     pub(crate) n_points: u64,
-    /// Whether an element has nodes between its corners.
+    /// True if an element has nodes between its corners.
     pub(crate) is_curved: bool,
 }
 
-/// The first physical group of each entity, by dimension and tag.
+/// First physical group of each entity, by dimension and tag.
 pub(crate) type Groups = HashMap<(i64, i64), i32>;
 
-/// Elements of one kind that stand one after the other.
+/// Consecutive elements of one kind.
 struct Block {
     kind: Kind,
     n_nodes: usize,
@@ -57,7 +57,7 @@ impl Elements {
         }
     }
 
-    /// Counts what is the same for all elements of a block.
+    /// Records the properties common to all elements of a block.
     fn begin(&mut self, kind: Kind, n_nodes: usize, n: u64) {
         self.is_curved |= n_nodes > kind.n_corners();
         match kind {
@@ -68,7 +68,7 @@ impl Elements {
     }
 }
 
-/// Reads what follows `$Elements`.
+/// Reads the content of `$Elements`.
 pub(crate) fn read_elements(
     input: &mut Input<'_>,
     nodes: &Tags,
@@ -99,7 +99,7 @@ pub(crate) fn read_elements(
             let mut next = || input.int("block of elements", block);
             let [a, b, number] = [next()?, next()?, next()?];
             let n = input.size("block of elements", block)?;
-            // 4.0 has the tag of the entity before its dimension.
+            // Version 4.0 has the tag of the entity before its dimension.
             let entity = if input.version >= 41 { (a, b) } else { (b, a) };
             let (kind, n_nodes) = input.kind(number)?;
             let physical = groups.get(&entity).copied().unwrap_or(0);
@@ -116,7 +116,7 @@ pub(crate) fn read_elements(
     Ok(elements)
 }
 
-/// One element of a text of version 2: tag, kind, number of tags, tags, nodes.
+/// Reads one text element of version 2: tag, kind, number of tags, tags, nodes.
 fn text_2(elements: &mut Elements, input: &mut Input<'_>, nodes: &Tags, row: u64) -> Result<(), ReadError> {
     let tag = input.size("element", row)?;
     let number = input.int("element", row)?;
@@ -161,11 +161,11 @@ fn push(
         tokens.skip();
         let start = tokens.position;
         let node = tokens.count("element", row)?;
-        // Nodes between corners may be anything.
+        // Nodes between corners are not checked.
         if let Some(corner) = corners[..kind.n_corners()].get_mut(k) {
             *corner = nodes.row(node);
             if *corner == NONE {
-                let message = format!("element {row} names node {node}, which is not there; correct it");
+                let message = format!("element {row} names node {node}, which does not exist; correct it");
                 return Err(ReadError::in_line(tokens.bytes, start, message));
             }
         }
@@ -179,7 +179,7 @@ fn push(
     Ok(())
 }
 
-/// A block of version 4: elements of a tag and nodes.
+/// Reads a block of version 4: elements of a tag and nodes.
 fn read_block(
     elements: &mut Elements,
     input: &mut Input<'_>,
@@ -213,7 +213,7 @@ fn read_block(
     Ok(())
 }
 
-/// Blocks of version 2, each with its kind, how many follow, and how many tags these have.
+/// Reads blocks of version 2, each with its kind, its number of elements, and their number of tags.
 fn binary_2(
     elements: &mut Elements,
     input: &mut Input<'_>,
@@ -230,7 +230,10 @@ fn binary_2(
             [0, 4, 8].map(|at| i64::from(i32::from_bytes(&head[at..], input.order)));
         let (kind, n_nodes) = input.kind(number)?;
         if n_rows < 1 || n_tags < 0 || n_rows as u64 > n - row {
-            return Err(input.wrong("the counts of a block of elements do not fit the file; get it anew"));
+            return Err(input.wrong(
+                "the counts of a block of elements do not match the file; get the file \
+                                   again",
+            ));
         }
         let head = 1 + n_tags as usize;
         let start = cursor.position;
@@ -294,7 +297,7 @@ fn binary_rows(
     if !crate::progress::all(found.len(), progress, |k| found[k] != NONE)? {
         let k = found.iter().position(|&v| v == NONE).unwrap_or(0);
         let (row, node) = (k / n_corners, whole(place(k)));
-        let message = format!("element {row} of a block names node {node}, which is not there; correct it");
+        let message = format!("element {row} of a block names node {node}, which does not exist; correct it");
         return Err(ReadError::at_byte(start + place(k), message));
     }
     Ok(())

@@ -14,11 +14,11 @@ pub(crate) struct Values {
     pub(crate) name: String,
     pub(crate) n_channels: usize,
     pub(crate) tags: Vec<u64>,
-    /// All channels of one row together.
+    /// Numbers with all channels of one row adjacent.
     pub(crate) numbers: Vec<f64>,
 }
 
-/// Reads what follows `$NodeData` or `$ElementData`.
+/// Reads the content of `$NodeData` or `$ElementData`.
 pub(crate) fn read_values(input: &mut Input<'_>, progress: Progress<'_>) -> Result<Values, ReadError> {
     let mut tokens = Tokens::new(input.bytes, input.position);
     let n_strings = tokens.count("the number of names", 0)?;

@@ -1,4 +1,4 @@
-//! Numbers of a Gmsh mesh, text or binary, and its sections between `$Name` and `$EndName`.
+//! Input of a Gmsh mesh: numbers in text or binary, and sections between `$Name` and `$EndName`.
 
 use crate::ReadError;
 use crate::bytes::cursor::Cursor;
@@ -7,13 +7,13 @@ use crate::model::field::ByteOrder;
 use crate::text::tokens::Tokens;
 use crate::text::{is_space, line_end, show};
 
-/// A place in the file, whose numbers are text or binary.
+/// Read position in the file, whose numbers are text or binary.
 pub(crate) struct Input<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) position: usize,
     pub(crate) is_binary: bool,
     pub(crate) order: ByteOrder,
-    /// 22 for 2.2.
+    /// Version number without the point: 22 for 2.2.
     pub(crate) version: u32,
 }
 
@@ -26,7 +26,7 @@ impl<'a> Input<'a> {
         Cursor::new(self.bytes, self.position, self.order)
     }
 
-    /// The error at the place where reading is.
+    /// Creates the error at the read position.
     pub(crate) fn wrong(&self, message: &str) -> ReadError {
         if self.is_binary {
             return ReadError::at_byte(self.position, message);
@@ -34,7 +34,7 @@ impl<'a> Input<'a> {
         ReadError::in_line(self.bytes, self.position, message)
     }
 
-    /// A whole number of 32 bits.
+    /// Reads a 32-bit integer.
     pub(crate) fn int(&mut self, element: &str, row: u64) -> Result<i64, ReadError> {
         if self.is_binary {
             let mut cursor = self.cursor();
@@ -48,7 +48,7 @@ impl<'a> Input<'a> {
         Ok(x)
     }
 
-    /// A count or a tag: of 64 bits in a binary file.
+    /// Reads a count or a tag, which has 64 bits in a binary file.
     pub(crate) fn size(&mut self, element: &str, row: u64) -> Result<u64, ReadError> {
         if self.is_binary {
             let mut cursor = self.cursor();
@@ -75,7 +75,7 @@ impl<'a> Input<'a> {
         Ok(())
     }
 
-    /// A count on a line of its own, which is text in binary files of version 2 too.
+    /// Reads a count on a line of its own, which is text in binary files of version 2 too.
     pub(crate) fn text_count(&mut self, what: &str) -> Result<u64, ReadError> {
         let mut tokens = self.tokens();
         let n = tokens.count(what, 0)?;
@@ -85,11 +85,11 @@ impl<'a> Input<'a> {
 
     pub(crate) fn kind(&self, number: i64) -> Result<(Kind, usize), ReadError> {
         kind_of(number).ok_or_else(|| {
-            self.wrong(&format!("elements of kind {number} cannot be read; save polygons as triangles"))
+            self.wrong(&format!("elements of kind {number} are not supported; save polygons as triangles"))
         })
     }
 
-    /// The name of the next section, without its `$`.
+    /// Name of the next section, without its `$`.
     pub(crate) fn section(&mut self) -> Result<Option<&'a [u8]>, ReadError> {
         loop {
             while self.bytes.get(self.position).is_some_and(|&b| is_space(b)) {
@@ -101,7 +101,7 @@ impl<'a> Input<'a> {
             let end = line_end(self.bytes, self.position);
             let line = self.bytes[self.position..end].trim_ascii();
             let Some(name) = line.strip_prefix(b"$") else {
-                let message = format!("{} stands where a section begins; correct it", show(line));
+                let message = format!("expected the start of a section, got {}; correct it", show(line));
                 return Err(self.wrong(&message));
             };
             self.position = (end + 1).min(self.bytes.len());
@@ -111,7 +111,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Passes over `$EndName`; what stands before it is passed over too where `skips` says so.
+    /// Skips `$EndName`, and the content before it if `skips` allows.
     pub(crate) fn end(&mut self, name: &[u8], skips: Skips) -> Result<(), ReadError> {
         let end = [b"$End", name].concat();
         while skips == Skips::Blanks && self.bytes.get(self.position).is_some_and(|&b| is_space(b)) {
@@ -126,7 +126,7 @@ impl<'a> Input<'a> {
             let name = String::from_utf8_lossy(name);
             let cut: String = name.chars().filter(|c| !c.is_control()).take(40).collect();
             return Err(
-                self.wrong(&format!("section ${cut} does not end here with $End{cut}; get the whole file"))
+                self.wrong(&format!("section ${cut} must end here with $End{cut}; get the whole file"))
             );
         };
         self.position += found + end.len();
@@ -134,7 +134,7 @@ impl<'a> Input<'a> {
     }
 }
 
-/// What may stand before the end of a section.
+/// Content allowed before the end of a section.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Skips {
     Blanks,

@@ -1,19 +1,19 @@
-//! The kinds of elements of Gmsh, by number.
+//! Kinds of Gmsh elements, by number.
 
 use crate::model::volume::Cell;
 
-/// What an element is, apart from the nodes between its corners.
+/// Kind of an element, apart from the nodes between its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Point,
     Line,
-    /// A triangle or a quadrilateral.
+    /// Triangle or quadrilateral.
     Face(u8),
     Cell(Cell),
 }
 
-/// The numbers of the kinds, how many nodes each has, and what it is. From `gmsh.model.mesh.getElementProperties` of Gmsh 4.15, and for
-/// prisms of higher order, which that does not know, from `GmshDefines.h`.
+/// Numbers of the kinds and their numbers of nodes. From `gmsh.model.mesh.getElementProperties` of Gmsh 4.15, and for
+/// prisms of higher order, which it does not know, from `GmshDefines.h`.
 const POINTS: &[(u32, u32)] = &[(15, 1)];
 const LINES: &[(u32, u32)] =
     &[(1, 2), (8, 3), (26, 4), (27, 5), (28, 6), (62, 7), (63, 8), (64, 9), (65, 10), (66, 11)];
@@ -129,7 +129,7 @@ const PYRAMIDS: &[(u32, u32)] = &[
     (131, 69),
 ];
 
-/// Numbers and counts of nodes, and what such elements are.
+/// Numbers and node counts of a family, and the kind of its elements.
 type Family = (&'static [(u32, u32)], Kind);
 
 const FAMILIES: &[Family] = &[
@@ -143,7 +143,7 @@ const FAMILIES: &[Family] = &[
     (PYRAMIDS, Kind::Cell(Cell::Pyramid)),
 ];
 
-/// What elements of that number are, and how many nodes each has.
+/// Kind and number of nodes of the elements with that number.
 pub(crate) fn kind_of(number: i64) -> Option<(Kind, usize)> {
     let number = u32::try_from(number).ok()?;
     FAMILIES.iter().find_map(|(list, kind)| {
@@ -152,7 +152,7 @@ pub(crate) fn kind_of(number: i64) -> Option<(Kind, usize)> {
 }
 
 impl Kind {
-    /// How many of the nodes, the first ones, are corners.
+    /// Number of corners, which are the first nodes.
     pub(crate) fn n_corners(self) -> usize {
         match self {
             Self::Point => 1,

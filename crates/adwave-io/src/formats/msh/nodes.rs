@@ -1,4 +1,4 @@
-//! The nodes of a Gmsh mesh and the tags that elements and fields name them by.
+//! Nodes of a Gmsh mesh and their tags, which elements and fields refer to.
 
 use std::collections::HashMap;
 
@@ -11,11 +11,11 @@ use crate::model::field::{ByteOrder, Number};
 use crate::progress::{at_row, extend};
 use crate::{ReadError, ReadLimits};
 
-/// Which row a tag stands for.
+/// Map from tags to rows.
 pub(crate) enum Tags {
-    /// Counted without a gap from this tag on.
+    /// Consecutive tags from this one on.
     Run(u64, usize),
-    /// The row of each tag up to the largest, [`NONE`] where there is none.
+    /// Row of each tag up to the largest, [`NONE`] for tags that do not exist.
     Table(Vec<u32>),
     Sparse(HashMap<u64, u32>),
 }
@@ -24,7 +24,7 @@ pub(crate) enum Tags {
 pub(crate) const NONE: u32 = u32::MAX;
 
 impl Tags {
-    /// Of two rows with the same tag the first counts.
+    /// Builds the map; of two rows with the same tag the first one counts.
     pub(crate) fn new(tags: &[u64], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let first = tags.first().copied().unwrap_or(0);
         if tags.iter().enumerate().all(|(row, &tag)| tag == first.wrapping_add(row as u64)) {
@@ -47,7 +47,7 @@ impl Tags {
         Ok(Self::Sparse(map))
     }
 
-    /// The row of a tag, or [`NONE`].
+    /// Row of a tag, or [`NONE`].
     #[inline]
     pub(crate) fn row(&self, tag: u64) -> u32 {
         match self {
@@ -61,18 +61,18 @@ impl Tags {
     }
 }
 
-/// The nodes in the order of the file.
+/// Nodes in the order of the file.
 #[derive(Default)]
 pub(crate) struct Nodes {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) tags: Vec<u64>,
-    /// Where the coordinates are in a text.
+    /// Positions of the coordinates in a text.
     pub(crate) rows: Vec<u64>,
-    /// Where they are in a binary file.
+    /// Positions of the coordinates in a binary file.
     pub(crate) runs: Vec<Run>,
 }
 
-/// Reads what follows `$Nodes`.
+/// Reads the content of `$Nodes`.
 pub(crate) fn read_nodes(
     input: &mut Input<'_>,
     limits: &ReadLimits,
@@ -92,7 +92,7 @@ pub(crate) fn read_nodes(
     let n_blocks = input.size("block of nodes", 0)?;
     let n_nodes = input.size("block of nodes", 0)?;
     if input.version >= 41 {
-        // The smallest and the largest tag.
+        // Smallest and largest tag.
         input.size("block of nodes", 0)?;
         input.size("block of nodes", 0)?;
     }
@@ -100,7 +100,7 @@ pub(crate) fn read_nodes(
     for block in 0..n_blocks {
         at_row(progress, block, n_blocks)?;
         let [a, b] = [input.int("block of nodes", block)?, input.int("block of nodes", block)?];
-        // 4.0 has the tag of the entity before its dimension.
+        // Version 4.0 has the tag of the entity before its dimension.
         let dimension = if input.version >= 41 { a } else { b };
         let is_parametric = input.int("block of nodes", block)? != 0;
         let n = input.size("block of nodes", block)?;
@@ -111,7 +111,7 @@ pub(crate) fn read_nodes(
         } else if input.version < 41 {
             if input.is_binary {
                 return Err(
-                    input.wrong("nodes with parameters in binary MSH 4.0 cannot be read; save as 4.1")
+                    input.wrong("nodes with parameters in binary MSH 4.0 are not supported; save as 4.1")
                 );
             }
             text_rows(&mut nodes, input, n, n_parameters, progress)?;
@@ -122,7 +122,7 @@ pub(crate) fn read_nodes(
     Ok(nodes)
 }
 
-/// Rows of a tag and three coordinates in a text.
+/// Reads text rows of a tag and three coordinates.
 fn text_rows(
     nodes: &mut Nodes,
     input: &mut Input<'_>,
@@ -160,7 +160,7 @@ fn text_row(
     Ok(())
 }
 
-/// Rows of a 32-bit tag and three doubles.
+/// Reads rows of a 32-bit tag and three doubles.
 fn tagged_rows(
     nodes: &mut Nodes,
     input: &mut Input<'_>,
@@ -185,7 +185,7 @@ fn point(row: &[u8], order: ByteOrder) -> [f64; 3] {
     [0, 8, 16].map(|at| f64::from_bytes(&row[at..], order))
 }
 
-/// All tags of a block, then the coordinates, as 4.1 has them.
+/// Reads all tags of a block, then the coordinates, as in 4.1.
 fn tags_then_rows(
     nodes: &mut Nodes,
     input: &mut Input<'_>,

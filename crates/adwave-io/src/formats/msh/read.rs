@@ -17,7 +17,7 @@ use crate::progress::{at_row, collect};
 use crate::text::line_end;
 use crate::{Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// What is found on the way through the file.
+/// Content read from the file so far.
 #[derive(Default)]
 struct Found {
     nodes: Option<Nodes>,
@@ -26,7 +26,7 @@ struct Found {
     groups: Groups,
     of_nodes: Vec<Values>,
     of_elements: Vec<Values>,
-    /// The name of a field of nodes and where its section is.
+    /// Name of a node field and the range of its section.
     sections: Vec<(String, usize, usize)>,
     extras: Vec<&'static str>,
 }
@@ -83,7 +83,7 @@ fn header(bytes: &[u8]) -> Result<Input<'_>, ReadError> {
     }
     while let Some(name) = input.section()? {
         if name == b"NOD" {
-            return Err(input.wrong("MSH of version 1 cannot be read; save it by Gmsh as version 2 or 4"));
+            return Err(input.wrong("MSH of version 1 is not supported; save it in Gmsh as version 2 or 4"));
         }
         if name != b"MeshFormat" {
             input.end(name, Skips::Anything)?;
@@ -94,11 +94,11 @@ fn header(bytes: &[u8]) -> Result<Input<'_>, ReadError> {
         let is_binary = tokens.whole("the format", 0)?;
         let n_bytes = tokens.whole("the format", 0)?;
         if ![2.0, 2.1, 2.2, 4.0, 4.1].contains(&version) {
-            let message = format!("MSH of version {version} cannot be read; save it as version 2.2 or 4.1");
+            let message = format!("MSH of version {version} is not supported; save it as version 2.2 or 4.1");
             return Err(input.wrong(&message));
         }
         if n_bytes != 8 {
-            return Err(input.wrong("numbers must be of 8 bytes; save it by a program of 64 bits"));
+            return Err(input.wrong("numbers must have 8 bytes; save the file with a 64-bit program"));
         }
         input.version = (10.0 * version).round() as u32;
         input.position = tokens.position;
@@ -110,7 +110,11 @@ fn header(bytes: &[u8]) -> Result<Input<'_>, ReadError> {
             input.order = match one {
                 1 => ByteOrder::Little,
                 0x0100_0000 => ByteOrder::Big,
-                _ => return Err(input.wrong("the one that shows the order of bytes is missing; get it anew")),
+                _ => {
+                    return Err(
+                        input.wrong("the number that marks the byte order is missing; get the file again")
+                    );
+                }
             };
             input.position = cursor.position;
         }
@@ -140,7 +144,7 @@ fn section(
         }
         b"Elements" if found.elements.is_none() => {
             let Some(tags) = &found.tags else {
-                return Err(input.wrong("the elements come before the nodes; put $Nodes first"));
+                return Err(input.wrong("the nodes must precede the elements; put $Nodes first"));
             };
             found.elements = Some(read_elements(input, tags, &found.groups, progress)?);
         }
@@ -151,7 +155,7 @@ fn section(
         b"NodeData" => found.of_nodes.push(read_values(input, progress)?),
         b"ElementData" => found.of_elements.push(read_values(input, progress)?),
         b"ParametricNodes" => {
-            return Err(input.wrong("nodes with parameters cannot be read; save them without"));
+            return Err(input.wrong("nodes with parameters are not supported; save them without"));
         }
         b"Comments" | b"MeshFormat" => return input.end(name, Skips::Anything),
         _ => {
@@ -168,7 +172,7 @@ fn section(
     input.end(name, Skips::Blanks)
 }
 
-/// Reads what follows `$Entities`: points, curves, surfaces, volumes, of which only the physical groups count.
+/// Reads the content of `$Entities`: points, curves, surfaces and volumes with their physical groups.
 fn entities(input: &mut Input<'_>) -> Result<Groups, ReadError> {
     let mut groups = Groups::new();
     let mut counts = [0; 4];
@@ -178,7 +182,7 @@ fn entities(input: &mut Input<'_>) -> Result<Groups, ReadError> {
     for (dimension, n) in counts.into_iter().enumerate() {
         for row in 0..n {
             let tag = input.int("entity", row)?;
-            // A point of 4.1 has a place, all else a box.
+            // A point of 4.1 has a position, other entities have a box.
             let n_doubles = if dimension == 0 && input.version >= 41 { 3 } else { 6 };
             for _ in 0..n_doubles {
                 input.double("entity")?;
@@ -200,7 +204,7 @@ fn entities(input: &mut Input<'_>) -> Result<Groups, ReadError> {
     Ok(groups)
 }
 
-/// Faces and their fields: those of the file, else the boundary of its cells, else its lines.
+/// Adds faces and their fields: those of the file, else the boundary of its cells, else its lines.
 fn attach(
     shape: &mut ShapeFile,
     elements: Elements,
@@ -275,7 +279,7 @@ fn polygons(faces: &Part, progress: Progress<'_>) -> Result<Polygons, ReadError>
     Ok(Polygons::from_parts(offsets, faces.corners.clone()).expect("sums of the sizes of the faces"))
 }
 
-/// A row for each of `n` tags, NaN where the file has none; nothing where it has none of them at all.
+/// Values for `n` tags, NaN for tags without a value; `None` if there are no values.
 fn field(
     name: String,
     values: &Values,
@@ -288,9 +292,10 @@ fn field(
     if !values.tags.iter().any(|&tag| tags.row(tag) != NONE) {
         return Ok(None);
     }
-    // A row of a few bytes must not ask for memory at every vertex again and again.
+    // A field with few rows must not allocate memory at every vertex.
     let Some(left) = budget.checked_sub(n.saturating_mul(n_channels)) else {
-        let message = "the fields name too few of the vertices for their number of channels; give them all";
+        let message = "a field must have values at most of the vertices for its number of channels; add \
+                      them to all vertices";
         return Err(ReadError::Whole(message.into()));
     };
     *budget = left;

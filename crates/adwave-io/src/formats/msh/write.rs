@@ -125,7 +125,7 @@ pub(crate) fn write_msh(
     for field in &shape.vertex_fields {
         write_values("NodeData", field, &|i| i as u32 + 1, encoding, out, progress)?;
     }
-    // Where faces are split or left out, rows of fields are not rows of elements.
+    // If faces are split or dropped, rows of fields are not rows of elements.
     let is_whole = shape.faces.iter().all(|f| matches!(f.len(), 3 | 4));
     let held: Vec<&Field> = shape.face_fields.iter().filter(|_| is_whole).collect();
     report.leave_face_fields(shape, &held.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
@@ -135,7 +135,7 @@ pub(crate) fn write_msh(
     Ok(())
 }
 
-/// A field that becomes tags of the elements.
+/// Field that becomes tags of the elements.
 fn tags<'a>(shape: &'a ShapeFile, name: &str) -> Option<&'a [i32]> {
     shape.face_fields.iter().find_map(|field| match &field.values {
         FieldValues::I32(values)
@@ -147,7 +147,7 @@ fn tags<'a>(shape: &'a ShapeFile, name: &str) -> Option<&'a [i32]> {
     })
 }
 
-/// Elements of the same number of corners stand together, at most so many.
+/// Largest number of elements in one block, all with the same number of corners.
 const RUN: usize = 1 << 16;
 
 fn write_elements(
@@ -207,7 +207,7 @@ fn write_elements(
     Ok(())
 }
 
-/// Elements on their way out: in a binary file those of one kind stand together after their number.
+/// Writer of elements: in a binary file, elements of one kind follow their number.
 struct Elements<'a> {
     is_binary: bool,
     n: i32,
@@ -255,7 +255,7 @@ impl Elements<'_> {
     }
 }
 
-/// The number that Gmsh has for elements of so many corners.
+/// Gmsh's number for elements with that many corners.
 fn kind(n_corners: usize) -> i32 {
     n_corners as i32 - 1
 }

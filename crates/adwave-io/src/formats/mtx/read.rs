@@ -6,14 +6,14 @@ use crate::progress::at_row;
 use crate::text::{line_end, line_of, parse_f64, parse_u64, show, words};
 use crate::{Direction, Edges, Format, ReadError, ReadLimits, ShapeFile};
 
-/// What an entry's value is.
+/// Type of an entry's value.
 #[derive(PartialEq)]
 enum Value {
     Pattern,
     Number,
 }
 
-/// Reads a square matrix as a graph: vertex i is row i, entry (i, j) an edge with its weight.
+/// Reads a square matrix as a graph: vertex i is row i, entry (i, j) is an edge with its weight.
 pub(crate) fn read_mtx(
     bytes: &[u8],
     limits: &ReadLimits,
@@ -33,11 +33,11 @@ pub(crate) fn read_mtx(
         return Err(ReadError::in_line(bytes, start, "the line of sizes must be: rows columns entries"));
     };
     if n_rows != n_columns {
-        let message = format!("the matrix is {n_rows} × {n_columns}; a graph needs a square one");
+        let message = format!("a graph needs a square matrix, got {n_rows} × {n_columns}");
         return Err(ReadError::in_line(bytes, start, message));
     }
     limits.check_points(n_rows)?;
-    // Vertices without edges take no byte, yet whoever works with the graph takes memory for each.
+    // Vertices without edges take no bytes in the file, but memory in every later computation.
     let limit = 1_000_000 + 64 * bytes.len() as u64;
     if n_rows > limit {
         return Err(ReadError::Limit { what: "rows for the size of the file", found: n_rows, limit });
@@ -66,16 +66,16 @@ pub(crate) fn read_mtx(
             let word = values.next().unwrap_or(b"");
             let index = parse_u64(word).filter(|i| (1..=n_rows).contains(i));
             *end = index.ok_or_else(|| {
-                wrong(format!("{} is no row or column between 1 and {n_rows}; correct it", show(word)))
+                wrong(format!("rows and columns must be in 1..={n_rows}, got {}; correct it", show(word)))
             })? as u32
                 - 1;
         }
         edges.pairs.push(pair);
         if value == Value::Number {
             let word = values.next().unwrap_or(b"");
-            edges.weights.push(
-                parse_f64(word).ok_or_else(|| wrong(format!("{} is no weight; correct it", show(word))))?,
-            );
+            edges.weights.push(parse_f64(word).ok_or_else(|| {
+                wrong(format!("a weight must be a number, got {}; correct it", show(word)))
+            })?);
         }
     }
     let mut shape = ShapeFile::from_graph(n_rows as usize, edges);
@@ -90,9 +90,7 @@ fn banner(bytes: &[u8]) -> Result<(Value, Direction, usize), ReadError> {
     let wrong = |message: String| Err(ReadError::Line { line: 1, message });
     let part = |i: usize| parts.get(i).copied().unwrap_or(b"");
     if part(1) != b"matrix" || part(2) != b"coordinate" {
-        return wrong(
-            "only `matrix coordinate` can be read as a graph; write the matrix as coordinates".into(),
-        );
+        return wrong("a graph needs `matrix coordinate`; write the matrix in coordinate form".into());
     }
     let value = match part(3) {
         b"pattern" => Value::Pattern,
@@ -104,12 +102,14 @@ fn banner(bytes: &[u8]) -> Result<(Value, Direction, usize), ReadError> {
     let direction = match part(4) {
         b"symmetric" => Direction::Both,
         b"general" => Direction::RowToColumn,
-        other => return wrong(format!("symmetry {} cannot be read; use general or symmetric", show(other))),
+        other => {
+            return wrong(format!("symmetry {} is not supported; use general or symmetric", show(other)));
+        }
     };
     Ok((value, direction, end + 1))
 }
 
-/// The next line that is neither blank nor a comment.
+/// Next line that is neither blank nor a comment.
 fn next_line<'a>(bytes: &'a [u8], position: &mut usize) -> Option<(usize, &'a [u8])> {
     while *position < bytes.len() {
         let start = *position;

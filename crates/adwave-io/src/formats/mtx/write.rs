@@ -36,7 +36,7 @@ pub(crate) fn write_mtx(
     writeln!(out, "%%MatrixMarket matrix coordinate {kind} {symmetry}\n{n} {n} {}", edges.pairs.len())?;
     for (e, &[a, b]) in edges.pairs.iter().enumerate() {
         at_row(progress, e as u64, edges.pairs.len() as u64)?;
-        // A symmetric matrix is written by its lower half.
+        // A symmetric matrix is written as its lower triangle.
         let (row, column) = if edges.direction == Direction::Both { (a.max(b), a.min(b)) } else { (a, b) };
         write_entry(out, row, column, |line| {
             if let Some(&weight) = edges.weights.get(e) {
@@ -68,10 +68,10 @@ pub fn write_matrix_market(path: &std::path::Path, matrix: &SparseRows<'_>) -> R
     write_matrix_market_with(path, matrix, Progress::none())
 }
 
-/// [`write_matrix_market`] that says how far it is and can be stopped.
+/// [`write_matrix_market`] with progress and cancellation.
 ///
 /// # Errors
-/// As [`write_matrix_market`], and [`WriteError::Cancelled`].
+/// The errors of [`write_matrix_market`], and [`WriteError::Cancelled`].
 pub fn write_matrix_market_with(
     path: &std::path::Path,
     matrix: &SparseRows<'_>,

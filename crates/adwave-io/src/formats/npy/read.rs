@@ -14,34 +14,35 @@ use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
 /// An array of numbers, last index fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NpyArray {
-    /// The length in each dimension.
+    /// Length in each dimension.
     pub shape: Vec<usize>,
-    /// The numbers; the product of `shape` many.
+    /// Numbers; their count is the product of `shape`.
     pub values: FieldValues,
 }
 
 impl NpyArray {
-    /// The array as a field: each row is a vertex, and what is left of the dimensions its channels.
+    /// Converts the array to a field: each row is a vertex, and the remaining dimensions are its channels.
     pub fn into_field(self, name: &str) -> Field {
-        // Of an array without rows the other lengths may be anything.
+        // The other lengths of an array without rows are arbitrary.
         let product = self.shape.iter().skip(1).try_fold(1_usize, |product, &n| product.checked_mul(n));
         let n_channels = product.unwrap_or(1).max(1);
         Field::new(name, n_channels, self.values)
     }
 }
 
-/// Reads a `.npy` of whole numbers or floats, C or Fortran order, either byte order.
+/// Reads a `.npy` of integers or floats, in C or Fortran order and either byte order.
 ///
 /// # Errors
-/// One line with the file's name: it cannot be read, is no `.npy`, is cut, or holds values that are no numbers.
+/// The file cannot be read, is not a `.npy`, is truncated, or has values that are not numbers. The message is one
+/// line with the file's name.
 pub fn read_npy(path: &Path, limits: &ReadLimits) -> Result<NpyArray, ReadError> {
     read_npy_with(path, limits, Progress::none())
 }
 
-/// [`read_npy`] that says how far it is and can be stopped.
+/// [`read_npy`] with progress and cancellation.
 ///
 /// # Errors
-/// As [`read_npy`], and [`ReadError::Cancelled`].
+/// The errors of [`read_npy`], and [`ReadError::Cancelled`].
 pub fn read_npy_with(
     path: &Path,
     limits: &ReadLimits,
@@ -61,20 +62,21 @@ pub fn read_npy_bytes(bytes: &[u8]) -> Result<NpyArray, ReadError> {
 fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NpyArray, ReadError> {
     let wrong = |at: usize, message: &str| ReadError::at_byte(at, message);
     if !bytes.starts_with(b"\x93NUMPY") {
-        return Err(wrong(0, "this is no NumPy array; save it with numpy.save"));
+        return Err(wrong(0, "the file is not a NumPy array; save it with numpy.save"));
     }
     let (start, n): (usize, usize) = match (bytes.get(6), bytes.get(8..10), bytes.get(8..12)) {
         (Some(1), Some(n), _) => (10, usize::from(u16::from_le_bytes([n[0], n[1]]))),
         (Some(2 | 3), _, Some(n)) => (12, u32::from_le_bytes([n[0], n[1], n[2], n[3]]) as usize),
-        _ => return Err(wrong(6, "the version of the NumPy array is none of 1 to 3")),
+        _ => return Err(wrong(6, "the version of the NumPy array must be 1, 2 or 3")),
     };
     let text = bytes.get(start..start.saturating_add(n)).map(String::from_utf8_lossy);
-    let Some(text) = text else { return Err(wrong(bytes.len(), "the header is cut; get the whole file")) };
+    let Some(text) = text else {
+        return Err(wrong(bytes.len(), "the header is truncated; get the whole file"));
+    };
     let (value_type, order) = value_type(&text).ok_or_else(|| {
-        wrong(start, "the array holds no whole numbers or floats of 1 to 8 bytes; convert it with astype")
+        wrong(start, "the array must have integers or floats of 1 to 8 bytes; convert it with astype")
     })?;
-    let shape =
-        shape(&text).ok_or_else(|| wrong(start, "the header states no shape; save the array again"))?;
+    let shape = shape(&text).ok_or_else(|| wrong(start, "the header has no shape; save the array again"))?;
     let body = &bytes[start + n..];
     let product = shape.iter().try_fold(1_usize, |product, &n| product.checked_mul(n));
     let needed = product.and_then(|p| p.checked_mul(value_type.n_bytes()));
@@ -97,7 +99,7 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NpyArray, ReadError> {
     Ok(NpyArray { shape, values })
 }
 
-/// Where the element of C position `i` stands when the first index runs fastest.
+/// Position of C index `i` when the first index runs fastest.
 fn fortran_position(mut i: usize, shape: &[usize]) -> usize {
     let mut stride: usize = shape.iter().product();
     let mut position = 0;
@@ -109,7 +111,7 @@ fn fortran_position(mut i: usize, shape: &[usize]) -> usize {
     position
 }
 
-/// What follows a key of the header's dictionary.
+/// Text after a key of the header's dictionary.
 fn after<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     let at = text.find(key)? + key.len();
     Some(text[at..].trim_start().strip_prefix(':')?.trim_start())

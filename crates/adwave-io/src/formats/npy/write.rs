@@ -1,4 +1,4 @@
-//! NumPy's `.npy` and `.npz`, and sparse matrices as SciPy reads them.
+//! Writer of NumPy's `.npy` and `.npz`, and of sparse matrices for SciPy.
 
 use std::io::{Seek, Write};
 use std::path::Path;
@@ -11,14 +11,14 @@ use crate::{WriteError, atomic_write};
 /// Whether arrays are compressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compression {
-    /// Stored as they are.
+    /// Uncompressed.
     #[default]
     Stored,
-    /// By deflate.
+    /// Compressed by deflate.
     Deflated,
 }
 
-/// Numbers of an array, borrowed.
+/// Borrowed numbers of an array.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // the names are the types
 pub enum ArrayValues<'a> {
@@ -29,11 +29,11 @@ pub enum ArrayValues<'a> {
     I64(&'a [i64]),
     F32(&'a [f32]),
     F64(&'a [f64]),
-    /// One array in several parts, one after the other.
+    /// Array in several consecutive parts.
     F64Parts(&'a [&'a [f64]]),
     /// Offsets and counts, written as 64-bit integers.
     Usize(&'a [usize]),
-    /// One text of ASCII letters, written as a byte string without a shape.
+    /// ASCII text, written as a byte string without a shape.
     Text(&'a str),
 }
 
@@ -66,7 +66,7 @@ impl ArrayValues<'_> {
         }
     }
 
-    /// Writes the numbers chunk by chunk, so that no copy of the array is made.
+    /// Writes the numbers chunk by chunk, without a copy of the array.
     fn write(&self, out: &mut dyn Write) -> std::io::Result<()> {
         fn by_chunks<T: Copy, const N: usize>(
             values: &[T],
@@ -96,7 +96,7 @@ impl ArrayValues<'_> {
     }
 }
 
-/// Writes an array in the form of a `.npy`: `shape` is its lengths, last index fastest.
+/// Writes an array in `.npy` form; `shape` has its lengths, last index fastest.
 fn write_array(
     out: &mut dyn Write,
     name: &str,
@@ -123,12 +123,12 @@ fn write_array(
 /// Writes a `.npy` of one array of the given shape, last index fastest.
 ///
 /// # Errors
-/// As [`atomic_write`](crate::atomic_write), and when the values do not fill the shape.
+/// The errors of [`atomic_write`](crate::atomic_write), and values that do not match the shape.
 pub fn write_npy(path: &Path, shape: &[usize], values: ArrayValues<'_>) -> Result<(), WriteError> {
     atomic_write(path, |out| write_array(out, "", shape, values))
 }
 
-/// Writes arrays, one after the other, into a `.npz`.
+/// Writer of several arrays to a `.npz`.
 ///
 /// ```
 /// use adwave_io::{ArrayValues, Compression, NpzWriter};
@@ -143,7 +143,7 @@ pub struct NpzWriter<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> NpzWriter<W> {
-    /// An archive without arrays.
+    /// Creates an archive without arrays.
     pub fn new(out: W, compression: Compression) -> Self {
         Self::with_zip(ZipWriter::new(out), compression)
     }
@@ -153,7 +153,7 @@ impl<W: Write + Seek> NpzWriter<W> {
             Compression::Stored => zip::CompressionMethod::Stored,
             Compression::Deflated => zip::CompressionMethod::Deflated,
         };
-        // Arrays may pass 4 GiB, and the same arrays shall give the same bytes at any time of day.
+        // Arrays may exceed 4 GiB, and equal arrays give equal bytes at any time.
         let options = SimpleFileOptions::default()
             .compression_method(method)
             .large_file(true)
@@ -164,13 +164,13 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// Adds an array of the given shape, last index fastest.
     ///
     /// # Errors
-    /// Writing fails, or the values do not fill the shape.
+    /// Writing fails, or the values do not match the shape.
     pub fn add(&mut self, name: &str, shape: &[usize], values: ArrayValues<'_>) -> Result<(), WriteError> {
         self.zip.start_file(format!("{name}.npy"), self.options).map_err(std::io::Error::other)?;
         write_array(&mut self.zip, name, shape, values)
     }
 
-    /// Ends the archive.
+    /// Completes the archive.
     ///
     /// # Errors
     /// Writing fails.
@@ -182,7 +182,7 @@ impl<W: Write + Seek> NpzWriter<W> {
 /// Writes a `.npz` of several arrays: name, shape and numbers of each.
 ///
 /// # Errors
-/// As [`atomic_write`](crate::atomic_write), and when values do not fill their shape.
+/// The errors of [`atomic_write`](crate::atomic_write), and values that do not match their shape.
 pub fn write_npz(
     path: &Path,
     arrays: &[(&str, &[usize], ArrayValues<'_>)],
@@ -193,10 +193,10 @@ pub fn write_npz(
     })
 }
 
-/// Writes a matrix as `scipy.sparse.load_npz` reads it.
+/// Writes a matrix for `scipy.sparse.load_npz`.
 ///
 /// # Errors
-/// As [`atomic_write`](crate::atomic_write).
+/// The errors of [`atomic_write`](crate::atomic_write).
 pub fn write_sparse_npz(
     path: &Path,
     matrix: &SparseRows<'_>,
@@ -205,7 +205,7 @@ pub fn write_sparse_npz(
     matrix.check()?;
     let shape = [matrix.n_rows(), matrix.n_columns];
     let n = matrix.values.len();
-    // SciPy wants both index arrays in one type, and 32 bits while they suffice.
+    // SciPy expects both index arrays in one type, and 32 bits as long as they suffice.
     let narrow = i32::try_from(n.max(matrix.n_columns)).is_ok();
     write_archive(path, compression, |npz| {
         if narrow {
@@ -234,7 +234,7 @@ pub fn write_sparse_npz(
     })
 }
 
-/// Written as a stream, without going back: the target may be a pipe.
+/// Writes a stream without seeking, because the target may be a pipe.
 fn write_archive(
     path: &Path,
     compression: Compression,

@@ -1,4 +1,4 @@
-//! The colors, normals and texture coordinates of an OBJ as fields of its vertices, where each vertex has one.
+//! Colors, normals and texture coordinates of an OBJ as vertex fields, if each vertex has a single value.
 
 use adwave::{Cancelled, Progress};
 
@@ -6,15 +6,16 @@ use crate::formats::obj::read::{Chunk, NONE};
 use crate::progress::at_row;
 use crate::{Field, FieldValues, ShapeFile};
 
-/// For each corner of each face the index of its texture coordinate and normal, or [`NONE`]; empty when none has.
+/// Index of the texture coordinate and of the normal for each corner of each face, or [`NONE`]; empty if no corner
+/// has one.
 pub(crate) struct CornerIndices {
     texcoords: Vec<u32>,
     normals: Vec<u32>,
 }
 
 impl CornerIndices {
-    /// Joins the lists of the chunks. An index of nothing becomes [`NONE`]: files name normals that they do not have,
-    /// and their faces are sound all the same.
+    /// Joins the lists of the chunks. An index out of range becomes [`NONE`], because some files name normals that do
+    /// not exist but have valid faces.
     pub(crate) fn join(
         chunks: &mut [Chunk],
         n_corners: usize,
@@ -56,7 +57,7 @@ fn join_list(
     Ok(all)
 }
 
-/// Adds the fields, and names what has several values at one vertex.
+/// Adds the fields, and reports attributes with several values at one vertex.
 pub(crate) fn attach(
     shape: &mut ShapeFile,
     chunks: &mut [Chunk],
@@ -92,7 +93,7 @@ fn joined(
     Ok(all)
 }
 
-/// What stands after z: a weight, or a color.
+/// Content after z: a weight, or a color.
 fn tails(shape: &mut ShapeFile, chunks: &mut [Chunk], progress: Progress<'_>) -> Result<(), Cancelled> {
     let n_channels = chunks.iter().map(|p| p.tail_len).max().unwrap_or(0);
     let name = match n_channels {
@@ -105,7 +106,7 @@ fn tails(shape: &mut ShapeFile, chunks: &mut [Chunk], progress: Progress<'_>) ->
     let mut seen = 0;
     for chunk in chunks {
         progress.check()?;
-        // A chunk without tails still counts its vertices.
+        // A chunk without such columns still counts its vertices.
         let n = chunk.n_points;
         if chunk.tails.is_empty() {
             values.resize(values.len() + n * n_channels, f64::NAN);
@@ -150,7 +151,7 @@ fn corner_field(
     Ok(true)
 }
 
-/// For each vertex the index of its only value; `None` when a vertex has several, or a corner has none.
+/// Index of the single value of each vertex; `None` if a vertex has several values, or a corner has none.
 fn one_per_vertex(
     shape: &ShapeFile,
     list: &[[f64; 3]],
@@ -159,7 +160,8 @@ fn one_per_vertex(
 ) -> Result<Option<Vec<u32>>, Cancelled> {
     let n = shape.n_vertices;
     if corner_indices.is_empty() {
-        // No face names them; a list as long as the vertices belongs to them in order, as scanners write clouds.
+        // No face refers to them; a list as long as the vertices belongs to them in order, as in clouds written by
+        // scanners.
         return Ok((list.len() == n).then(|| (0..n as u32).collect()));
     }
     let mut of_vertex = vec![NONE; n];
@@ -175,7 +177,7 @@ fn one_per_vertex(
             return Ok(None);
         }
     }
-    // Vertices of no face: where all others have the value of their own number, so have they.
+    // Vertices without a face: if all others have the value of their own index, so do these.
     if list.len() == n && of_vertex.iter().enumerate().all(|(v, &i)| i == NONE || i as usize == v) {
         return Ok(Some((0..n as u32).collect()));
     }

@@ -1,9 +1,9 @@
-//! One statement of an OBJ.
+//! Parser of one statement of an OBJ.
 
 use crate::formats::obj::read::{Chunk, Kind, NONE};
 use crate::text::{is_space, parse_f64, parse_f64_at, show};
 
-/// One line, or several joined by `\`.
+/// One line, or several lines joined by `\`.
 pub(crate) struct Line<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) start: usize,
@@ -12,12 +12,12 @@ pub(crate) struct Line<'a> {
 
 type Wrong = (usize, String);
 
-/// In a statement the `\` of a continued line is a blank.
+/// Within a statement, the `\` of a continued line is a blank.
 fn is_gap(byte: u8) -> bool {
     is_space(byte) || byte == b'\\'
 }
 
-/// The words of a statement, up to a comment.
+/// Words of a statement, up to a comment.
 pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|&b| is_gap(b)).filter(|w| !w.is_empty()).take_while(|w| w[0] != b'#')
 }
@@ -44,7 +44,7 @@ impl<'a> Cursor<'a> {
         (!word.is_empty() && word[0] != b'#').then_some(word)
     }
 
-    /// The next word as a number; `Err` holds the word that is none.
+    /// Parses the next word as a number; the error has the invalid word.
     fn number(&mut self) -> Result<Option<f64>, &'a [u8]> {
         self.skip_gaps();
         if let Some((x, n)) = parse_f64_at(&self.line[self.position..]) {
@@ -121,14 +121,14 @@ fn numbers(cursor: &mut Cursor<'_>, n: usize, what: &str) -> Result<[f64; 3], St
     for (i, x) in xyz.iter_mut().take(n).enumerate() {
         *x = match cursor.number() {
             Ok(Some(x)) => x,
-            Ok(None) => return Err(format!("{what} has {i} numbers and needs {n}; add the missing ones")),
-            Err(word) => return Err(format!("{what} has {} where a number belongs; correct it", show(word))),
+            Ok(None) => return Err(format!("{what} needs {n} numbers, got {i}; add the missing ones")),
+            Err(word) => return Err(format!("{what} must have numbers, got {}; correct it", show(word))),
         };
     }
     Ok(xyz)
 }
 
-/// The weight or color after z. A word that is no number ends it: it is some program's remark.
+/// Parses the weight or color after z. A word that is not a number ends it, because some programs add comments.
 fn vertex_tail(chunk: &mut Chunk, cursor: &mut Cursor<'_>) {
     let mut tail = [f64::NAN; 4];
     let mut n = 0;
@@ -154,14 +154,14 @@ fn face(chunk: &mut Chunk, cursor: &mut Cursor<'_>) -> Result<(), String> {
     }
     let n = chunk.corners.len() - first;
     if n == 0 {
-        return Err("a face has no corner; name its vertices".into());
+        return Err("a face needs corners; name its vertices".into());
     }
     chunk.face_sizes.push(n as u32);
     Ok(())
 }
 
 fn corner(chunk: &mut Chunk, word: &[u8]) -> Result<(), String> {
-    let bad = || format!("a face has the corner {}; write it as v, v/vt, v//vn or v/vt/vn", show(word));
+    let bad = || format!("the corner {} must have the form v, v/vt, v//vn or v/vt/vn", show(word));
     let at = chunk.corners.len();
     let mut parts = word.split(|&b| b == b'/');
     let index = index(parts.next().unwrap_or(b"")).ok_or_else(bad)?;
@@ -186,13 +186,13 @@ fn corner(chunk: &mut Chunk, word: &[u8]) -> Result<(), String> {
 }
 
 fn zero(word: &[u8]) -> String {
-    format!("the index in {} is 0 or too large; OBJ counts from 1, backwards from -1", show(word))
+    format!("the index in {} must not be 0 or too large; OBJ counts from 1, or backwards from -1", show(word))
 }
 
 fn polyline(chunk: &mut Chunk, cursor: &mut Cursor<'_>) -> Result<(), String> {
     let mut previous: Option<i64> = None;
     while let Some(word) = cursor.word() {
-        let bad = || format!("a line element has {} where a vertex belongs; correct it", show(word));
+        let bad = || format!("a line element must name vertices, got {}; correct it", show(word));
         let number = word.split(|&b| b == b'/').next().unwrap_or(b"");
         let next = index(number).ok_or_else(bad)?;
         if let Some(previous) = previous {
@@ -207,7 +207,7 @@ fn polyline(chunk: &mut Chunk, cursor: &mut Cursor<'_>) -> Result<(), String> {
     Ok(())
 }
 
-/// A whole number with an optional sign, at most 18 digits.
+/// Parses an integer with an optional sign and at most 18 digits.
 fn index(word: &[u8]) -> Option<i64> {
     let (negative, digits) = match word {
         [b'-', rest @ ..] => (true, rest),
@@ -227,7 +227,7 @@ fn index(word: &[u8]) -> Option<i64> {
     Some(if negative { -n } else { n })
 }
 
-/// The index counted from 0; one that counts backwards is noted, to be resolved when the chunks before are known.
+/// Converts an index to count from 0; a negative one is recorded and resolved when the preceding chunks are known.
 fn absolute(chunk: &mut Chunk, kind: Kind, at: usize, index: i64) -> Result<u32, ()> {
     if index > 0 {
         return u32::try_from(index - 1).ok().filter(|&i| i < NONE - 1).ok_or(());

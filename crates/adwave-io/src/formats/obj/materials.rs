@@ -1,4 +1,4 @@
-//! Which picture each material of an OBJ takes its color from.
+//! Pictures with the colors of an OBJ's materials.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub(super) fn read_materials(
 ) -> Result<HashMap<String, String>, ReadError> {
     let mut pictures = HashMap::new();
     for library in libraries {
-        // One line may name several files, and one name may hold blanks: the whole line first.
+        // A line may name several files, and a name may contain blanks: the whole line is tried first.
         let whole = folder.join(library);
         let paths = if whole.exists() || !library.contains(' ') {
             vec![whole]
@@ -55,7 +55,7 @@ fn parse_library(bytes: &[u8], pictures: &mut HashMap<String, String>) {
     }
 }
 
-/// The name after options such as `-s 1 1 1`, `-clamp on` and `-bm 0.5`.
+/// Name after options such as `-s 1 1 1`, `-clamp on` and `-bm 0.5`.
 fn without_options(text: &str) -> String {
     let mut rest = text;
     while let Some(option) = rest.strip_prefix('-') {
@@ -68,7 +68,7 @@ fn without_options(text: &str) -> String {
         };
         for taken in 0..most {
             let (word, next) = after.split_once(char::is_whitespace).unwrap_or((after, ""));
-            // The first argument may be a word; further ones are numbers that may be missing.
+            // The first argument may be a word; further ones are optional numbers.
             if next.is_empty() || (taken > 0 && parse_f64(word.as_bytes()).is_none()) {
                 break;
             }

@@ -1,7 +1,8 @@
-//! Wavefront OBJ.
+//! Wavefront OBJ reader.
 //!
-//! An own parser: the libraries either drop what they do not know, or make a string of every line; 90 MB would take
-//! many seconds. Here the bytes are cut at line ends into chunks that are parsed side by side and joined in order.
+//! The parser is our own: the libraries either drop unknown statements or allocate a string for every line, so that
+//! 90 MB would take many seconds. Here the bytes are split at line ends into chunks that are parsed in parallel and
+//! joined in order.
 
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -20,7 +21,7 @@ use std::sync::Arc;
 /// Stands for "no index" in the lists of corners.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// Which list an index counts in.
+/// List that an index refers to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Vertex,
@@ -29,19 +30,19 @@ pub(crate) enum Kind {
     EdgeEnd,
 }
 
-/// What one chunk of the file holds.
+/// Content of one chunk of the file.
 #[derive(Default)]
 #[allow(clippy::struct_excessive_bools)] // one for each kind of statement that is only kept as text
 pub(crate) struct Chunk {
     pub(crate) points: Vec<[f64; 3]>,
-    /// How many `points` there are, also when they are moved out.
+    /// Number of `points`, also after they have been moved out.
     pub(crate) n_points: usize,
-    /// Where the values of each vertex begin.
+    /// Start of the values of each vertex.
     pub(crate) rows: Vec<u64>,
-    /// How many vertices have no z, and where the first stands.
+    /// Number of vertices without z, and the position of the first.
     pub(crate) n_flat: usize,
     pub(crate) flat: Option<usize>,
-    /// Values after z, for all vertices once one has any.
+    /// Values after z, for all vertices as soon as one has any.
     pub(crate) tails: Vec<[f64; 4]>,
     pub(crate) tail_len: usize,
     pub(crate) texcoords: Vec<[f64; 3]>,
@@ -49,11 +50,11 @@ pub(crate) struct Chunk {
     pub(crate) normals: Vec<[f64; 3]>,
     pub(crate) face_sizes: Vec<u32>,
     pub(crate) corners: Vec<u32>,
-    /// As long as `corners` once one corner has such an index, else empty.
+    /// As long as `corners` as soon as one corner has such an index, else empty.
     pub(crate) corner_texcoords: Vec<u32>,
     pub(crate) corner_normals: Vec<u32>,
     pub(crate) edges: Vec<u32>,
-    /// Indices that count backwards: where they stand, and the index counted from the start of this chunk.
+    /// Negative indices: their list, their position, and the index counted from the start of this chunk.
     pub(crate) relative: Vec<(Kind, usize, i64)>,
     pub(crate) has_points_elements: bool,
     pub(crate) has_groups: bool,
@@ -73,7 +74,7 @@ pub(crate) fn read_obj(
         let parse =
             |&(start, end): &(usize, usize)| progress.check().map(|()| parse_chunk(&bytes, start, end));
         let some: Result<Vec<_>, Cancelled> = match together {
-            // A small file asks for no threads.
+            // A small file is parsed without threads.
             [one] => parse(one).map(|chunk| vec![chunk]),
             _ => together.par_iter().map(parse).collect(),
         };
@@ -88,16 +89,16 @@ pub(crate) fn read_obj(
     Ok(shape)
 }
 
-/// Chunks parsed between two reports.
+/// Chunks parsed between two progress reports.
 const CHUNKS_AT_ONCE: usize = 128;
 
-/// Cuts the file at ends of lines that are not continued.
+/// Splits the file at ends of lines that are not continued.
 pub(crate) fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
     const BYTES: usize = 1 << 18;
     let mut chunks = Vec::new();
     let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     while start < bytes.len() {
-        // From the start of a line, where it can be seen whether it is a comment.
+        // From the start of a line, where a comment can be recognized.
         let middle = (start + BYTES).min(bytes.len());
         let line = memchr::memrchr(b'\n', &bytes[start..middle]).map_or(start, |n| start + n + 1);
         let mut end = logical_end(bytes, line);
@@ -108,8 +109,8 @@ pub(crate) fn cut(bytes: &[u8]) -> Vec<(usize, usize)> {
     chunks
 }
 
-/// The line feed that ends the line at `position`, lines continued by `\` taken together; or the end of the bytes.
-/// A comment is not continued: those that end in `\` end in the name of a folder.
+/// Position of the line feed that ends the line at `position`, including lines continued by `\`; or the end of the
+/// bytes. A comment is not continued: comments that end in `\` end in the name of a folder.
 pub(crate) fn logical_end(bytes: &[u8], mut position: usize) -> usize {
     let first = bytes[position..].iter().find(|&&b| !is_blank(b));
     if first == Some(&b'#') {
@@ -151,10 +152,10 @@ fn join(
     let n_corners = sum(&|p| p.corners.len());
     let n_faces = sum(&|p| p.face_sizes.len());
     limits.check_points(n_vertices as u64)?;
-    // A plane shape has no z anywhere; one here and there is a mistake.
+    // A planar shape has no z at all; a single missing z is an error.
     let n_flat = sum(&|p| p.n_flat);
     if let Some(start) = chunks.iter().find_map(|p| p.flat).filter(|_| n_flat < n_vertices) {
-        let message = "a vertex has 2 numbers and needs 3; add the missing ones";
+        let message = "a vertex needs 3 numbers, got 2; add the missing ones";
         return Err(ReadError::in_line(&bytes, start, message));
     }
     if n_corners >= NONE as usize {
@@ -220,12 +221,12 @@ pub(crate) fn resolve_relative(chunks: &mut [Chunk], before: [i64; 3]) -> [i64; 
     [n_points, n_texcoords, n_normals]
 }
 
-/// Points, places of their rows, and faces.
+/// Points, positions of their rows, and faces.
 type Lists = (Vec<[f64; 3]>, Vec<u64>, Polygons);
 
-/// Where one chunk's part of each list goes.
+/// Destination of one chunk's part of each list.
 struct Place<'a> {
-    /// Corners before the chunk.
+    /// Number of corners before the chunk.
     first: u32,
     points: &'a mut [[f64; 3]],
     rows: &'a mut [u64],
@@ -247,7 +248,7 @@ impl Place<'_> {
     }
 }
 
-/// Points, places of their rows, and faces of all chunks, each chunk's copied to its place by whichever thread is free.
+/// Points, positions of their rows, and faces of all chunks, copied in parallel.
 fn lists(
     chunks: &mut [Chunk],
     [n_vertices, n_faces, n_corners]: [usize; 3],
@@ -285,8 +286,8 @@ fn lists(
     Ok((points, rows, faces))
 }
 
-/// The first `n` of a slice, which then begins after them.
-#[expect(clippy::mut_mut, reason = "the slice itself moves on")]
+/// Splits off the first `n` items of a slice.
+#[expect(clippy::mut_mut, reason = "the slice has `n` items")]
 fn take_front<'a, T>(slice: &mut &'a mut [T], n: usize) -> &'a mut [T] {
     let (front, rest) = std::mem::take(slice).split_at_mut(n);
     *slice = rest;
@@ -308,7 +309,8 @@ fn check_faces(
     Err(face_index_error(bytes, face, corner, n_vertices))
 }
 
-/// Where a face stands, and the index that its corner has there: they are looked for only now, so that reading need not keep them.
+/// Position of a face, and the index written for its corner. Both are searched only for an error, so that reading
+/// need not keep them.
 pub(crate) fn corner_as_written(bytes: &[u8], face: usize, corner: usize) -> (usize, i64) {
     let (position, line) = statements(bytes, b"f").nth(face).unwrap_or((0, b""));
     let word = crate::formats::obj::line::words(line).nth(corner + 1).unwrap_or(b"");
@@ -316,7 +318,7 @@ pub(crate) fn corner_as_written(bytes: &[u8], face: usize, corner: usize) -> (us
     (position, std::str::from_utf8(number).ok().and_then(|t| t.parse().ok()).unwrap_or(0))
 }
 
-/// The error for a corner's index.
+/// Creates the error for a corner's index.
 fn face_index_error(bytes: &[u8], face: usize, corner: usize, n_vertices: usize) -> ReadError {
     let (position, index) = corner_as_written(bytes, face, corner);
     ReadError::FaceIndex {
@@ -342,11 +344,11 @@ fn check_edges(bytes: &[u8], edges: &[u32], n_vertices: usize) -> Result<(), Rea
     Err(ReadError::in_line(
         bytes,
         position,
-        format!("a line element names a vertex that is not among the {n_vertices}; correct it"),
+        format!("a line element must name one of the {n_vertices} vertices; correct it"),
     ))
 }
 
-/// The statements that begin with a keyword: where, and the whole line.
+/// Statements that begin with a keyword: their positions and whole lines.
 fn statements<'a>(bytes: &'a [u8], keyword: &'a [u8]) -> impl Iterator<Item = (usize, &'a [u8])> {
     let mut position = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     std::iter::from_fn(move || {

@@ -8,17 +8,17 @@ use crate::text::parse_f64;
 /// What the faces of an OBJ refer to.
 #[derive(Default)]
 struct Content<'a> {
-    /// What stands before the first vertex, and the libraries of materials.
+    /// Lines before the first vertex, and the libraries of materials.
     head: Vec<&'a [u8]>,
     texcoords: Vec<&'a [u8]>,
     normals: Vec<&'a [u8]>,
     /// Texture coordinate and normal of each corner.
     corners: Vec<[u32; 2]>,
-    /// The state of each corner's face.
+    /// Index of the state of each corner's face.
     state: Vec<u32>,
-    /// Object, group, smoothing group and material lines that hold for a face.
+    /// Object, group, smoothing group and material lines that apply to a face.
     states: Vec<[&'a [u8]; 4]>,
-    /// Pairs of each line element, by vertex.
+    /// Vertices of each line element.
     lines: Vec<Vec<i64>>,
 }
 
@@ -78,20 +78,20 @@ impl<'a> Content<'a> {
     }
 }
 
-/// The vertex that a word of a line element names, or −1.
+/// Vertex named by a word of a line element, or −1.
 fn vertex(word: &[u8], n_seen: usize) -> i64 {
     let number = word.split(|&b| b == b'/').next().unwrap_or(b"");
     let index = std::str::from_utf8(number).ok().and_then(|text| text.parse::<i64>().ok()).unwrap_or(0);
     if index < 0 { n_seen as i64 + index } else { index - 1 }
 }
 
-/// A label for each corner: equal where texture coordinate and state are.
+/// Labels of the corners: equal if texture coordinate and state are.
 pub(super) fn labels(bytes: &[u8], n_corners: usize) -> Option<Vec<u32>> {
     let content = Content::parse(bytes);
     if content.corners.len() != n_corners || (content.texcoords.is_empty() && content.states.len() < 2) {
         return None;
     }
-    // Files repeat a coordinate for each face; equal ones are one place.
+    // Files repeat a coordinate for each face; equal coordinates are one position.
     let place = distinct(content.texcoords.len(), |k| {
         let numbers = words(content.texcoords[k]).skip(1).filter_map(parse_f64);
         numbers.map(|x| (x + 0.0).to_bits()).collect::<Vec<_>>()
@@ -103,7 +103,7 @@ pub(super) fn labels(bytes: &[u8], n_corners: usize) -> Option<Vec<u32>> {
     Some(distinct(n_corners, key))
 }
 
-/// The text: the lines of kept vertices as they are, of texture coordinates and normals those that are used, and the new
+/// Text of the subset: the unchanged lines of kept vertices, the used texture coordinates and normals, and the new
 /// triangles under the object, group, smoothing group and material of their corners.
 pub(super) fn text(bytes: &[u8], rows: &[u64], n_corners: usize, subset: &Subset<'_>) -> Vec<u8> {
     let content = Content::parse(bytes);
@@ -133,7 +133,7 @@ pub(super) fn text(bytes: &[u8], rows: &[u64], n_corners: usize, subset: &Subset
             }
         }
         if !known || subset.triangles.is_empty() {
-            // Nothing refers to them: of a cloud they are those of the vertices, in order.
+            // No face refers to them: in a cloud they belong to the vertices, in order.
             for &x in subset.vertices.iter().filter(|_| lines.len() == rows.len()) {
                 push(&mut out, lines[x as usize]);
             }

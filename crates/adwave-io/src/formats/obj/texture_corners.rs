@@ -1,11 +1,11 @@
-//! Which places of which pictures the vertices of an OBJ have.
+//! Texture coordinates and materials of the vertices of an OBJ.
 //!
-//! A second, plain pass over the file: [`ShapeFile`](crate::ShapeFile) keeps texture coordinates only where each vertex has
-//! one, and a seam is where it has several.
+//! This is a second pass over the file, because [`ShapeFile`](crate::ShapeFile) keeps texture coordinates only if
+//! each vertex has a single one, whereas a vertex on a seam has several.
 
 use crate::text::{line_end, parse_f64, words};
 
-/// A vertex at a place of a picture, each combination once.
+/// Vertex with a texture coordinate and a material; each combination occurs once.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Place {
     pub(super) vertex: u32,
@@ -13,18 +13,18 @@ pub(super) struct Place {
     pub(super) texcoord: u32,
 }
 
-/// What an OBJ says of textures.
+/// Texture-related content of an OBJ.
 pub(super) struct Corners {
     pub(super) texcoords: Vec<[f64; 2]>,
     pub(super) places: Vec<Place>,
-    /// Names of the materials, the first (empty) for faces before any `usemtl`.
+    /// Names of the materials; the first (empty) one is for faces before any `usemtl`.
     pub(super) materials: Vec<String>,
     /// Files of materials.
     pub(super) libraries: Vec<String>,
 }
 
 impl Corners {
-    /// Reads the lines that matter; what is malformed there the reader of shapes has refused already.
+    /// Parses the relevant lines; malformed ones have already been rejected by the reader of shapes.
     pub(super) fn parse(bytes: &[u8], n_vertices: usize) -> Self {
         let mut corners = Self {
             texcoords: Vec::new(),
@@ -76,7 +76,7 @@ impl Corners {
         let mut parts = word.split(|&b| b == b'/');
         let mut index = |count: usize| {
             let number: i64 = std::str::from_utf8(parts.next()?).ok()?.parse().ok()?;
-            // Negative ones count back from the last that has been read.
+            // Negative indices count back from the last item read.
             let index = if number < 0 { count as i64 + number } else { number - 1 };
             u32::try_from(index).ok()
         };

@@ -1,4 +1,4 @@
-//! Wavefront OBJ.
+//! Wavefront OBJ writer.
 
 use std::io::Write;
 
@@ -45,7 +45,7 @@ fn is_color(field: &Field) -> bool {
     matches!(field.n_channels, 3 | 4)
 }
 
-/// Colors are numbers from 0 to 1 in an OBJ.
+/// Writes a color as numbers from 0 to 1.
 fn push_color(color: &Field, i: usize, out: &mut Vec<u8>) {
     let scale = if matches!(color.values, FieldValues::U8(_)) { 255.0 } else { 1.0 };
     for c in 0..color.n_channels {
@@ -54,7 +54,7 @@ fn push_color(color: &Field, i: usize, out: &mut Vec<u8>) {
     }
 }
 
-/// Writes `keyword` and numbers as a line.
+/// Writes a line of `keyword` and numbers.
 fn push_line(out: &mut Vec<u8>, keyword: &str, numbers: impl Iterator<Item = f64>) {
     out.extend_from_slice(keyword.as_bytes());
     for x in numbers {
@@ -79,7 +79,7 @@ pub(crate) fn write_obj(
     report.leave_vertex_fields(shape, &held);
     report.leave_face_fields(shape, &[]);
     if shape.points.is_empty() {
-        // A file without a byte would not be known as an OBJ.
+        // An empty file would not be recognized as an OBJ.
         writeln!(out, "# no vertices")?;
     }
     if shape.faces.iter().any(<[u32]>::is_empty) {

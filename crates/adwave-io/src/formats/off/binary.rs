@@ -16,7 +16,7 @@ use crate::{
     Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, WriteError, WriteReport,
 };
 
-/// The layout that the first line names, and where the numbers begin; nothing where the file is no binary OFF.
+/// Layout named by the first line, and the start of the numbers; `None` if the file is not a binary OFF.
 pub(crate) fn head(bytes: &[u8]) -> Option<(Layout, usize)> {
     let end = memchr::memchr(b'\n', &bytes[..bytes.len().min(256)])?;
     let mut words = crate::text::words(&bytes[..end]);
@@ -32,13 +32,15 @@ pub(crate) fn read_off_binary(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let Some((layout, start)) = head(&bytes) else {
-        return Err(ReadError::at_byte(0, "this is no head of a binary OFF; get the whole file"));
+        return Err(ReadError::at_byte(0, "the head of a binary OFF is invalid; get the whole file"));
     };
     let mut cursor = Cursor::new(&bytes, start, ByteOrder::Big);
     let mut count = |what: &str| {
         let place = cursor.position;
         let n = cursor.i32(what)?;
-        u32::try_from(n).map(u64::from).map_err(|_| ReadError::at_byte(place, format!("{what} is below 0")))
+        u32::try_from(n)
+            .map(u64::from)
+            .map_err(|_| ReadError::at_byte(place, format!("{what} must not be negative")))
     };
     let (n_vertices, n_faces) = (count("the number of vertices")?, count("the number of faces")?);
     count("the number of edges")?;
@@ -72,7 +74,7 @@ pub(crate) fn read_off_binary(
     }
     read_faces(&mut cursor, n_faces, &mut shape, progress)?;
     if divide(&mut shape) {
-        // What was divided has the precision of the file, or goes into a text.
+        // Divided coordinates have the precision of the file, or are written as text.
         let rounded: Vec<[f64; 3]> = shape.points.iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
         if rounded.as_flattened().iter().all(|x| x.is_finite()) {
             shape.points = rounded.into();
@@ -88,7 +90,7 @@ pub(crate) fn read_off_binary(
     Ok(shape)
 }
 
-/// Faces: a count, corners, how many numbers the color has, and these.
+/// Reads faces: a count, the corners, the number of color components, and these.
 fn read_faces(
     cursor: &mut Cursor<'_>,
     n: u64,
@@ -120,8 +122,10 @@ fn read_faces(
         faces.push(&face);
         let n_numbers: u32 = cursor.number("face", row)?;
         if n_numbers > 4 {
-            let message =
-                format!("the color of face {row} has {n_numbers} numbers, more than 4; get it anew");
+            let message = format!(
+                "the color of face {row} must have at most 4 numbers, got {n_numbers}; get the \
+                        file again"
+            );
             return Err(ReadError::at_byte(cursor.position - 4, message));
         }
         let numbers = cursor.rows(n_numbers.into(), 4, "face")?;
@@ -140,14 +144,14 @@ fn read_faces(
     Ok(())
 }
 
-/// Fields of 32-bit floats, as they stand in the file.
+/// Fields of 32-bit floats, as they are in the file.
 fn singles(fields: &[Field], name: &str, n_channels: &[usize]) -> Option<usize> {
     fields.iter().position(|f| {
         f.name == name && n_channels.contains(&f.n_channels) && matches!(f.values, FieldValues::F32(_))
     })
 }
 
-/// Writes points, and fields of 32-bit floats that the format has.
+/// Writes points, and the 32-bit float fields that the format supports.
 pub(crate) fn write_off_binary(
     shape: &ShapeFile,
     report: &mut WriteReport,

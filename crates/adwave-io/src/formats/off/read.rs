@@ -1,6 +1,6 @@
-//! Object file format and its variants: `[ST][C][N][4][n]OFF`, text.
+//! Reader of the object file format and its variants: `[ST][C][N][4][n]OFF`, text.
 //!
-//! Read line by line, as all write it; where that does not come out, word by word.
+//! Files are read line by line, as most programs write them; if that fails, word by word.
 
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
@@ -14,7 +14,7 @@ use crate::text::lines::{Statement, Statements};
 use crate::text::{parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// What the letters before `OFF` say that a vertex has.
+/// Attributes of a vertex according to the letters before `OFF`.
 #[allow(clippy::struct_excessive_bools)] // one for each letter
 pub(crate) struct Layout {
     pub(crate) has_w: bool,
@@ -24,7 +24,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// What the letters before `OFF` say.
+    /// Parses the letters before `OFF`.
     pub(crate) fn of(letters: &[u8]) -> Self {
         Self {
             has_w: letters.contains(&b'4'),
@@ -35,11 +35,11 @@ impl Layout {
     }
 }
 
-/// What the rows of vertices and faces say.
+/// Content of the rows of vertices and faces.
 #[derive(Default)]
 pub(crate) struct Values {
     pub(crate) points: Vec<[f64; 3]>,
-    /// Where the coordinates of each vertex begin.
+    /// Start of the coordinates of each vertex.
     pub(crate) rows: Vec<u64>,
     pub(crate) tails: Tails,
     pub(crate) faces: Polygons,
@@ -62,7 +62,7 @@ pub(crate) fn read_off(
         Err(error @ (ReadError::Line { .. } | ReadError::Truncated { .. })) => error,
         Err(error) => return Err(error),
     };
-    // The first error says more to those whose lines are meant as lines.
+    // The first error is more helpful if the lines are meant as rows.
     crate::formats::off::tokens::read_by_tokens(bytes, limits, progress).map_err(|other| match other {
         ReadError::Cancelled(_) => other,
         _ => error,
@@ -88,7 +88,7 @@ fn read_lines(
         let mut xyz = [0.0; 3];
         for (i, x) in xyz.iter_mut().enumerate() {
             let word = values.next().ok_or_else(|| {
-                let message = format!("vertex {row} has {i} numbers and needs 3; add the missing ones");
+                let message = format!("vertex {row} needs 3 numbers, got {i}; add the missing ones");
                 ReadError::in_line(bytes, line.start, message)
             })?;
             *x = number(bytes, &line, word, "vertex", row)?;
@@ -105,7 +105,7 @@ fn read_lines(
     Ok((layout, found))
 }
 
-/// The shape with its fields, and its text to be written again.
+/// Builds the shape with its fields and with its text for rewriting.
 pub(crate) fn finish(
     bytes: Vec<u8>,
     layout: &Layout,
@@ -134,8 +134,9 @@ pub(crate) fn finish(
     Ok(shape)
 }
 
-/// Divides by the fourth, homogeneous coordinate, as Geomview means it, and drops it; whether there was anything to divide. Points at
-/// infinity have no place: where there is one, the points are taken as of four dimensions and seen along the last.
+/// Divides by the fourth, homogeneous coordinate, as in Geomview, and drops it; returns true if anything was divided.
+/// Points at infinity have no position: if there is one, the points are treated as four-dimensional and projected
+/// along the last axis.
 pub(crate) fn divide(shape: &mut ShapeFile) -> bool {
     let Some(at) = shape.vertex_fields.iter().position(|f| f.name == "w" && f.n_channels == 1) else {
         return false;
@@ -146,7 +147,7 @@ pub(crate) fn divide(shape: &mut ShapeFile) -> bool {
     }
     let points = shape.points.iter().zip(&w).map(|(p, w)| p.map(|x| x / w)).collect::<Vec<_>>();
     if points.as_flattened().iter().zip(shape.points.as_flattened()).any(|(x, old)| {
-        // A tiny divisor may lead beyond all numbers.
+        // A tiny divisor may give infinity.
         old.is_finite() && !x.is_finite()
     }) {
         return false;
@@ -163,7 +164,7 @@ pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout
     let mut first_words = words(first.text).peekable();
     let mut letters: &[u8] = b"";
     let mut counts: Vec<u64> = Vec::new();
-    // The keyword may be left out, and the counts may follow it on its line or even in its word.
+    // The keyword may be missing, and the counts may follow it on its line or even in its word.
     if let Some((before, after)) = first_words.peek().and_then(|w| off_keyword(w)) {
         letters = before;
         counts.extend(parse_u64(after));
@@ -171,22 +172,30 @@ pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout
     }
     let is_n = letters.contains(&b'n');
     if is_n && letters.contains(&b'4') {
-        return wrong("4nOFF cannot be read; write plain OFF");
+        return wrong("4nOFF is not supported; write plain OFF");
     }
-    // Where words count and not lines, vertices may follow.
+    // In files without line structure, vertices may follow.
     for word in first_words.take(if is_n { 4 } else { 3 }) {
         match parse_u64(word) {
             Some(n) => counts.push(n),
-            None if word == b"BINARY" => return wrong("BINARY must end the first line; get it anew"),
-            None => return wrong(&format!("{} is no count of vertices or faces", show(word))),
+            None if word == b"BINARY" => return wrong("BINARY must end the first line; get the file again"),
+            None => {
+                return wrong(&format!(
+                    "the count of vertices or faces must be a number, got {}",
+                    show(word)
+                ));
+            }
         }
     }
-    // The dimension may have a line of its own.
+    // The dimension may be on a line of its own.
     while counts.len() < if is_n { 3 } else { 1 } {
         let Some(line) = lines.next() else { return wrong("the numbers of vertices and faces are missing") };
         for word in words(line.text) {
             let count = parse_u64(word).ok_or_else(|| {
-                let message = format!("{} is no count of vertices or faces; correct it", show(word));
+                let message = format!(
+                    "the count of vertices or faces must be a number, got {}; correct it",
+                    show(word)
+                );
                 ReadError::in_line(bytes, line.start, message)
             })?;
             counts.push(count);
@@ -195,11 +204,11 @@ pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout
     if is_n {
         let dimension = counts.remove(0);
         if dimension != 3 {
-            return wrong("nOFF with points of other than three dimensions cannot be read; write plain OFF");
+            return wrong("nOFF needs points of three dimensions; write plain OFF");
         }
     }
     let [n_vertices, n_faces, ..] = counts[..] else {
-        return wrong("there must be two counts, of vertices and of faces; add them");
+        return wrong("two counts, of vertices and of faces, are needed; add them");
     };
     let layout = Layout::of(letters);
     Ok((layout, [n_vertices, n_faces]))
@@ -210,7 +219,7 @@ fn ends(bytes: &[u8], element: &str, row: u64, n: u64) -> ReadError {
     ReadError::in_line(bytes, bytes.len(), message)
 }
 
-/// Fails at once when the rows, each of at least `row_bytes`, cannot be in the bytes that remain.
+/// Fails early if rows of at least `row_bytes` each do not fit the remaining bytes.
 fn check_size(bytes: &[u8], position: usize, n: u64, row_bytes: u64, element: &str) -> Result<(), ReadError> {
     let remaining = bytes.len().saturating_sub(position) as u64 + 1;
     if remaining / row_bytes >= n {
@@ -232,18 +241,18 @@ fn number(
     row: u64,
 ) -> Result<f64, ReadError> {
     parse_f64(word).ok_or_else(|| {
-        let message = format!("{element} {row} has {} where a number belongs; correct it", show(word));
+        let message = format!("{element} {row} must have numbers, got {}; correct it", show(word));
         ReadError::in_line(bytes, line.start, message)
     })
 }
 
-/// The values after the coordinates or corners, any number in each row.
+/// Values after the coordinates or corners, any number in each row.
 #[derive(Default)]
 pub(crate) struct Tails {
     values: Vec<f64>,
     ends: Vec<usize>,
     pub(crate) longest: usize,
-    /// For each column whether a value in it is anything but digits.
+    /// True for each column with a value that is more than digits.
     has_fraction: Vec<bool>,
 }
 
@@ -267,7 +276,8 @@ impl Tails {
         self.ends.push(self.values.len());
     }
 
-    /// Values `from..from + n` of every row, NaN where a row is shorter; bytes when `color` and all are 0 … 255.
+    /// Field of the values `from..from + n` of every row, NaN if a row is shorter; bytes if `color` and all are 0 …
+    /// 255.
     fn field(&self, name: &str, from: usize, n: usize, progress: Progress<'_>) -> Result<Field, Cancelled> {
         let mut values = Vec::with_capacity(self.ends.len() * n);
         let mut start = 0;
@@ -295,7 +305,7 @@ fn vertex_fields(
     let mut from = 0;
     let mut left = tails.longest;
     let mut add = |name: &str, n: usize, shape: &mut ShapeFile| {
-        // Some writers put letters before `OFF` without writing the values.
+        // Some programs write letters before `OFF` without the values.
         if n > 0 && left >= n {
             shape.vertex_fields.push(tails.field(name, from, n, progress)?);
             from += n;
@@ -312,7 +322,7 @@ fn vertex_fields(
     let after_w_and_normal =
         tails.longest.saturating_sub(usize::from(layout.has_w) + 3 * usize::from(layout.has_normal));
     let for_color = after_w_and_normal.saturating_sub(2 * usize::from(layout.has_texcoord));
-    // Others write colors without the letter.
+    // Other programs write colors without the letter.
     if layout.has_color || matches!(for_color, 3 | 4) {
         add("color", if for_color >= 4 { 4 } else { 3 }, shape)?;
     }
@@ -340,18 +350,21 @@ fn read_faces(
         let mut values = words(line.text);
         let first = values.next().unwrap_or(b"");
         let n_corners = parse_u64(first).ok_or_else(|| {
-            let message = format!("face {row} begins with {}, which is no number of corners", show(first));
+            let message = format!("face {row} must begin with a number of corners, got {}", show(first));
             ReadError::in_line(bytes, line.start, message)
         })?;
         face.clear();
         for corner in 0..n_corners {
             let word = values.next().ok_or_else(|| {
-                let message = format!("face {row} has {corner} of {n_corners} corners; add the missing ones");
+                let message = format!(
+                    "face {row} needs {n_corners} corners, got {corner}; add the missing \
+                                      ones"
+                );
                 ReadError::in_line(bytes, line.start, message)
             })?;
             let index: i64 =
                 std::str::from_utf8(word).ok().and_then(|t| t.parse().ok()).ok_or_else(|| {
-                    let message = format!("face {row} has {} where a vertex belongs", show(word));
+                    let message = format!("face {row} must name vertices, got {}", show(word));
                     ReadError::in_line(bytes, line.start, message)
                 })?;
             let vertex = u32::try_from(index).ok().filter(|&v| (v as usize) < n_vertices);

@@ -1,4 +1,4 @@
-//! OFF as words without lines: faces over several lines, or several of them on one, as Geomview allows.
+//! Reader of OFF as words without lines: faces over several lines, or several of them on one, as Geomview allows.
 
 use adwave::Progress;
 use adwave::shape::Polygons;
@@ -11,7 +11,7 @@ use crate::text::tokens::Tokens;
 use crate::text::{is_blank, parse_f64};
 use crate::{ReadError, ReadLimits, ShapeFile};
 
-/// Reads an OFF in which lines mean nothing but, where there are colors of faces, their end.
+/// Reads an OFF whose line ends are meaningless, except after colors of faces.
 pub(crate) fn read_by_tokens(
     bytes: Vec<u8>,
     limits: &ReadLimits,
@@ -42,7 +42,7 @@ pub(crate) fn read_by_tokens(
         values.tails.end_row();
     }
     tokens.check(n_faces, 2, "face")?;
-    // Without colors the words are used up exactly; with them the rest of a line belongs to its face.
+    // Without colors all words are used exactly; with colors the rest of a line belongs to its face.
     let plain = faces(&mut tokens.clone(), n_faces, n_vertices, Colors::None, progress);
     let is_whole = |(_, end): &(Faces, usize)| Tokens::new(&bytes, *end).next().is_none();
     (values.faces, values.face_tails) = match plain {
@@ -59,7 +59,7 @@ pub(crate) fn read_by_tokens(
     finish(bytes, &layout, values, Separator::OverLines, progress)
 }
 
-/// Where the counts end, when vertices follow them on the line of the keyword.
+/// End of the counts if vertices follow them on the line of the keyword.
 fn after_counts(bytes: &[u8]) -> Option<usize> {
     let mut tokens = Tokens::new(bytes, if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 });
     let (start, keyword) = tokens.next()?;
@@ -72,7 +72,7 @@ fn after_counts(bytes: &[u8]) -> Option<usize> {
     (rest.is_empty() && tokens.position < end && has_more).then_some(tokens.position)
 }
 
-/// Faces and what stands after their corners.
+/// Faces and the content after their corners.
 type Faces = (Polygons, Tails);
 
 #[derive(Clone, Copy, PartialEq)]
@@ -95,9 +95,9 @@ fn faces(
         tokens.skip();
         let start = tokens.position;
         let n_corners = tokens.count("face", row)?;
-        // Words that are shifted by a missing one should not look like faces.
+        // Words shifted by a missing one must not be taken for faces.
         if n_corners < 2 {
-            let message = format!("face {row} has {n_corners} corners; correct it");
+            let message = format!("face {row} has the invalid number of {n_corners} corners; correct it");
             return Err(ReadError::in_line(tokens.bytes, start, message));
         }
         face.clear();
@@ -139,7 +139,7 @@ fn faces(
 }
 
 impl Layout {
-    /// Numbers of a vertex after its coordinates.
+    /// Number of values of a vertex after its coordinates.
     fn n_tail(&self) -> usize {
         usize::from(self.has_w)
             + 3 * usize::from(self.has_normal)

@@ -1,4 +1,4 @@
-//! Object file format: OFF, and with attributes `[ST][C][N]OFF`.
+//! Writer of the object file format: OFF, and with attributes `[ST][C][N]OFF`.
 
 use std::io::Write;
 

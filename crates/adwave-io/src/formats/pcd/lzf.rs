@@ -1,12 +1,12 @@
-//! LZF, as binary_compressed PCD uses it.
+//! LZF compression of binary_compressed PCD.
 //!
-//! Some lines here instead of a library: those on crates.io trust the stated length or are not kept up.
+//! The implementation is our own, because the crates either trust the stated length or are unmaintained.
 
 use adwave::{Cancelled, Progress};
 
 use crate::progress::at_row;
 
-/// The `n` bytes that `packed` holds, or the position in `packed` where it is wrong.
+/// Decompresses `n` bytes; the error is the position in `packed` at which it is invalid.
 pub(crate) fn decompress(
     packed: &[u8],
     n: usize,
@@ -24,7 +24,7 @@ pub(crate) fn decompress(
     Ok(if plain.len() == n { Ok(plain) } else { Err(i) })
 }
 
-/// Adds what one literal or reference stands for.
+/// Decodes one literal run or reference.
 fn step(packed: &[u8], n: usize, plain: &mut Vec<u8>, position: &mut usize) -> Result<(), usize> {
     let mut i = *position;
     let control = packed[i] as usize;
@@ -51,10 +51,10 @@ fn step(packed: &[u8], n: usize, plain: &mut Vec<u8>, position: &mut usize) -> R
     if plain.len() > n { Err(i) } else { Ok(()) }
 }
 
-/// The bytes packed: references to the last place where the next three bytes stood, by a table of such places.
+/// Compresses bytes with references to the last position of the next three bytes, found in a hash table.
 pub(crate) fn compress(plain: &[u8], progress: Progress<'_>) -> Result<Vec<u8>, Cancelled> {
     const BITS: u32 = 14;
-    /// The longest way back, and the longest run, that a reference can name.
+    /// Longest distance and longest run of a reference.
     const BACK: usize = 1 << 13;
     const LONGEST: usize = 264;
     let mut places = vec![usize::MAX; 1 << BITS];
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn literals_and_references() {
-        // Three literal bytes, then six bytes from three back, which overlap what they write.
+        // Three literal bytes, then six bytes from three back, which overlap the output.
         assert_eq!(decompress(&[2, b'a', b'b', b'c', 4 << 5, 2], 9).unwrap(), b"abcabcabc");
         assert!(decompress(&[2, b'a'], 3).is_err(), "cut literal");
         assert!(decompress(&[0, b'a', 1 << 5, 9], 4).is_err(), "reference before the start");

@@ -8,14 +8,14 @@ use crate::model::subset::selected;
 use crate::progress::{all, at_row};
 use crate::{Field, ReadError, ShapeFile};
 
-/// A cloud with all its points, and which of them have a place.
+/// Cloud with all its points, and the indices of those with a position.
 #[derive(Debug)]
 pub(crate) struct Whole {
     file: ShapeFile,
     kept: Vec<u32>,
 }
 
-/// The shape of the points that have a place, where some have one and some do not.
+/// Drops the points without a position, if there are some with and some without one.
 pub(crate) fn without_missing(file: ShapeFile, progress: Progress<'_>) -> Result<ShapeFile, ReadError> {
     let is_there = |i: usize| file.points[i].iter().all(|x| x.is_finite());
     if all(file.n_vertices, progress, is_there)? {
@@ -45,7 +45,8 @@ pub(crate) fn without_missing(file: ShapeFile, progress: Progress<'_>) -> Result
 }
 
 impl Whole {
-    /// The whole cloud with the places and fields that the shape has now. A new field is 0 or NaN where the shape has no row.
+    /// Restores the whole cloud with the present positions and fields of the shape. A new field is 0 or NaN at points
+    /// that are not part of the shape.
     pub(crate) fn with(&self, shape: &ShapeFile, progress: Progress<'_>) -> Result<ShapeFile, Cancelled> {
         let mut file = self.file.clone();
         let mut points = file.points.to_vec();

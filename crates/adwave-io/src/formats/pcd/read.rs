@@ -62,7 +62,7 @@ impl SourceDocument for PcdSource {
 struct Column {
     name: String,
     value_type: ValueType,
-    /// Where it is in a binary row.
+    /// Offset in a binary row.
     offset: usize,
 }
 
@@ -107,7 +107,7 @@ pub(crate) fn read_pcd(
             read_field_by_field(&plain, &header, &mut values, progress)?;
         }
         other => {
-            let message = format!("DATA {} is none of ascii, binary, binary_compressed", show(other));
+            let message = format!("DATA must be ascii, binary or binary_compressed, got {}", show(other));
             return Err(ReadError::in_line(&bytes, header.body.saturating_sub(1), message));
         }
     }
@@ -148,7 +148,13 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
         let Some(keyword) = parts.next() else { continue };
         let mut count = || {
             let word = parts.next().unwrap_or(b"");
-            let wrong = || ReadError::in_line(bytes, start, format!("{} is no number of points", show(word)));
+            let wrong = || {
+                ReadError::in_line(
+                    bytes,
+                    start,
+                    format!("the number of points must be an integer, got {}", show(word)),
+                )
+            };
             parse_u64(word).map(Some).ok_or_else(wrong)
         };
         match keyword.to_ascii_uppercase().as_slice() {
@@ -180,14 +186,16 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
     };
     let size = width.map(|w: u64| w.saturating_mul(height.unwrap_or(1)));
     let Some(n_points) = points.or(size) else {
-        return Err(ReadError::Whole("the PCD header has neither POINTS nor WIDTH; add the number".into()));
+        return Err(ReadError::Whole(
+            "the PCD header has neither POINTS nor WIDTH; add the number of points".into(),
+        ));
     };
     header.n_points = n_points;
     (header.width, header.height) = match (width, height) {
         (Some(w), Some(h)) if w.checked_mul(h) == Some(n_points) => (w, h),
         _ => (n_points, 1),
     };
-    // Some write everything in capitals.
+    // Some programs write everything in upper case.
     let has_lower = ["x", "y", "z"].iter().any(|axis| lists[0].iter().any(|name| name == axis));
     for name in lists[0].iter_mut().filter(|name| !has_lower && matches!(name.as_str(), "X" | "Y" | "Z")) {
         name.make_ascii_lowercase();
@@ -218,7 +226,7 @@ fn columns(header: &mut Header, [names, sizes, types, counts]: &[Vec<String>; 4]
             }
         };
         if !(1..=4096).contains(&count) {
-            return Err(ReadError::Whole(format!("PCD field {name:?} has a COUNT that is not 1 to 4096")));
+            return Err(ReadError::Whole(format!("the COUNT of PCD field {name:?} must be in 1..=4096")));
         }
         let n_bytes = value_type.n_bytes();
         header.fields.push((header.row_bytes, n_bytes * count));
@@ -230,7 +238,7 @@ fn columns(header: &mut Header, [names, sizes, types, counts]: &[Vec<String>; 4]
     }
     for axis in ["x", "y", "z"] {
         if !header.columns.iter().any(|c| c.name == axis) {
-            return Err(ReadError::Whole(format!("the PCD has no field {axis}; it needs x, y and z")));
+            return Err(ReadError::Whole(format!("the PCD needs the fields x, y and z, but has no {axis}")));
         }
     }
     Ok(())
@@ -270,7 +278,11 @@ fn read_rows(
         for (column, list) in header.columns.iter().zip(&mut *values) {
             let word = parts.next().ok_or_else(|| {
                 let n = header.columns.len();
-                ReadError::in_line(bytes, start, format!("point {row} has fewer than {n} values; add them"))
+                ReadError::in_line(
+                    bytes,
+                    start,
+                    format!("point {row} needs {n} values; add the missing ones"),
+                )
             })?;
             let fits = match list {
                 FieldValues::F32(v) => parse_f32(word).map(|x| v.push(x)).is_some(),
@@ -311,11 +323,11 @@ fn unpack(bytes: &[u8], header: &Header, progress: Progress<'_>) -> Result<Vec<u
     if n_packed > (bytes.len() - start) as u64 {
         return Err(truncated(start as u64 + n_packed));
     }
-    // Three bytes stand for at most 264.
+    // Three bytes encode at most 264.
     if Some(n_plain) != header.n_points.checked_mul(header.row_bytes as u64) || n_plain > 88 * n_packed + 264
     {
         let n = header.n_points;
-        let message = format!("{n_plain} uncompressed bytes do not make {n} points; get an unbroken file");
+        let message = format!("{n} points do not fit {n_plain} uncompressed bytes; get an undamaged file");
         return Err(ReadError::at_byte(header.body + 4, message));
     }
     crate::formats::pcd::lzf::decompress(
@@ -323,10 +335,10 @@ fn unpack(bytes: &[u8], header: &Header, progress: Progress<'_>) -> Result<Vec<u
         n_plain as usize,
         progress,
     )?
-    .map_err(|at| ReadError::at_byte(start + at, "the LZF compression is broken; get an unbroken file"))
+    .map_err(|at| ReadError::at_byte(start + at, "the LZF compression is damaged; get an undamaged file"))
 }
 
-/// Compressed points are stored field by field: all of the first field, all of the second, …
+/// Reads compressed points, which are stored field by field: all of the first field, all of the second, …
 fn read_field_by_field(
     plain: &[u8],
     header: &Header,
@@ -378,7 +390,7 @@ fn to_shape(
     Ok(shape)
 }
 
-/// The bytes of a packed color, which files hold as the bits of a float or as a whole number: blue lowest.
+/// Unpacks a color, which is stored as the bits of a float or as an integer: blue in the lowest byte.
 fn unpack_color(list: &FieldValues, n_channels: usize, progress: Progress<'_>) -> Result<Field, ReadError> {
     let bits = |i: usize| match list {
         FieldValues::F32(v) => v[i].to_bits(),

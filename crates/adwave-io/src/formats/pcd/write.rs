@@ -11,7 +11,7 @@ use crate::progress::at_row;
 use crate::text::{push_f32, push_f64};
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
 
-/// A color of bytes is packed into one number, as the library expects it.
+/// True for a color of bytes, which is packed into one number for the library.
 fn is_packed(field: &Field) -> bool {
     field.name == "color" && matches!(field.n_channels, 3 | 4) && matches!(field.values, FieldValues::U8(_))
 }
@@ -21,14 +21,14 @@ fn packed(field: &Field, i: usize) -> u32 {
     u32::from_le_bytes([byte(2), byte(1), byte(0), byte(3)])
 }
 
-/// Columns of a field: name, type, count of each.
+/// Columns of a field: name, type and count of each.
 fn columns(field: &Field) -> Vec<(String, ValueType, usize)> {
     let value_type = field.values.value_type();
     let three = |names: [&str; 3]| names.map(|n| (n.to_string(), value_type, 1)).to_vec();
     match (field.name.as_str(), field.n_channels) {
         _ if is_packed(field) => {
             let name = if field.n_channels == 3 { "rgb" } else { "rgba" };
-            // A whole number in both: as a float some bit patterns would be NaN, which no text can hold.
+            // An integer in both forms: as a float some bit patterns would be NaN, which text cannot represent.
             vec![(name.into(), ValueType::U32, 1)]
         }
         ("normal", 3) => three(["normal_x", "normal_y", "normal_z"]),
@@ -37,7 +37,7 @@ fn columns(field: &Field) -> Vec<(String, ValueType, usize)> {
     }
 }
 
-/// Writes points and all vertex fields, with the sensor's place and the image's size of a PCD that they came from.
+/// Writes points and all vertex fields, with the sensor pose and the image size of the original PCD.
 pub(crate) fn write_pcd(
     shape: &ShapeFile,
     format: Format,
@@ -94,7 +94,7 @@ pub(crate) fn write_pcd(
     Ok(())
 }
 
-/// Writes the points field by field, packed: all of the first field, all of the second, …
+/// Writes compressed points field by field: all of the first field, all of the second, …
 fn write_compressed(
     shape: &ShapeFile,
     columns: &[(String, ValueType, usize)],

@@ -1,4 +1,4 @@
-//! The rows of a PLY, value by value.
+//! Value-by-value parser of the rows of a PLY.
 
 use adwave::Progress;
 
@@ -7,17 +7,17 @@ use crate::model::field::ByteOrder;
 use crate::text::{Words, parse_f32, parse_f64, show};
 use crate::{FieldValues, ReadError, ValueType};
 
-/// A position in the body.
+/// Read position in the body.
 pub(crate) struct Body<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) position: usize,
     pub(crate) encoding: Encoding,
-    /// Asked by whoever goes through the rows.
+    /// Handle checked by the loops over rows.
     pub(crate) progress: Progress<'a>,
 }
 
 impl<'a> Body<'a> {
-    /// Fails at once when the bytes that remain cannot hold the element's rows.
+    /// Fails early if the element's rows do not fit the remaining bytes.
     pub(crate) fn check_size(&self, element: &Element) -> Result<(), ReadError> {
         let row_bytes = element.min_row_bytes(self.encoding);
         if row_bytes == 0 {
@@ -95,11 +95,12 @@ impl<'a> Body<'a> {
     fn not_a(&self, t: ValueType, position: usize, word: &[u8], element: &Element, row: u64) -> ReadError {
         let kind = crate::formats::ply::header::type_name(t);
         let name = &element.name;
-        let message = format!("{} is no {kind} (element `{name}`, row {row}); correct it", show(word));
+        let message =
+            format!("expected a {kind}, got {} (element `{name}`, row {row}); correct it", show(word));
         ReadError::in_line(self.bytes, position, message)
     }
 
-    /// Reads one whole number.
+    /// Reads one integer.
     pub(crate) fn read_integer(
         &mut self,
         t: ValueType,
@@ -119,7 +120,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The length of the list here; what it takes is checked against the bytes that remain.
+    /// Reads the length of a list and checks its size against the remaining bytes.
     fn read_count(
         &mut self,
         kind: Kind,
@@ -131,7 +132,10 @@ impl<'a> Body<'a> {
         let n = self.read_integer(count, element, row)?;
         let Ok(n) = u64::try_from(n) else {
             let name = &element.name;
-            let message = format!("a list has the length {n} (element `{name}`, row {row}); correct it");
+            let message = format!(
+                "the length of a list is invalid: {n} (element `{name}`, row {row}); \
+                                  correct it"
+            );
             return Err(match self.encoding {
                 Encoding::Ascii => ReadError::in_line(self.bytes, start, message),
                 Encoding::Binary(_) => ReadError::at_byte(start, message),
@@ -146,7 +150,7 @@ impl<'a> Body<'a> {
         Ok((n as usize, item))
     }
 
-    /// Reads a list of whole numbers.
+    /// Reads a list of integers.
     pub(crate) fn read_list(
         &mut self,
         kind: Kind,
@@ -165,7 +169,7 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Passes over one value or list.
+    /// Skips one value or list.
     pub(crate) fn skip(&mut self, kind: Kind, element: &Element, row: u64) -> Result<(), ReadError> {
         let (n, item) = match kind {
             Kind::Scalar(t) => (1, t),
@@ -181,13 +185,13 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
-    /// Passes over one row.
+    /// Skips one row.
     pub(crate) fn skip_row(&mut self, element: &Element, row: u64) -> Result<(), ReadError> {
         element.properties.iter().try_for_each(|p| self.skip(p.kind, element, row))
     }
 }
 
-/// The whole number that bytes are; `None` for a fraction.
+/// Decodes an integer; `None` for a number with a fraction.
 fn integer(t: ValueType, bytes: &[u8], order: ByteOrder) -> Option<i64> {
     let mut one = t.empty();
     one.push_bytes(bytes, order);

@@ -1,6 +1,5 @@
-//! The rows of a binary PLY whose length is known beforehand: vertices without lists, and runs of faces with the same number
-//! of corners. They are read straight into their lists, by all threads; everything else goes through [`super::body`], which
-//! gives the same.
+//! Parallel reading of binary PLY rows of known size: vertices without lists, and runs of faces with equal numbers of
+//! corners. All other rows are read by [`super::body`], with the same results.
 
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
@@ -11,7 +10,7 @@ use crate::model::field::{ByteOrder, Number, with_values};
 use crate::progress::{collect, extend};
 use crate::{FieldValues, ReadError, ValueType};
 
-/// Rows of one length: a property of type `t` stands at the same place of each.
+/// Rows of equal size: each property has the same offset in all of them.
 #[derive(Clone, Copy)]
 struct Rows<'a> {
     bytes: &'a [u8],
@@ -26,14 +25,14 @@ impl Rows<'_> {
         T::from_bytes(&self.bytes[row * self.row_bytes + offset..], self.order)
     }
 
-    /// One property of every row.
+    /// Reads one property of every row.
     fn column(&self, t: ValueType, offset: usize, progress: Progress<'_>) -> Result<FieldValues, Cancelled> {
         let mut values = t.empty();
         with_values!(&mut values, v => extend(v, self.n, progress, |i| self.number(i, offset)))?;
         Ok(values)
     }
 
-    /// Three properties of one type of every row.
+    /// Reads three properties of one type of every row.
     fn triples<T: Number + Into<f64>>(
         self,
         offsets: [usize; 3],
@@ -41,7 +40,7 @@ impl Rows<'_> {
     ) -> Result<Vec<[f64; 3]>, Cancelled> {
         let [x, y, z] = offsets;
         if [y, z] == [x + size_of::<T>(), x + 2 * size_of::<T>()] && self.order == ByteOrder::Little {
-            // The layout of nearly all files; the lengths are known to the compiler.
+            // Layout of nearly all files, with sizes known to the compiler.
             return collect(self.n, progress, |i| {
                 let row = &self.bytes[i * self.row_bytes + x..][..3 * size_of::<T>()];
                 let number = |k: usize| T::from_bytes(&row[k * size_of::<T>()..], ByteOrder::Little).into();
@@ -52,16 +51,16 @@ impl Rows<'_> {
     }
 }
 
-/// What rows of vertices hold.
+/// Content of vertex rows.
 pub(crate) struct Vertices {
     pub(crate) points: Vec<[f64; 3]>,
-    /// Whether all coordinates are 32-bit floats.
+    /// True if all coordinates are 32-bit floats.
     pub(crate) is_single: bool,
-    /// The values of each property but the coordinates.
+    /// Values of each property except the coordinates.
     pub(crate) columns: Vec<Option<FieldValues>>,
 }
 
-/// Reads the vertices where all properties are numbers; nothing where one is a list or the file is text.
+/// Reads vertices whose properties are all numbers; `None` if one is a list or the file is text.
 pub(crate) fn read_vertices(body: &mut Body<'_>, element: &Element) -> Result<Option<Vertices>, ReadError> {
     let Encoding::Binary(order) = body.encoding else { return Ok(None) };
     let mut row_bytes = 0;
@@ -73,7 +72,7 @@ pub(crate) fn read_vertices(body: &mut Body<'_>, element: &Element) -> Result<Op
     }
     let axes = ["x", "y", "z"].map(|axis| element.property(axis));
     let [Some(x), Some(y), Some(z)] = axes else { return Ok(None) };
-    // It was checked that the bytes hold all rows.
+    // The size of all rows was checked before.
     let n = element.n_rows as usize;
     let end = body.position + n * row_bytes;
     let rows = Rows { bytes: &body.bytes[body.position..end], row_bytes, n, order };
@@ -100,24 +99,24 @@ pub(crate) fn read_vertices(body: &mut Body<'_>, element: &Element) -> Result<Op
     Ok(Some(Vertices { points, is_single: types == [ValueType::F32; 3], columns }))
 }
 
-/// Rows of faces that are looked at together.
+/// Face rows processed together.
 const ROWS_PER_BLOCK: usize = 1 << 16;
 
-/// A face: numbers, the list of corners, numbers.
+/// Layout of a face: numbers, the list of corners, numbers.
 pub(crate) struct FaceLayout {
     pub(crate) order: ByteOrder,
-    /// Where the count stands, and its type.
+    /// Offset and type of the count.
     pub(crate) count_at: usize,
     pub(crate) count: ValueType,
     pub(crate) item: ValueType,
-    /// Bytes of a row without corners.
+    /// Size of a row without its corners in bytes.
     own_bytes: usize,
-    /// Type and place of each number; those after the corners count from their end.
+    /// Type and offset of each number; offsets after the corners count from their end.
     scalars: Vec<Option<(ValueType, usize, bool)>>,
 }
 
 impl FaceLayout {
-    /// The layout of rows with one list of 32-bit (or smaller) whole numbers and nothing else that varies in length.
+    /// Layout of rows with one list of integers of at most 32 bits and otherwise fixed size.
     pub(crate) fn new(element: &Element, encoding: Encoding, corners: usize) -> Option<Self> {
         let Encoding::Binary(order) = encoding else { return None };
         let Kind::List { count, item } = element.properties[corners].kind else { return None };
@@ -143,7 +142,7 @@ impl FaceLayout {
         Some(Self { order, count_at, count, item, own_bytes: at, scalars })
     }
 
-    /// The number of corners of the row that `row` begins with; nothing where it is negative or the row is cut.
+    /// Number of corners of the row at the start of `row`; `None` if it is negative or the row is truncated.
     #[inline]
     pub(crate) fn n_corners(&self, row: &[u8]) -> Option<usize> {
         let bytes = row.get(self.count_at..)?;
@@ -156,7 +155,7 @@ impl FaceLayout {
     }
 }
 
-/// The number at the beginning of the bytes; nothing where it is negative.
+/// Decodes the integer at the start of the bytes; `None` if it is negative.
 #[inline]
 pub(crate) fn whole(bytes: &[u8], t: ValueType, order: ByteOrder) -> Option<u32> {
     match t {
@@ -170,15 +169,15 @@ pub(crate) fn whole(bytes: &[u8], t: ValueType, order: ByteOrder) -> Option<u32>
     }
 }
 
-/// What rows of faces hold.
+/// Content of face rows.
 pub(crate) struct Faces {
     pub(crate) polygons: Polygons,
     pub(crate) columns: Vec<Option<FieldValues>>,
-    /// How many rows were read; the next one is for the slow way, which says what is wrong with it.
+    /// Number of rows read; the slow parser reads the next one and reports its error.
     pub(crate) n_rows: u64,
 }
 
-/// Reads the faces up to the first that is not sound. Nothing where the layout is another.
+/// Reads the faces up to the first invalid one. `None` if the layout is not supported.
 pub(crate) fn read_faces(
     body: &mut Body<'_>,
     element: &Element,
@@ -220,16 +219,17 @@ pub(crate) fn read_faces(
     Ok(Some(Faces { polygons, columns, n_rows: row as u64 }))
 }
 
-/// The corners of faces: triangles as long as there is nothing else, so that each is written once and in its place.
+/// Corners of faces: stored as triangles as long as there are no other faces, so that each is written once in its
+/// final position.
 struct CornerLists {
     triangles: Vec<[u32; 3]>,
-    /// As [`Polygons`] has them, once there is a face of another number of corners; else empty.
+    /// Corners in the form of [`Polygons`] as soon as there is a face that is not a triangle; else empty.
     corners: Vec<u32>,
     offsets: Vec<u32>,
 }
 
 impl CornerLists {
-    /// Every face takes bytes, so this reserves no more than the file has.
+    /// Every face takes bytes, so the capacity does not exceed the file size.
     fn with_capacity(n_faces: usize) -> Self {
         Self { triangles: Vec::with_capacity(n_faces), corners: Vec::new(), offsets: Vec::new() }
     }
@@ -238,7 +238,8 @@ impl CornerLists {
         self.corners.len() + 3 * self.triangles.len()
     }
 
-    /// Adds faces of `k` corners each; `false`, and nothing added, where a corner names no vertex or there are too many.
+    /// Adds faces of `k` corners each; returns `false`, without adding any, if a corner is invalid or there are too
+    /// many.
     fn add(
         &mut self,
         layout: &FaceLayout,
@@ -269,7 +270,7 @@ impl CornerLists {
         n_vertices: usize,
         progress: Progress<'_>,
     ) -> Result<bool, Cancelled> {
-        // No list is long enough for the largest index, so that it stands for all that are none.
+        // No list is long enough for the largest index, so it marks invalid ones.
         let corner = |i: usize, c: usize| -> u32 {
             rows.number::<T>(i, at + c * size_of::<T>()).try_into().unwrap_or(u32::MAX)
         };
@@ -302,6 +303,6 @@ impl CornerLists {
         } else {
             (self.offsets, self.corners)
         };
-        Ok(Polygons::from_parts(offsets, corners).expect("offsets grow up to the number of corners"))
+        Ok(Polygons::from_parts(offsets, corners).expect("offsets ascend to the number of corners"))
     }
 }

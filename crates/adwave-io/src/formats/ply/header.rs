@@ -1,18 +1,18 @@
-//! The header of a PLY: elements, their numbers of rows, and the properties of a row.
+//! Header of a PLY: elements, their numbers of rows, and the properties of a row.
 
 use crate::model::field::ByteOrder;
 use crate::model::grouping::FieldColumns;
 use crate::text::{line_end, parse_u64, show, words};
 use crate::{ReadError, ValueType};
 
-/// How the body is written.
+/// Encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
     Ascii,
     Binary(ByteOrder),
 }
 
-/// What a property is in a row.
+/// Kind of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Scalar(ValueType),
@@ -23,7 +23,7 @@ pub(crate) enum Kind {
 pub(crate) struct Property {
     pub(crate) name: String,
     pub(crate) kind: Kind,
-    /// Which line of the header declares it.
+    /// Index of the header line that declares it.
     pub(crate) line: usize,
 }
 
@@ -32,17 +32,17 @@ pub(crate) struct Element {
     pub(crate) name: String,
     pub(crate) n_rows: u64,
     pub(crate) properties: Vec<Property>,
-    /// Which line of the header declares it.
+    /// Index of the header line that declares it.
     pub(crate) line: usize,
 }
 
 #[derive(Debug)]
 pub(crate) struct Header {
     pub(crate) encoding: Encoding,
-    /// Every line with its line end: `start..end`.
+    /// Range of every line with its line end.
     pub(crate) lines: Vec<(usize, usize)>,
     pub(crate) elements: Vec<Element>,
-    /// Where the body begins.
+    /// Start of the body.
     pub(crate) body: usize,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct PlySource {
     /// Which element the vertices are, and where its rows begin and end.
     pub(crate) vertex: usize,
     pub(crate) rows: (usize, usize),
-    /// Which properties each vertex field is made of.
+    /// Properties that form each vertex field.
     pub(crate) field_properties: Vec<FieldColumns>,
 }
 
@@ -66,7 +66,7 @@ fn value_type(name: &[u8]) -> Option<ValueType> {
         b"ushort" | b"uint16" => ValueType::U16,
         b"int" | b"int32" => ValueType::I32,
         b"uint" | b"uint32" => ValueType::U32,
-        // Not in the format's description, but some programs write them.
+        // These names are not in the format's description, but some programs write them.
         b"int64" | b"longlong" => ValueType::I64,
         b"uint64" | b"ulonglong" => ValueType::U64,
         b"float" | b"float32" => ValueType::F32,
@@ -75,7 +75,7 @@ fn value_type(name: &[u8]) -> Option<ValueType> {
     })
 }
 
-/// The name of a type in a header; 64-bit whole numbers have none there.
+/// Name of a type in a header; 64-bit integers have none.
 pub(crate) fn type_name(value_type: ValueType) -> &'static str {
     match value_type {
         ValueType::U8 => "uchar",
@@ -90,7 +90,7 @@ pub(crate) fn type_name(value_type: ValueType) -> &'static str {
 }
 
 impl Element {
-    /// The fewest bytes that a row can take.
+    /// Smallest size of a row in bytes.
     pub(crate) fn min_row_bytes(&self, encoding: Encoding) -> u64 {
         let property = |p: &Property| match (encoding, p.kind) {
             // One digit and one separator.
@@ -101,13 +101,13 @@ impl Element {
         self.properties.iter().map(property).sum()
     }
 
-    /// The position of the property of that name.
+    /// Position of the property of that name.
     pub(crate) fn property(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|p| p.name == name)
     }
 }
 
-/// Parses the header that `bytes` begin with.
+/// Parses the header at the start of `bytes`.
 pub(crate) fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
@@ -131,7 +131,9 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
                     b"ascii" => Encoding::Ascii,
                     b"binary_little_endian" => Encoding::Binary(ByteOrder::Little),
                     b"binary_big_endian" => Encoding::Binary(ByteOrder::Big),
-                    other => return wrong(format!("the format {} is none of PLY's three", show(other))),
+                    other => {
+                        return wrong(format!("the format must be one of PLY's three, got {}", show(other)));
+                    }
                 });
             }
             Some(b"element") => {
@@ -144,7 +146,7 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
             }
             Some(b"property") => {
                 let Some(element) = elements.last_mut() else {
-                    return wrong("a property stands before any element".into());
+                    return wrong("a property must follow an element".into());
                 };
                 match property(&mut parts, number) {
                     Ok(property) => element.properties.push(property),
@@ -153,7 +155,9 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
             }
             Some(b"end_header") => break,
             Some(b"ply" | b"comment" | b"obj_info") | None => {}
-            Some(other) if number > 0 => return wrong(format!("{} is no word of a PLY header", show(other))),
+            Some(other) if number > 0 => {
+                return wrong(format!("{} is not a keyword of a PLY header", show(other)));
+            }
             Some(_) => {}
         }
     }
@@ -166,13 +170,13 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
 fn property<'a>(parts: &mut impl Iterator<Item = &'a [u8]>, line: usize) -> Result<Property, String> {
     let next_type = |word: Option<&[u8]>| {
         let word = word.unwrap_or(b"");
-        value_type(word).ok_or_else(|| format!("{} is no PLY number type", show(word)))
+        value_type(word).ok_or_else(|| format!("{} is not a number type of PLY", show(word)))
     };
     let first = parts.next();
     let kind = if first == Some(b"list") {
         let count = next_type(parts.next())?;
         if !count.is_integer() {
-            return Err("the count of a list must be a whole-number type".into());
+            return Err("the count of a list must have an integer type".into());
         }
         Kind::List { count, item: next_type(parts.next())? }
     } else {

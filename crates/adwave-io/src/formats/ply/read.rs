@@ -1,7 +1,7 @@
-//! PLY, text and both byte orders.
+//! PLY reader: text and both byte orders.
 //!
-//! An own parser: those on crates.io keep rows as maps from names to values, which takes many times the memory of
-//! the file, and reserve what the header promises.
+//! The parser is our own: the crates store rows as maps from names to values, which takes many times the memory of
+//! the file, and allocate the sizes stated in the header.
 
 use crate::formats::ply::body::Body;
 use crate::formats::ply::fixed;
@@ -75,7 +75,7 @@ fn name_comments(bytes: &[u8], header: &Header, shape: &mut ShapeFile) {
     }
 }
 
-/// One list of numbers for each scalar property, by the property's position; lists are passed over.
+/// Empty list for each scalar property, by its position; `None` for lists.
 fn empty_columns(element: &Element) -> Vec<Option<FieldValues>> {
     let column = |kind| match kind {
         Kind::Scalar(t) => Some(t.empty()),
@@ -84,14 +84,14 @@ fn empty_columns(element: &Element) -> Vec<Option<FieldValues>> {
     element.properties.iter().map(|p| column(p.kind)).collect()
 }
 
-/// Whether vertices have numbers for their coordinates; those of a file without any may leave them out.
+/// Checks that vertices have coordinates; a file without vertices may omit them.
 pub(crate) fn check_axes(element: &Element) -> Result<(), ReadError> {
     let is_number = |name: &&str| {
         element.property(name).is_some_and(|p| matches!(element.properties[p].kind, Kind::Scalar(_)))
     };
     match ["x", "y", "z"].iter().find(|name| !is_number(name)) {
         Some(name) if element.n_rows > 0 => {
-            let message = format!("element `vertex` has no number `{name}`; it needs x, y and z");
+            let message = format!("element `vertex` needs the numbers x, y and z, but has no `{name}`");
             Err(ReadError::Line { line: element.line as u64 + 1, message })
         }
         _ => Ok(()),
@@ -132,7 +132,7 @@ fn read_vertices(
     attach_columns(element, columns, &mut shape.vertex_fields, &mut shape.extras, body.progress)
 }
 
-/// Makes fields of the columns; gives which properties each field is made of.
+/// Converts columns to fields; returns the properties that form each field.
 fn attach_columns(
     element: &Element,
     columns: Vec<Option<FieldValues>>,
@@ -164,13 +164,13 @@ fn is_corner_list(name: &str) -> bool {
     matches!(name, "vertex_indices" | "vertex_index")
 }
 
-/// The list of corners; a number of that name is none.
+/// List of corners; a scalar property of that name does not count.
 pub(crate) fn corner_list(element: &Element) -> Option<usize> {
     let is_list = |kind| matches!(kind, Kind::List { .. });
     element.properties.iter().position(|p| is_corner_list(&p.name) && is_list(p.kind))
 }
 
-/// Values of one element's faces are no fields of a shape that has strips or a second list of faces besides.
+/// Drops the fields of one face element if the shape also has strips or a second list of faces.
 fn keep_fields_of_all_faces(shape: &mut ShapeFile) {
     let n = shape.faces.len();
     let (kept, others): (Vec<_>, Vec<_>) =
@@ -246,8 +246,8 @@ fn place(body: &Body<'_>, start: usize) -> String {
     }
 }
 
-/// The triangles of a strip: each vertex after the second makes a triangle with the two before it, turned the other way
-/// round every second time; −1 begins a new strip.
+/// Triangles of a strip: each vertex after the second forms a triangle with the two before it, with alternating
+/// orientation; −1 begins a new strip.
 pub(crate) fn strip_triangles(
     strip: &[i64],
     mut each: impl FnMut([i64; 3]) -> Result<(), ReadError>,

@@ -1,5 +1,5 @@
-//! Updating a PLY: header, elements and properties stay as they are, coordinates are replaced, and vertex
-//! fields that were added or replaced become the last properties of the vertices.
+//! Update of a PLY: header, elements and properties stay unchanged, coordinates are replaced, and added or replaced
+//! vertex fields become the last properties of the vertices.
 
 use std::io::Write;
 
@@ -61,12 +61,12 @@ pub(crate) fn write_header(
     Ok(())
 }
 
-/// How rows of vertices are written again.
+/// Writer of vertex rows.
 pub(crate) struct RowWriter<'a> {
     element: &'a Element,
-    /// Which coordinate each property is.
+    /// Coordinate that each property stores.
     axes: Vec<Option<usize>>,
-    /// Whether it is left out.
+    /// True for each property that is dropped.
     dropped: &'a [bool],
     style: Style,
 }
@@ -75,7 +75,7 @@ impl<'a> RowWriter<'a> {
     pub(crate) fn new(element: &'a Element, encoding: Encoding, dropped: &'a [bool]) -> Self {
         let axes = element.properties.iter().enumerate().map(|(p, property)| {
             let axis = ["x", "y", "z"].iter().position(|axis| *axis == property.name)?;
-            // A name that comes twice counts the first time.
+            // Of two properties with the same name the first one counts.
             (element.property(&property.name) == Some(p)).then_some(axis)
         });
         let style = match encoding {
@@ -127,7 +127,7 @@ fn write_rows(
     for i in 0..shape.n_vertices {
         at_row(progress, i as u64, element.n_rows)?;
         row.clear();
-        // The same bytes were read before, so this cannot fail; if it does, it is said.
+        // The same bytes were read before, so this cannot fail; otherwise the error is reported.
         let point = shape.points[i].map(Some);
         writer.push(&mut body, i as u64, point, &mut row).map_err(std::io::Error::other)?;
         writer.push_fields(fields, i, &mut row);
@@ -136,10 +136,10 @@ fn write_rows(
     Ok(())
 }
 
-/// Writes a coordinate in the file's type; bytes that mean the same value stay.
+/// Writes a coordinate in the file's type; bytes of equal value stay unchanged.
 fn push_coordinate(old: &[u8], t: ValueType, x: f64, style: Style, row: &mut Vec<u8>) {
     let mut value = t.empty();
-    // Coordinates of a whole-number type are rounded to it.
+    // Coordinates of an integer type are rounded.
     if !value.push_f64(x) {
         value.push_f64(x.round().clamp(-9e15, 9e15));
     }

@@ -1,4 +1,4 @@
-//! PLY, binary little-endian or text, from scratch.
+//! PLY writer: binary little-endian or text.
 
 use std::io::{self, Write};
 
@@ -11,14 +11,14 @@ use crate::progress::at_row;
 use crate::text::{push_f32, push_f64};
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
 
-/// How values are written.
+/// Encoding of values.
 #[derive(Clone, Copy)]
 pub(crate) enum Style {
     Text,
     Bytes(ByteOrder),
 }
 
-/// Writes number `i` of a field; PLY has no 64-bit whole numbers, so these become doubles.
+/// Writes number `i` of a field; 64-bit integers, which PLY does not have, become doubles.
 pub(crate) fn push_value(values: &FieldValues, i: usize, style: Style, out: &mut Vec<u8>) {
     match (values, style) {
         (FieldValues::U64(_) | FieldValues::I64(_), Style::Bytes(order)) => {
@@ -29,7 +29,7 @@ pub(crate) fn push_value(values: &FieldValues, i: usize, style: Style, out: &mut
     }
 }
 
-/// Writes row `i` of the fields, in text with a blank before each value.
+/// Writes row `i` of the fields; in text each value follows a blank.
 pub(crate) fn push_fields(fields: &[&Field], i: usize, style: Style, out: &mut Vec<u8>) {
     for field in fields {
         for c in 0..field.n_channels {
@@ -41,7 +41,7 @@ pub(crate) fn push_fields(fields: &[&Field], i: usize, style: Style, out: &mut V
     }
 }
 
-/// The header lines of the fields.
+/// Header lines of the fields.
 pub(crate) fn property_lines(fields: &[&Field], line_end: &str) -> String {
     let lines = |field: &&Field| {
         let kind = type_name(field.values.value_type());
@@ -53,7 +53,7 @@ pub(crate) fn property_lines(fields: &[&Field], line_end: &str) -> String {
     fields.iter().map(lines).collect()
 }
 
-/// Names the fields whose numbers do not all fit a double.
+/// Reports the fields whose numbers do not all fit a double.
 pub(crate) fn note_rounding(fields: &[&Field], report: &mut WriteReport) {
     const EXACT: u64 = 1 << 53;
     for field in fields {

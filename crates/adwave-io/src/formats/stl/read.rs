@@ -1,4 +1,4 @@
-//! Stereolithography, text and binary: a soup of triangles, each with its own three vertices.
+//! Reader of stereolithography, text and binary: a soup of triangles, each with its own three vertices.
 
 use std::sync::Arc;
 
@@ -38,11 +38,11 @@ pub(crate) fn binary_count(bytes: &[u8]) -> Option<u64> {
     Some(u64::from(u32::from_le_bytes([field[0], field[1], field[2], field[3]])))
 }
 
-/// Three vertices per triangle, in order.
+/// Creates triangles with three vertices each, in order.
 fn soup(points: Vec<[f64; 3]>, progress: Progress<'_>) -> Result<ShapeFile, Cancelled> {
     let corners: Vec<u32> = collect(points.len(), progress, |v| v as u32)?;
     let offsets = collect(points.len() / 3 + 1, progress, |f| 3 * f as u32)?;
-    let faces = Polygons::from_parts(offsets, corners).expect("three corners per triangle");
+    let faces = Polygons::from_parts(offsets, corners).expect("triangles have three corners");
     Ok(ShapeFile::from_mesh(points, faces))
 }
 
@@ -73,7 +73,7 @@ pub(crate) fn read_stl(
     limits.check_points(3 * n)?;
     let (records, _) = bytes[HEADER..needed as usize].as_chunks::<RECORD>();
     let n = records.len();
-    // Of each record the normal, then three corners.
+    // Each record has the normal, then three corners.
     let triple = |f: usize, part: usize| -> [f32; 3] {
         let at = |c: usize| 12 * part + 4 * c;
         std::array::from_fn(|c| f32::from_le_bytes(std::array::from_fn(|b| records[f][at(c) + b])))
@@ -129,14 +129,15 @@ pub(crate) fn read_stl_ascii(
             b"vertex" => {
                 in_facet += 1;
                 if in_facet > 3 || normals.is_empty() {
-                    let message = "a facet must have three vertices; this is one more";
+                    let message = "a facet must have three vertices; remove the additional one";
                     return Err(ReadError::in_line(bytes, line.start, message));
                 }
                 points.push(numbers(bytes, &line, values)?);
             }
             b"endfacet" => {
                 if in_facet != 3 {
-                    let message = format!("a facet has {in_facet} vertices and needs three; add the missing");
+                    let message =
+                        format!("a facet needs three vertices, got {in_facet}; add the missing ones");
                     return Err(ReadError::in_line(bytes, line.start, message));
                 }
                 in_facet = 0;
@@ -144,7 +145,7 @@ pub(crate) fn read_stl_ascii(
             b"endsolid" => ended = true,
             b"outer" | b"endloop" | b"color" => {}
             other => {
-                let message = format!("{} is no word of a text STL; correct it", show(other));
+                let message = format!("{} is not a keyword of a text STL; correct it", show(other));
                 return Err(ReadError::in_line(bytes, line.start, message));
             }
         }
@@ -176,7 +177,7 @@ fn numbers<'a>(
     for x in &mut xyz {
         let word = values.next().unwrap_or(b"");
         *x = parse_f64(word).ok_or_else(|| {
-            let message = format!("{} stands where one of three numbers belongs; correct it", show(word));
+            let message = format!("expected three numbers, got {}; correct it", show(word));
             ReadError::in_line(bytes, line.start, message)
         })?;
     }

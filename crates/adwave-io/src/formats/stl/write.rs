@@ -1,4 +1,4 @@
-//! Stereolithography, binary or text.
+//! Stereolithography writer, binary or text.
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
 
-/// Writes the faces as triangles, polygons cut into triangles.
+/// Writes the faces as triangles; polygons are split.
 pub(crate) fn write_stl(
     shape: &ShapeFile,
     format: Format,
@@ -18,7 +18,7 @@ pub(crate) fn write_stl(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    // An STL of no triangles comes from an STL of none; a cloud would vanish.
+    // An STL without triangles comes from an STL without triangles; a cloud would vanish.
     if shape.faces.is_empty() && !shape.points.is_empty() {
         return Err(WriteError::CannotHold { format, what: "points without faces".into() });
     }
@@ -43,7 +43,7 @@ pub(crate) fn write_stl(
     }
     let n = u32::try_from(triangles.len());
     let n = n.map_err(|_| WriteError::CannotHold { format, what: "2^32 triangles".into() })?;
-    // A header that begins as a text would deceive other readers.
+    // A header that begins like a text would mislead other readers.
     let header = original.map(|original| original.header.as_slice()).filter(|h| !h.starts_with(b"solid"));
     let mut head = header.unwrap_or(b"").to_vec();
     head.resize(80, 0);
@@ -63,7 +63,7 @@ pub(crate) fn write_stl(
     Ok(())
 }
 
-/// The normals of the triangles.
+/// Normals of the triangles.
 struct Normals<'a> {
     shape: &'a ShapeFile,
     normal: Option<&'a Field>,
@@ -92,7 +92,7 @@ impl Normals<'_> {
     }
 }
 
-/// Which solid each face belongs to, where a file can say so: counted from 0, none left out, one after the other.
+/// Solid of each face, if they are consecutive and numbered from 0 without gaps, as a file can represent them.
 fn solids(shape: &ShapeFile) -> Option<Vec<u32>> {
     let field = shape.face_fields.iter().find(|f| f.name == "solid" && f.n_channels == 1)?;
     let is_whole = field.values.value_type().is_integer() && shape.faces.iter().all(|f| f.len() >= 3);
@@ -103,7 +103,7 @@ fn solids(shape: &ShapeFile) -> Option<Vec<u32>> {
         next += u32::from(is_next);
         is_next || (next > 0 && field.get(f, 0) == f64::from(next - 1))
     });
-    // One solid alone is read without a field.
+    // A single solid is read without a field.
     (is_whole && in_order && next > 1).then_some(numbers)
 }
 

@@ -1,4 +1,4 @@
-//! One model of a 3MF: its objects, colors and what is built of them.
+//! Model of a 3MF: its objects, colors and build items.
 
 use std::collections::HashMap;
 
@@ -14,37 +14,37 @@ use crate::text::{parse_f64, show};
 /// Red, green, blue, alpha.
 pub(crate) type Color = [u8; 4];
 
-/// An object that stands at some place, of this model or of another part.
+/// Placed object of this model or of another part.
 pub(crate) struct Component {
     pub(crate) path: Option<String>,
     pub(crate) id: u32,
     pub(crate) transform: Transform,
 }
 
-/// What an object is.
+/// Content of an object.
 #[derive(Default)]
 pub(crate) struct Object {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// The colors of the corners of each triangle; empty where none has any.
+    /// Colors of the corners of each triangle; empty if no corner has one.
     pub(crate) colors: Vec<[Option<Color>; 3]>,
     pub(crate) components: Vec<Component>,
 }
 
-/// A model.
+/// Model of a part.
 #[derive(Default)]
 pub(crate) struct Model {
-    /// The length of its unit in meters.
+    /// Length of its unit in meters.
     pub(crate) unit: f64,
     pub(crate) objects: HashMap<u32, Object>,
-    /// In the order of the file.
+    /// Ids in the order of the file.
     pub(crate) ids: Vec<u32>,
     pub(crate) built: Vec<Component>,
-    /// Whether a triangle has colors of its corners and not one of its own.
+    /// True if a triangle has colors of its corners instead of a single one.
     pub(crate) has_corners: bool,
-    /// Whether a color has a transparency.
+    /// True if a color has transparency.
     pub(crate) has_alpha: bool,
-    /// Whether there are materials or textures that are not read.
+    /// True if there are materials or textures that are not read.
     pub(crate) has_materials: bool,
 }
 
@@ -74,7 +74,8 @@ impl Model {
             "foot" => 0.3048,
             "meter" => 1.0,
             other => {
-                let message = format!("{} is no unit of length of a 3MF; correct it", show(other.as_bytes()));
+                let message =
+                    format!("{} is not a unit of length of 3MF; correct it", show(other.as_bytes()));
                 return Err(wrong(root, message));
             }
         };
@@ -142,7 +143,10 @@ impl Model {
             }
         }
         if self.objects.insert(id, object).is_some() {
-            return Err(wrong(node, format!("there are two objects of id {id}; correct one")));
+            return Err(wrong(
+                node,
+                format!("ids must be unique, but there are two objects of id {id}; rename one"),
+            ));
         }
         self.ids.push(id);
         Ok(())
@@ -186,7 +190,7 @@ impl Model {
     }
 }
 
-/// `#RRGGBB` or `#RRGGBBAA`, and whether it has the latter.
+/// Parses `#RRGGBB` or `#RRGGBBAA`; also returns true for the latter.
 fn color(text: &str) -> Option<(Color, bool)> {
     let digits = text.trim().strip_prefix('#')?;
     if !matches!(digits.len(), 6 | 8) || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
@@ -198,15 +202,15 @@ fn color(text: &str) -> Option<(Color, bool)> {
 
 fn component(node: Node<'_, '_>) -> Result<Component, ReadError> {
     let id = whole(node, "objectid")?;
-    let id = id.ok_or_else(|| wrong(node, "what is placed has no objectid; add it"))?;
-    // The attribute of the production extension has a name space of its own.
+    let id = id.ok_or_else(|| wrong(node, "a placed item needs an objectid; add it"))?;
+    // The attribute of the production extension has a namespace of its own.
     let path = node.attributes().find(|a| a.name() == "path").map(|a| a.value().to_owned());
     let mut transform = Transform::IDENTITY;
     if let Some(text) = node.attribute("transform") {
         let numbers: Option<Vec<f64>> =
             text.split_ascii_whitespace().map(|w| parse_f64(w.as_bytes())).collect();
         transform.0 = numbers.and_then(|n| n.try_into().ok()).ok_or_else(|| {
-            wrong(node, format!("{} are no 12 numbers of a transform; correct it", show(text.as_bytes())))
+            wrong(node, format!("a transform needs 12 numbers, got {}; correct it", show(text.as_bytes())))
         })?;
     }
     Ok(Component { path, id, transform })

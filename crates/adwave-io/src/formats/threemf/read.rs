@@ -1,4 +1,4 @@
-//! 3MF: what the model of the archive builds, joined to one shape.
+//! 3MF reader: the build items of the archive's model, joined to one shape.
 
 use std::collections::HashMap;
 
@@ -11,10 +11,10 @@ use crate::progress::at_row;
 use crate::text::xml::parse;
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
-/// Objects that hold themselves would go on for ever.
+/// Largest nesting of objects; one that contains itself would never end.
 const DEEPEST: usize = 64;
 
-/// All parts that are used, and what is made of them.
+/// Parts in use, and the shape built from them.
 struct Assembly<'a> {
     models: HashMap<String, Model>,
     joined: Joined<'a>,
@@ -88,7 +88,7 @@ fn in_part(path: &str, error: ReadError) -> ReadError {
     }
 }
 
-/// The model that the archive begins with.
+/// Path of the root model of the archive.
 fn root_of(package: &mut Package<'_>, progress: Progress<'_>) -> Result<String, ReadError> {
     let path = "_rels/.rels";
     if package.has(path) {
@@ -108,7 +108,7 @@ fn root_of(package: &mut Package<'_>, progress: Progress<'_>) -> Result<String, 
 }
 
 impl Assembly<'_> {
-    /// Adds an object and all that it is made of.
+    /// Adds an object and all its components.
     fn place(
         &mut self,
         path: &str,
@@ -120,16 +120,16 @@ impl Assembly<'_> {
         self.n_visits += 1;
         let limit = 1_000_000 + self.n_bytes as u64 / 16;
         if depth > DEEPEST || self.n_visits > limit {
-            let message = "objects hold one another too often; is there a circle? correct the components";
+            let message = "objects are nested too deeply; check whether components form a cycle";
             return Err(ReadError::Whole(message.into()));
         }
         at_row(self.progress, self.n_visits, 0)?;
         let Some(model) = self.models.get(path) else {
-            return Err(ReadError::Whole("a component names a part that is not there".into()));
+            return Err(ReadError::Whole("a component names a part that does not exist".into()));
         };
         let own_unit = model.unit;
         let Some(object) = model.objects.get(&id) else {
-            let message = format!("object {id} is placed and is not there; correct the id");
+            let message = format!("the placed object {id} does not exist; correct the id");
             return Err(in_part(path, ReadError::Whole(message)));
         };
         if !object.points.is_empty() {
@@ -182,7 +182,7 @@ impl Assembly<'_> {
     }
 }
 
-/// The color of each vertex, where all corners of it have the same.
+/// Color of each vertex, if all its corners have the same one.
 fn one_per_vertex(shape: &ShapeFile, colors: &[[Option<Color>; 3]]) -> Option<Vec<Option<Color>>> {
     let mut found: Vec<Option<Color>> = vec![None; shape.n_vertices];
     for (&v, color) in shape.faces.corners().iter().zip(colors.as_flattened()) {

@@ -1,4 +1,4 @@
-//! 3MF: one object of triangles, with colors of its vertices or of its faces.
+//! 3MF writer: one object of triangles, with colors of its vertices or of its faces.
 
 use std::io::Write;
 
@@ -20,7 +20,7 @@ const RELATIONS: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
     <Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" \
     Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>\n";
 
-/// A field of colors in bytes.
+/// Field with colors in bytes.
 fn color(fields: &[Field]) -> Option<(&Field, &[u8])> {
     fields.iter().find_map(|field| match &field.values {
         FieldValues::U8(values) if field.name == "color" && matches!(field.n_channels, 3 | 4) => {
@@ -49,7 +49,7 @@ pub(crate) fn write_3mf(
         let mut is_used = vec![false; shape.n_vertices];
         shape.faces.corners().iter().for_each(|&v| is_used[v as usize] = true);
         if !is_used.iter().all(|&used| used) {
-            // They are written all the same, for those who read palettes.
+            // They are written anyway, for readers of palettes.
             report.leave_out("colors of vertices without a face");
             report.leave_out("vertex field `color`");
         }

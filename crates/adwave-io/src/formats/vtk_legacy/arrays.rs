@@ -13,7 +13,7 @@ pub(super) struct Values<'f> {
 }
 
 impl Values<'_> {
-    /// An array of one row for each point or cell.
+    /// Reads an array with one row per point or cell.
     fn read(
         &mut self,
         file: &mut Scanner<'_>,
@@ -39,14 +39,14 @@ impl Values<'_> {
             b"SCALARS" => {
                 let name = file.name("the name of an array")?;
                 let kind = file.array_type()?;
-                // The number of components may be left out.
+                // The number of components is optional.
                 let before = file.at;
                 let n = words(file.line()).next().and_then(crate::text::parse_u64).unwrap_or(1);
                 let end_of_line = file.at;
                 if file.pass("LOOKUP_TABLE") {
                     file.name("the name of a table of colors")?;
                 } else {
-                    // The line ends where it did; binary numbers follow.
+                    // The line ends here; binary numbers follow.
                     file.at = if file.is_binary { end_of_line - 1 } else { end_of_line };
                     debug_assert!(file.at >= before);
                 }
@@ -83,7 +83,7 @@ impl Values<'_> {
         Ok(true)
     }
 
-    /// Colors: bytes, or in a text shares of 255.
+    /// Reads colors: bytes, or in a text fractions of 255.
     fn colors(&mut self, file: &mut Scanner<'_>, name: &str, n_channels: u64) -> Result<(), ReadError> {
         if file.is_binary {
             return self.read(file, name, n_channels, ArrayType::Numbers(ValueType::U8));
@@ -100,7 +100,7 @@ impl Values<'_> {
         Ok(())
     }
 
-    /// The arrays after `FIELD`; those that have not a row for each point or cell are named in the extras.
+    /// Reads the arrays after `FIELD`; those without a row per point or cell are listed in the extras.
     pub(super) fn field_arrays(&mut self, file: &mut Scanner<'_>, is_of_rows: bool) -> Result<(), ReadError> {
         file.name("the name of the field")?;
         let n_arrays = file.count("the number of arrays")?;
@@ -129,15 +129,15 @@ impl Values<'_> {
     }
 }
 
-/// A number of channels that a row can have.
+/// Checks the number of channels of a row.
 fn channels(file: &Scanner<'_>, n: u64) -> Result<u64, ReadError> {
     if (1..=1 << 20).contains(&n) {
         return Ok(n);
     }
-    Err(file.error(file.at, format!("an array of {n} components cannot be read; correct it")))
+    Err(file.error(file.at, format!("arrays of {n} components are not supported; correct the number")))
 }
 
-/// Passes over what newer versions say of an array, up to the next blank line.
+/// Skips the metadata of an array in newer versions, up to the next blank line.
 pub(super) fn skip_metadata(file: &mut Scanner<'_>) {
     if file.pass("METADATA") {
         file.line();
@@ -145,7 +145,7 @@ pub(super) fn skip_metadata(file: &mut Scanner<'_>) {
     }
 }
 
-/// Passes over texts: lines, or in binary files bytes after their number.
+/// Skips texts: lines, or in binary files bytes after their number.
 fn skip_texts(file: &mut Scanner<'_>, n: u64) -> Result<(), ReadError> {
     file.line();
     for _ in 0..n {
@@ -157,7 +157,7 @@ fn skip_texts(file: &mut Scanner<'_>, n: u64) -> Result<(), ReadError> {
             file.line();
             continue;
         }
-        // The first two bits tell in how many bytes the length stands.
+        // The first two bits encode the number of bytes of the length.
         let width = match file.bytes[file.at] >> 6 {
             3 => 1,
             2 => 2,

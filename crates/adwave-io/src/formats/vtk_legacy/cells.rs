@@ -1,4 +1,4 @@
-//! Lists of cells: counts and corners in one list, or since version 5.1 two lists.
+//! Lists of cells: counts and corners in one list, or since version 5.1 in two lists.
 
 use crate::ReadError;
 use crate::model::cells::{CellKind, Cells};
@@ -41,7 +41,7 @@ pub(super) fn read_cells(
             return Ok(Cells { kind, offsets: vec![0], corners: Vec::new(), polyhedra: None });
         }
         if !grows || offsets.first() != Some(&0) || offsets.last() != Some(&(size as u32)) {
-            let message = format!("the offsets of cells do not grow from 0 to {size}; save the file again");
+            let message = format!("the offsets of cells must ascend from 0 to {size}; save the file again");
             return Err(file.error(keyword_at, message));
         }
         let corners = corners
@@ -53,7 +53,7 @@ pub(super) fn read_cells(
     mixed(file, &list, n as usize, kind, n_points, keyword_at)
 }
 
-/// Cells from a list in which each begins with its number of corners.
+/// Converts a list in which each cell begins with its number of corners.
 fn mixed(
     file: &Scanner<'_>,
     list: &Numbers<'_>,
@@ -104,8 +104,8 @@ fn mixed(
 fn no_index(file: &Scanner<'_>, at: usize, what: &str, error: NoIndex, limit: u64) -> ReadError {
     let message = match error {
         NoIndex::Cancelled => return adwave::Cancelled.into(),
-        NoIndex::Fractions => format!("each {what} of the cells must be a whole number"),
-        NoIndex::At(i, x) => format!("{what} {i} of the cells is {x}, but there are {limit}; correct it"),
+        NoIndex::Fractions => format!("each {what} of the cells must be an integer"),
+        NoIndex::At(i, x) => format!("{what} {i} of the cells must be below {limit}, got {x}; correct it"),
     };
     file.error(at, message)
 }

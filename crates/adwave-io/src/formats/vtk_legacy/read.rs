@@ -1,4 +1,4 @@
-//! Reading: the header, then whatever keywords come.
+//! Legacy VTK reader: the header, then keywords in any order.
 
 use adwave::Progress;
 
@@ -11,10 +11,10 @@ use crate::progress::collect;
 use crate::text::show;
 use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
-/// How such a file begins.
+/// First bytes of a legacy VTK file.
 pub(crate) const MAGIC: &[u8] = b"# vtk DataFile";
 
-/// What a file holds, as far as it was read.
+/// Content read so far.
 #[derive(Default)]
 struct Content {
     kind: Vec<u8>,
@@ -33,7 +33,7 @@ struct Content {
     extras: Vec<String>,
 }
 
-/// What the arrays are of that come next.
+/// Owner of the arrays that follow.
 #[derive(Clone, Copy, PartialEq)]
 enum Section {
     Whole,
@@ -54,7 +54,7 @@ pub(crate) fn read_vtk(
         Some((_, word)) if word.eq_ignore_ascii_case(b"BINARY") => true,
         Some((_, word)) if word.eq_ignore_ascii_case(b"ASCII") => false,
         Some((at, word)) => {
-            let message = format!("{} stands where ASCII or BINARY belongs; correct it", show(word));
+            let message = format!("expected ASCII or BINARY, got {}; correct it", show(word));
             return Err(ReadError::in_line(bytes, at, message));
         }
         None => {
@@ -86,7 +86,7 @@ pub(crate) fn read_vtk(
             b"LOOKUP_TABLE" => {
                 let name = file.name("the name of a table of colors")?;
                 let n = file.count("the number of colors")?.saturating_mul(4);
-                // Bytes, or in a text shares of 255.
+                // Bytes, or in a text fractions of 255.
                 let kind = if file.is_binary { ValueType::U8 } else { ValueType::F64 };
                 file.array(n, ArrayType::Numbers(kind), "a table of colors")?;
                 content.extras.push(format!("table of colors `{name}`"));
@@ -95,7 +95,7 @@ pub(crate) fn read_vtk(
                 let is_known = content.geometry(&mut file, at, &keyword, limits)?
                     || content.values(&mut file, &keyword, section)?;
                 if !is_known {
-                    let message = format!("the keyword {} is not known; save the file again", show(word));
+                    let message = format!("the keyword {} is unknown; save the file again", show(word));
                     return Err(file.error(at, message));
                 }
             }
@@ -105,7 +105,7 @@ pub(crate) fn read_vtk(
 }
 
 impl Content {
-    /// Points, cells and the sizes of grids; `false` where the keyword is none of them.
+    /// Reads points, cells and the sizes of grids; `false` for other keywords.
     fn geometry(
         &mut self,
         file: &mut Scanner<'_>,
@@ -139,9 +139,7 @@ impl Content {
                 let n = file.count("the number of cells")?;
                 let types = file.array(n, ArrayType::Numbers(ValueType::I32), "types of cells")?;
                 let types = types.to_indices(256, file.progress).map_err(|error| match error {
-                    NoIndex::At(i, x) => {
-                        file.error(at, format!("cell {i} is of type {x}, which is not known"))
-                    }
+                    NoIndex::At(i, x) => file.error(at, format!("cell {i} has the unknown type {x}")),
                     _ => adwave::Cancelled.into(),
                 })?;
                 self.types = Some(collect(types.len(), file.progress, |i| types[i] as u8)?);
@@ -184,7 +182,7 @@ impl Content {
         Ok(true)
     }
 
-    /// Arrays of values; `false` where the keyword announces none.
+    /// Reads arrays of values; `false` for other keywords.
     fn values(
         &mut self,
         file: &mut Scanner<'_>,
@@ -227,16 +225,16 @@ impl Content {
             let types = self.types.unwrap_or_default();
             if types.len() != n {
                 let message =
-                    format!("there are {} CELL_TYPES for {n} cells; get the whole file", types.len());
+                    format!("the file has {} CELL_TYPES for {n} cells; get the whole file", types.len());
                 return Err(file.error(file.at, message));
             }
             if let [cells] = &mut self.cells[..] {
                 cells.kind = CellKind::Each(types);
             } else if n > 0 {
-                return Err(file.error(file.at, "there are two lists of CELLS; save the file again"));
+                return Err(file.error(file.at, "the file has two lists of CELLS; save the file again"));
             }
         } else {
-            // Values count vertices, lines, polygons and strips in this order, however they stand in the file.
+            // Values count vertices, lines, polygons and strips in this order, regardless of their order in the file.
             self.cells.sort_by_key(|block| match block.kind {
                 CellKind::Vertices => 0,
                 CellKind::Lines => 1,
@@ -264,15 +262,13 @@ impl Content {
             matches!(self.kind.as_slice(), b"STRUCTURED_POINTS" | b"STRUCTURED_GRID" | b"RECTILINEAR_GRID");
         if !is_known {
             let kind = show(&self.kind);
-            return fail(&format!(
-                "the dataset is of kind {kind}, which is no shape; give one that has points"
-            ));
+            return fail(&format!("a dataset of kind {kind} is not a shape; use one with points"));
         }
         let Some(dims) = self.dims else {
             return fail("the DIMENSIONS of the grid are missing; get the whole file");
         };
         let Some(lattice) = Lattice::new(dims)? else {
-            return fail("the grid is empty; give one that has points");
+            return fail("the grid is empty; use one with points");
         };
         let (points, precision) = match self.kind.as_slice() {
             b"STRUCTURED_POINTS" => {
@@ -286,7 +282,7 @@ impl Content {
                 if points.len() != lattice.n_points() {
                     let (found, n) = (points.len(), lattice.n_points());
                     return fail(&format!(
-                        "there are {found} POINTS and the DIMENSIONS say {n}; get the whole file"
+                        "the DIMENSIONS require {n} POINTS, got {found}; get the whole file"
                     ));
                 }
                 (GridPoints::Listed(points), precision)
@@ -295,7 +291,8 @@ impl Content {
                 let axes = self.axes.map(Option::unwrap_or_default);
                 if (0..3).any(|a| axes[a].len() as u64 != dims[a]) {
                     return fail(
-                        "the coordinates along the axes are not as many as the DIMENSIONS say; get the whole file",
+                        "the numbers of coordinates along the axes must match the DIMENSIONS; get the \
+                        complete file",
                     );
                 }
                 (GridPoints::Axes(axes), precision)
@@ -319,7 +316,7 @@ impl Content {
 fn check_rows(file: &Scanner<'_>, found: Option<u64>, n: usize, of: &str) -> Result<(), ReadError> {
     match found {
         Some(found) if found != n as u64 => {
-            let message = format!("there are values for {found} {of}, but {n} {of}; get the whole file");
+            let message = format!("the file has values for {found} {of}, but {n} {of}; get the whole file");
             Err(file.error(file.at, message))
         }
         _ => Ok(()),

@@ -1,4 +1,4 @@
-//! Words and arrays one after the other.
+//! Sequential reading of words and arrays.
 
 use std::borrow::Cow;
 
@@ -16,19 +16,19 @@ pub(super) struct Scanner<'a> {
     pub(super) progress: Progress<'a>,
 }
 
-/// The type of an array.
+/// Type of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ArrayType {
     Numbers(ValueType),
-    /// Eight in a byte.
+    /// Bits, eight per byte.
     Bits,
-    /// Of VTK's own type of indices, which has 32 bits in binary files.
+    /// VTK's own type of indices, which has 32 bits in binary files.
     Ids,
     Texts,
 }
 
 impl<'a> Scanner<'a> {
-    /// The error at a place of the file.
+    /// Creates the error at a position of the file.
     pub(super) fn error(&self, at: usize, message: impl Into<String>) -> ReadError {
         if self.is_binary {
             ReadError::at_byte(at, message)
@@ -37,7 +37,7 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// The next word and where it begins.
+    /// Next word and its start.
     pub(super) fn word(&mut self) -> Option<(usize, &'a [u8])> {
         while self.bytes.get(self.at).is_some_and(|&b| is_space(b)) {
             self.at += 1;
@@ -49,7 +49,7 @@ impl<'a> Scanner<'a> {
         (start < self.at).then(|| (start, &self.bytes[start..self.at]))
     }
 
-    /// Whether the next word is this; it is passed then.
+    /// Consumes the next word if it is the expected one; returns true then.
     pub(super) fn pass(&mut self, expected: &str) -> bool {
         let before = self.at;
         let is_next = self.word().is_some_and(|(_, word)| word.eq_ignore_ascii_case(expected.as_bytes()));
@@ -59,7 +59,7 @@ impl<'a> Scanner<'a> {
         is_next
     }
 
-    /// The rest of the line, past its end.
+    /// Consumes and returns the rest of the line.
     pub(super) fn line(&mut self) -> &'a [u8] {
         let start = self.at.min(self.bytes.len());
         let end = line_end(self.bytes, start);
@@ -68,7 +68,7 @@ impl<'a> Scanner<'a> {
     }
 
     fn missing(&self, what: &str) -> ReadError {
-        self.error(self.bytes.len(), format!("the file ends where {what} belongs; get the whole file"))
+        self.error(self.bytes.len(), format!("the file ends before {what}; get the whole file"))
     }
 
     pub(super) fn name(&mut self, what: &str) -> Result<String, ReadError> {
@@ -79,43 +79,45 @@ impl<'a> Scanner<'a> {
     pub(super) fn count(&mut self, what: &str) -> Result<u64, ReadError> {
         let (at, word) = self.word().ok_or_else(|| self.missing(what))?;
         parse_u64(word)
-            .ok_or_else(|| self.error(at, format!("{} stands where {what} belongs; correct it", show(word))))
+            .ok_or_else(|| self.error(at, format!("expected {what}, got {}; correct it", show(word))))
     }
 
     pub(super) fn number(&mut self, what: &str) -> Result<f64, ReadError> {
         let (at, word) = self.word().ok_or_else(|| self.missing(what))?;
         parse_f64(word)
-            .ok_or_else(|| self.error(at, format!("{} stands where {what} belongs; correct it", show(word))))
+            .ok_or_else(|| self.error(at, format!("expected {what}, got {}; correct it", show(word))))
     }
 
     pub(super) fn array_type(&mut self) -> Result<ArrayType, ReadError> {
         let (at, word) = self.word().ok_or_else(|| self.missing("a type of numbers"))?;
         array_type(word).ok_or_else(|| {
-            self.error(at, format!("{} is no type of numbers that can be read; correct it", show(word)))
+            self.error(at, format!("{} is not a supported type of numbers; correct it", show(word)))
         })
     }
 
-    /// As many bytes, which must be there.
+    /// Consumes `n` bytes, which must exist.
     pub(super) fn take(&mut self, n: Option<usize>, what: &str) -> Result<&'a [u8], ReadError> {
         let (start, found) = (self.at, self.bytes.len() - self.at);
         let Some(n) = n.filter(|&n| n <= found) else {
-            let message =
-                format!("there are {found} bytes left for {what}, which needs more; get the whole file");
+            let message = format!("{what} needs more than the remaining {found} bytes; get the whole file");
             return Err(self.error(start, message));
         };
         self.at += n;
         Ok(&self.bytes[start..start + n])
     }
 
-    /// An array of numbers. A binary one begins after the end of the line that names it.
+    /// Reads an array of numbers. A binary one begins after the end of the line that names it.
     pub(super) fn array(&mut self, n: u64, kind: ArrayType, what: &str) -> Result<Numbers<'a>, ReadError> {
-        let n = usize::try_from(n).map_err(|_| self.error(self.at, format!("{n} is too much for {what}")))?;
+        let n = usize::try_from(n)
+            .map_err(|_| self.error(self.at, format!("{n} numbers are too many for {what}")))?;
         let value_type = match kind {
             ArrayType::Numbers(kind) => kind,
             ArrayType::Bits => ValueType::U8,
             ArrayType::Ids if self.is_binary => ValueType::I32,
             ArrayType::Ids => ValueType::I64,
-            ArrayType::Texts => return Err(self.error(self.at, format!("{what} are texts and no numbers"))),
+            ArrayType::Texts => {
+                return Err(self.error(self.at, format!("{what} are texts instead of numbers")));
+            }
         };
         if self.is_binary {
             self.line();
@@ -135,7 +137,7 @@ impl<'a> Scanner<'a> {
         match end_of_words(self.bytes, start, n, self.progress)? {
             Ok(end) => self.at = end,
             Err(found) => {
-                let message = format!("there are {found} of {n} numbers for {what}; get the whole file");
+                let message = format!("{what} needs {n} numbers, got {found}; get the whole file");
                 return Err(self.error(self.bytes.len(), message));
             }
         }
@@ -161,7 +163,7 @@ fn array_type(word: &[u8]) -> Option<ArrayType> {
         b"unsigned_short" | b"vtktypeuint16" => ValueType::U16,
         b"int" | b"vtktypeint32" => ValueType::I32,
         b"unsigned_int" | b"vtktypeuint32" => ValueType::U32,
-        // Of 64 bits on all systems but Windows, where newer files name the width.
+        // 64 bits on all systems except Windows, where newer files state the width.
         b"long" | b"vtktypeint64" => ValueType::I64,
         b"unsigned_long" | b"vtktypeuint64" => ValueType::U64,
         b"float" | b"vtktypefloat32" => ValueType::F32,
@@ -170,7 +172,7 @@ fn array_type(word: &[u8]) -> Option<ArrayType> {
     }))
 }
 
-/// A name, in which bytes other than letters and digits may stand as `%20`.
+/// Decodes a name, in which bytes other than letters and digits may be encoded as `%20`.
 fn decoded(word: &[u8]) -> String {
     let mut bytes = Vec::with_capacity(word.len());
     let mut at = 0;
@@ -185,7 +187,7 @@ fn decoded(word: &[u8]) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// A name as it is written.
+/// Encodes a name for a file.
 pub(super) fn encoded(name: &str) -> String {
     let mut word = String::new();
     for byte in name.bytes() {

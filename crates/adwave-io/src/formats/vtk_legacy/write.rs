@@ -1,4 +1,4 @@
-//! Writing: binary PolyData with all fields.
+//! Legacy VTK writer: binary PolyData with all fields.
 
 use std::io::Write;
 

@@ -1,4 +1,4 @@
-//! One array of a file.
+//! Array of a VTK XML file.
 
 use std::borrow::Cow;
 
@@ -11,17 +11,17 @@ use crate::model::numbers::{NoIndex, NoNumber, Numbers, from_text};
 use crate::text::show;
 use crate::{Field, FieldValues, ReadError, ValueType};
 
-/// The arrays of an element.
+/// Arrays of an element.
 pub(super) fn arrays<'a, 'i>(section: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
     section.children().filter(|node| node.has_tag_name("DataArray") || node.has_tag_name("Array"))
 }
 
-/// The name of an array for messages.
+/// Name of an array for messages.
 fn called(node: Node<'_, '_>) -> String {
     show(node.attribute("Name").unwrap_or("without a name").as_bytes())
 }
 
-/// The type of an array's numbers; nothing for texts and other things.
+/// Type of an array's numbers; `None` for texts and other content.
 fn value_type(node: Node<'_, '_>) -> Option<ValueType> {
     Some(match node.attribute("type")? {
         "Int8" | "Char" => ValueType::I8,
@@ -39,7 +39,7 @@ fn value_type(node: Node<'_, '_>) -> Option<ValueType> {
 }
 
 impl<'a> Frame<'a> {
-    /// The numbers of an array.
+    /// Reads the numbers of an array.
     pub(super) fn array<'n: 'a>(
         &self,
         node: Node<'n, '_>,
@@ -47,7 +47,8 @@ impl<'a> Frame<'a> {
     ) -> Result<Numbers<'a>, ReadError> {
         let Some(kind) = value_type(node) else {
             let found = show(node.attribute("type").unwrap_or("").as_bytes());
-            let message = format!("array {} is of type {found}, which is no type of numbers", called(node));
+            let message =
+                format!("array {} has the type {found}, which is not a type of numbers", called(node));
             return Err(at(node, message));
         };
         let is_bits = node.attribute("type") == Some("Bit");
@@ -89,7 +90,7 @@ impl<'a> Frame<'a> {
             "appended" => self.appended(node, progress)?,
             other => {
                 return Err(Broken::Message(format!(
-                    "its format {} is not known; save the file again",
+                    "its format {} is unknown; save the file again",
                     show(other.as_bytes())
                 )));
             }
@@ -102,7 +103,7 @@ impl<'a> Frame<'a> {
         }
         if !bytes.len().is_multiple_of(kind.n_bytes()) {
             let message =
-                format!("it has {} bytes, which are no whole numbers; get the whole file", bytes.len());
+                format!("its {} bytes do not form complete numbers; get the whole file", bytes.len());
             return Err(Broken::Message(message));
         }
         Ok(Numbers::Bytes { bytes, kind, order: self.order })
@@ -111,7 +112,7 @@ impl<'a> Frame<'a> {
     fn appended(&self, node: Node<'_, '_>, progress: Progress<'_>) -> Result<Cow<'a, [u8]>, Broken> {
         let message = |text: &str| Err(Broken::Message(text.to_owned()));
         let Some(appended) = self.appended else {
-            return message("its data are appended, and the file has nothing appended; get the whole file");
+            return message("its data are appended, but the file has no appended data; get the whole file");
         };
         let Some(offset) = node.attribute("offset").and_then(|text| text.trim().parse::<usize>().ok()) else {
             return message("its offset is missing; save the file again");
@@ -127,12 +128,12 @@ impl<'a> Frame<'a> {
         }
         let next = self.offsets.partition_point(|&other| other <= offset);
         let length = self.offsets.get(next).map_or(bytes.len(), |next| (next - offset).min(bytes.len()));
-        // Arrays may begin at the same place.
+        // Arrays may share a start.
         self.spend(length as u64)?;
         plain(self, Cow::Owned(from_base64(&bytes[..length], progress)?), progress)
     }
 
-    /// An array of rows as a field; `None` where it holds no numbers, or more than belong to the rows.
+    /// Reads an array as a field; `None` if it has no numbers, or more than belong to the rows.
     pub(super) fn field<'n: 'a>(
         &self,
         node: Node<'n, '_>,
@@ -152,7 +153,8 @@ impl<'a> Frame<'a> {
         }
         if found < expected {
             let message = format!(
-                "array {} has {found} values, but there are {n_rows} {of} of {n_channels}; get the whole file",
+                "array {} needs {n_channels} values for each of {n_rows} {of}, got {found}; get the \
+                complete file",
                 called(node)
             );
             return Err(at(node, message));
@@ -161,7 +163,7 @@ impl<'a> Frame<'a> {
         Ok(Some(Field::new(name, n_channels, numbers.into_values(progress)?)))
     }
 
-    /// The array of that name in an element.
+    /// Array of that name in an element.
     pub(super) fn named<'n: 'a>(
         &self,
         section: Node<'n, '_>,
@@ -173,15 +175,16 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Numbers in each row of an array.
+/// Number of values per row of an array.
 fn n_channels(node: Node<'_, '_>) -> Result<usize, ReadError> {
     let n = count(node, "NumberOfComponents")?.unwrap_or(1).max(1);
-    usize::try_from(n).ok().filter(|&n| n <= 1 << 20).ok_or_else(|| {
-        at(node, format!("array {} has {n} components, more than a row can have", called(node)))
-    })
+    usize::try_from(n)
+        .ok()
+        .filter(|&n| n <= 1 << 20)
+        .ok_or_else(|| at(node, format!("array {} has too many components: {n}", called(node))))
 }
 
-/// The text of an element, without that of the elements in it.
+/// Text of an element, without its child elements.
 fn text<'a>(node: Node<'a, '_>) -> Cow<'a, str> {
     let mut parts = node.children().filter(Node::is_text).filter_map(|child| child.text());
     let first = parts.next().unwrap_or("");
@@ -194,13 +197,13 @@ fn text<'a>(node: Node<'a, '_>) -> Cow<'a, str> {
     }
 }
 
-/// What numbers that shall be indices below `limit` are in place of that.
+/// Creates the error for numbers that are not indices below `limit`.
 pub(super) fn no_index(section: Node<'_, '_>, what: &str, error: NoIndex, limit: u64) -> ReadError {
     match error {
         NoIndex::Cancelled => adwave::Cancelled.into(),
-        NoIndex::Fractions => at(section, format!("the {what} are no whole numbers; save the file again")),
+        NoIndex::Fractions => at(section, format!("the {what} must be integers; save the file again")),
         NoIndex::At(i, x) => {
-            let message = format!("number {i} of the {what} is {x}, but there are {limit}; correct it");
+            let message = format!("number {i} of the {what} must be below {limit}, got {x}; correct it");
             at(section, message)
         }
     }

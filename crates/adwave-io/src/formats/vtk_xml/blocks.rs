@@ -1,4 +1,4 @@
-//! The bytes of an array: after a count, or in compressed blocks after a table of their sizes.
+//! Bytes of an array: after a count, or in compressed blocks after a table of their sizes.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -13,13 +13,13 @@ use crate::ReadError;
 use crate::model::field::{ByteOrder, Number};
 use crate::progress::BYTES_PER_STEP;
 
-/// No stream of zlib holds more plain bytes for each of its own.
+/// Largest ratio of decompressed to compressed bytes of a zlib stream.
 const MOST_PLAIN_PER_PACKED: u64 = 1040;
 
-/// Why an array's bytes are not found.
+/// Reasons for which an array's bytes cannot be read.
 pub(super) enum Broken {
     Cancelled(Cancelled),
-    /// A limit is passed.
+    /// A limit is exceeded.
     Error(ReadError),
     Message(String),
 }
@@ -42,7 +42,8 @@ impl From<String> for Broken {
     }
 }
 
-/// Base64 with blanks in it. The table before blocks is often encoded on its own, so that padding stands within.
+/// Decodes Base64 with blanks in it. The table before blocks is often encoded separately, so that padding occurs
+/// within the text.
 pub(super) fn from_base64(text: &[u8], progress: Progress<'_>) -> Result<Vec<u8>, Broken> {
     let mut letters = Vec::with_capacity(text.len());
     for chunk in text.chunks(BYTES_PER_STEP) {
@@ -55,11 +56,11 @@ pub(super) fn from_base64(text: &[u8], progress: Progress<'_>) -> Result<Vec<u8>
         progress.check()?;
         let most = (start + BYTES_PER_STEP).min(letters.len());
         let padding = memchr::memchr(b'=', &letters[start..most]);
-        // Groups of four letters stand for three bytes; the padding ends a group.
+        // Groups of four letters encode three bytes; the padding ends a group.
         let end = padding.map_or(most, |n| (start + n / 4 * 4 + 4).min(letters.len()));
         STANDARD
             .decode_vec(&letters[start..end], &mut plain)
-            .map_err(|e| format!("its Base64 is broken ({e}); get the whole file"))?;
+            .map_err(|e| format!("its Base64 is damaged ({e}); get the whole file"))?;
         start = end;
     }
     Ok(plain)
@@ -70,7 +71,7 @@ fn header(bytes: &[u8], k: usize, width: usize, order: ByteOrder) -> Option<u64>
     Some(if width == 8 { u64::from_bytes(number, order) } else { u32::from_bytes(number, order).into() })
 }
 
-/// The plain bytes of the array that `bytes` begin with.
+/// Decodes the array at the start of `bytes`.
 pub(super) fn plain<'a>(
     frame: &Frame<'_>,
     bytes: Cow<'a, [u8]>,
@@ -85,7 +86,7 @@ pub(super) fn plain<'a>(
         if end > bytes.len() {
             return Err(cut());
         }
-        // Arrays may have their bytes in common.
+        // Arrays may share their bytes.
         frame.spend(first)?;
         return Ok(match bytes {
             Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[width..end]),
@@ -115,7 +116,7 @@ pub(super) fn plain<'a>(
     let total = (first - 1).checked_mul(size).and_then(|n| n.checked_add(last)).ok_or_else(cut)?;
     let n_packed: u64 = packed.iter().map(|block| block.len() as u64 + 8).sum();
     if last > size || size == 0 || total / MOST_PLAIN_PER_PACKED > n_packed {
-        return Err("its table of compressed blocks is broken; get the whole file".to_owned().into());
+        return Err("its table of compressed blocks is damaged; get the whole file".to_owned().into());
     }
     frame.spend(total)?;
     let mut all = vec![0; total as usize];
@@ -127,14 +128,14 @@ pub(super) fn plain<'a>(
     Ok(Cow::Owned(all))
 }
 
-/// Fills `plain` with what a stream of zlib holds.
+/// Decompresses a zlib stream into `plain`.
 fn inflate(packed: &[u8], plain: &mut [u8], progress: Progress<'_>) -> Result<(), Broken> {
     let mut stream = flate2::read::ZlibDecoder::new(packed);
     for part in plain.chunks_mut(BYTES_PER_STEP) {
         progress.check()?;
         stream
             .read_exact(part)
-            .map_err(|e| format!("a compressed block of it breaks ({e}); get the whole file"))?;
+            .map_err(|e| format!("one of its compressed blocks is damaged ({e}); get the whole file"))?;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The frame of a file: its XML without the binary part at its end, and how its numbers are encoded.
+//! Frame of a file: its XML without the binary part at its end, and the encoding of its numbers.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -9,37 +9,37 @@ use crate::model::field::ByteOrder;
 use crate::text::{one_line, show};
 use crate::{ReadError, ReadLimits};
 
-/// How arrays are compressed.
+/// Compression of arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Compressor {
     None,
     Zlib,
 }
 
-/// The bytes after the underscore of the appended part.
+/// Bytes after the underscore of the appended part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Appended<'a> {
     pub(super) bytes: &'a [u8],
-    /// Where they begin in the file.
+    /// Start in the file.
     pub(super) start: usize,
     pub(super) is_base64: bool,
 }
 
-/// A file that is being read.
+/// File in the course of reading.
 pub(super) struct Frame<'a> {
     pub(super) order: ByteOrder,
-    /// Bytes of each number before the data of an array: 4 or 8.
+    /// Size of each number before the data of an array in bytes: 4 or 8.
     pub(super) header_bytes: usize,
     pub(super) compressor: Compressor,
     pub(super) appended: Option<Appended<'a>>,
-    /// Where arrays begin in the appended part, in order.
+    /// Starts of arrays in the appended part, in order.
     pub(super) offsets: Vec<usize>,
-    /// How many more bytes may be decoded.
+    /// Number of bytes that may still be decoded.
     pub(super) budget: Cell<u64>,
     pub(super) limits: &'a ReadLimits,
 }
 
-/// The XML of a file, closed where the appended part was cut out, and that part.
+/// Splits a file into its XML, closed where the appended part was cut out, and that part.
 pub(super) fn split(bytes: &[u8]) -> Result<(Cow<'_, [u8]>, Option<Appended<'_>>), ReadError> {
     let truncated = || {
         let message = "the file ends before </VTKFile>; get the whole file";
@@ -77,13 +77,13 @@ pub(super) fn parse(xml: &[u8]) -> Result<Document<'_>, ReadError> {
     })
 }
 
-/// An error at the line of an element.
+/// Creates an error at the line of an element.
 pub(super) fn at(node: Node<'_, '_>, message: impl Into<String>) -> ReadError {
     let line = node.document().text_pos_at(node.range().start).row.into();
     ReadError::Line { line, message: message.into() }
 }
 
-/// The whole numbers of an attribute, or of a name.
+/// Parses the integers of an attribute.
 pub(super) fn numbers<T: std::str::FromStr, const N: usize>(
     node: Node<'_, '_>,
     name: &str,
@@ -94,16 +94,16 @@ pub(super) fn numbers<T: std::str::FromStr, const N: usize>(
     let shown = show(text.as_bytes());
     numbers
         .map(Some)
-        .ok_or_else(|| at(node, format!("{name} is {shown}, not {N} numbers; save the file again")))
+        .ok_or_else(|| at(node, format!("{name} must be {N} numbers, got {shown}; save the file again")))
 }
 
-/// A count that an element may name.
+/// Count in an attribute of an element, if present.
 pub(super) fn count(node: Node<'_, '_>, name: &str) -> Result<Option<u64>, ReadError> {
     Ok(numbers::<u64, 1>(node, name)?.map(|[n]| n))
 }
 
 impl<'a> Frame<'a> {
-    /// What the root says of the encoding.
+    /// Parses the encoding in the root element.
     pub(super) fn new(
         root: Node<'_, '_>,
         appended: Option<Appended<'a>>,
@@ -122,7 +122,8 @@ impl<'a> Frame<'a> {
             Some("vtkZLibDataCompressor") => Compressor::Zlib,
             Some(other) => {
                 let message = format!(
-                    "its arrays are compressed by {}, which cannot be read; save it with zlib or without compression",
+                    "its arrays are compressed by {}, which is not supported; save the file with zlib or \
+                    without compression",
                     show(other.as_bytes())
                 );
                 return Err(at(root, message));
@@ -135,7 +136,7 @@ impl<'a> Frame<'a> {
         Ok(Self { order, header_bytes, compressor, appended, offsets, budget, limits })
     }
 
-    /// Takes from what may be decoded.
+    /// Deducts bytes from the budget of decoded bytes.
     pub(super) fn spend(&self, n_bytes: u64) -> Result<(), ReadError> {
         let Some(left) = self.budget.get().checked_sub(n_bytes) else {
             let found = (self.limits.max_bytes - self.budget.get()).saturating_add(n_bytes);

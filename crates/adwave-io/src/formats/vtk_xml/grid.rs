@@ -1,4 +1,4 @@
-//! Grids: images, and those with a coordinate for each place along each axis or for each point.
+//! Structured grids: images, and grids with coordinates along each axis or for each point.
 
 use adwave::Progress;
 use roxmltree::Node;
@@ -10,7 +10,7 @@ use crate::model::cells::{Grid, GridPoints, Lattice};
 use crate::progress::at_row;
 use crate::{Format, Precision, ReadError, ValueType};
 
-/// First and last place along each axis.
+/// First and last index along each axis.
 type Extent = [[i64; 2]; 3];
 
 fn extent(node: Node<'_, '_>, name: &str) -> Result<Extent, ReadError> {
@@ -22,10 +22,10 @@ fn extent(node: Node<'_, '_>, name: &str) -> Result<Extent, ReadError> {
 
 fn lattice(node: Node<'_, '_>, extent: &Extent) -> Result<Lattice, ReadError> {
     let dims = extent.map(|[first, last]| u64::try_from(last - first + 1).unwrap_or(0));
-    Lattice::new(dims)?.ok_or_else(|| at(node, "the grid is empty; give one that has points"))
+    Lattice::new(dims)?.ok_or_else(|| at(node, "the grid is empty; use one with points"))
 }
 
-/// The grid that all pieces make.
+/// Reads the grid formed by all pieces.
 pub(super) fn read_grid<'n: 'a, 'a>(
     frame: &Frame<'a>,
     data: Node<'n, '_>,
@@ -35,7 +35,7 @@ pub(super) fn read_grid<'n: 'a, 'a>(
     progress: Progress<'_>,
 ) -> Result<Grid, ReadError> {
     let [piece] = pieces else { return joined(frame, data, pieces, format, extras, progress) };
-    // The part that is there is the grid, whatever it was cut from.
+    // The existing part is the grid, even if it was cut from a larger one.
     let extent = extent(*piece, if piece.has_attribute("Extent") { "Extent" } else { "WholeExtent" })?;
     let lattice = lattice(*piece, &extent)?;
     let located = LocatedPiece { node: *piece, extent, lattice };
@@ -93,14 +93,15 @@ fn grid_points<'n: 'a, 'a>(
                 let Some(node) = nodes.next() else {
                     return Err(at(
                         section,
-                        "the grid has coordinates for fewer than three axes; save the file again",
+                        "the grid must have coordinates for three axes; save the file again",
                     ));
                 };
                 let numbers = frame.array(node, progress)?;
                 let (found, [first, last]) = (numbers.len(), extent[a]);
                 if found as i64 != last - first + 1 {
                     let message = format!(
-                        "there are {found} coordinates from place {first} to {last}; get the whole file"
+                        "the indices {first} to {last} do not match {found} coordinates; get the whole \
+                        file"
                     );
                     return Err(at(node, message));
                 }
@@ -116,16 +117,16 @@ fn grid_points<'n: 'a, 'a>(
     }
 }
 
-/// A piece within the whole.
+/// Piece of the whole grid.
 struct Part {
     lattice: Lattice,
-    /// Where it begins in the whole, along each axis.
+    /// Start in the whole grid along each axis.
     offset: [usize; 3],
-    /// Its coordinates along each axis, where it has some.
+    /// Its coordinates along each axis, if it has any.
     axes: [Vec<f64>; 3],
 }
 
-/// Several pieces as one grid.
+/// Joins several pieces to one grid.
 fn joined<'n: 'a, 'a>(
     frame: &Frame<'a>,
     data: Node<'n, '_>,
@@ -146,7 +147,7 @@ fn joined<'n: 'a, 'a>(
         let lattice = lattice(piece, &extent)?;
         let is_within = (0..3).all(|a| extent[a][0] >= whole[a][0] && extent[a][1] <= whole[a][1]);
         if !is_within {
-            return Err(at(piece, "the piece is not within the whole extent; save the file again"));
+            return Err(at(piece, "the piece must lie within the whole extent; save the file again"));
         }
         let offset = [0, 1, 2].map(|a| (extent[a][0] - whole[a][0]) as usize);
         let located = LocatedPiece { node: piece, extent, lattice };
@@ -175,7 +176,7 @@ fn joined<'n: 'a, 'a>(
     }
     let (point_fields, cell_fields) = (point_fields.into_fields(), cell_fields.into_fields());
     if listed.is_empty() && point_fields.is_empty() && cell_fields.is_empty() {
-        // Nothing but its claims says how large the grid is.
+        // Only its own statements tell how large the grid is.
         all.check_without_values()?;
     }
     let points = match format {
@@ -198,7 +199,7 @@ fn joined<'n: 'a, 'a>(
     })
 }
 
-/// The coordinates of the whole along each axis; nothing where one is missing.
+/// Coordinates of the whole grid along each axis; `None` if one is missing.
 fn axes(parts: &[Part], all: Lattice) -> Option<[Vec<f64>; 3]> {
     let mut axes = all.dims().map(|n| vec![None; n]);
     for part in parts {
@@ -212,7 +213,7 @@ fn axes(parts: &[Part], all: Lattice) -> Option<[Vec<f64>; 3]> {
     Some([x?, y?, z?])
 }
 
-/// For each point (or cell) of the whole its row among those of all parts; nothing where one is missing.
+/// For each point (or cell) of the whole grid, its row among those of all parts; `None` if one is missing.
 fn rows(
     parts: &[Part],
     n: usize,
@@ -225,7 +226,7 @@ fn rows(
     let mut row = 0;
     for part in parts {
         let [nx, ny, nz] = dims(part.lattice);
-        // A part that is flat where the whole is not has cells that are none of it.
+        // A flat part of a grid that is not flat has cells that do not belong to the grid.
         if is_left(part) {
             row += (nx * ny * nz) as u32;
             continue;

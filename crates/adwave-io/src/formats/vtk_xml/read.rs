@@ -1,4 +1,4 @@
-//! Reading: points and cells of all pieces joined, each array of values as a field.
+//! VTK XML reader: points and cells of all pieces joined, each array of values as a field.
 
 use std::sync::Arc;
 
@@ -16,12 +16,12 @@ use crate::provenance::{NAME, Provenance};
 use crate::text::show;
 use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
-/// Which of the formats a file of VTK XML is.
+/// Format of a VTK XML file.
 pub(crate) fn kind_of(head: &[u8]) -> Option<Result<Format, &'static str>> {
     let at = memchr::memmem::find(head, b"<VTKFile")?;
     let tag = &head[at..];
     let tag = &tag[..memchr::memchr(b'>', tag).unwrap_or(tag.len())];
-    // `header_type` may come before it.
+    // `header_type` may precede it.
     let is_own = |at: &usize| tag[at - 1].is_ascii_whitespace();
     let kind = memchr::memmem::find_iter(tag, b"type=").find(is_own).and_then(|at| tag.get(at + 6..))?;
     let end = kind.iter().position(|b| matches!(b, b'"' | b'\'')).unwrap_or(kind.len());
@@ -51,7 +51,10 @@ pub(crate) fn read_vtk_xml(
     let frame = Frame::new(root, appended, limits)?;
     let kind = root.attribute("type").unwrap_or("");
     let Some(data) = root.children().find(|node| node.has_tag_name(kind)) else {
-        return Err(at(root, format!("there is no element {}; save the file again", show(kind.as_bytes()))));
+        return Err(at(
+            root,
+            format!("the element {} is missing; save the file again", show(kind.as_bytes())),
+        ));
     };
     let (mut extras, mut made) = (Vec::new(), None);
     for section in data.children().chain(root.children()).filter(|node| node.has_tag_name("FieldData")) {
@@ -80,7 +83,7 @@ pub(crate) fn read_vtk_xml(
     grid.into_shape(format, limits, progress)
 }
 
-/// The text of an array of one text, which is written as numbers of its letters.
+/// Decodes an array with a single text, which is stored as the codes of its letters.
 fn letters(array: Node<'_, '_>) -> Option<String> {
     let is_text = matches!(array.attribute("type"), Some("String" | "UInt8"))
         && array.attribute("format") == Some("ascii");
@@ -89,14 +92,14 @@ fn letters(array: Node<'_, '_>) -> Option<String> {
     String::from_utf8(bytes.strip_suffix(&[0]).unwrap_or(&bytes).to_vec()).ok()
 }
 
-/// Fields of pieces, joined.
+/// Fields of several pieces, joined.
 #[derive(Default)]
 pub(super) struct Joined {
     fields: Option<Vec<Field>>,
 }
 
 impl Joined {
-    /// Adds those of a piece; what not all pieces have is named in `extras`.
+    /// Adds the fields of a piece; fields that not all pieces have are listed in `extras`.
     pub(super) fn add(&mut self, more: Vec<Field>, extras: &mut Vec<String>) {
         let Some(fields) = &mut self.fields else {
             self.fields = Some(more);
@@ -104,7 +107,7 @@ impl Joined {
         };
         let mut more: Vec<Option<Field>> = more.into_iter().map(Some).collect();
         let mut leave = |name: &str| {
-            let what = format!("`{name}`, which not all pieces have alike");
+            let what = format!("`{name}`, which differs between pieces");
             if !extras.contains(&what) {
                 extras.push(what);
             }
@@ -128,7 +131,7 @@ impl Joined {
     }
 }
 
-/// The fields in an element of a piece.
+/// Fields in an element of a piece.
 pub(super) fn fields<'n: 'a, 'a>(
     frame: &Frame<'a>,
     piece: Node<'n, '_>,
@@ -167,7 +170,7 @@ pub(super) fn points<'n: 'a, 'a>(
         }
         return Err(at(
             piece,
-            format!("the piece has {n_points} points and no coordinates; save the file again"),
+            format!("the piece has {n_points} points but no coordinates; save the file again"),
         ));
     };
     let numbers = frame.array(node, progress)?;
@@ -175,7 +178,7 @@ pub(super) fn points<'n: 'a, 'a>(
     if n_points.checked_mul(3) != Some(found as u64) {
         return Err(at(
             node,
-            format!("there are {found} coordinates for {n_points} points; get the whole file"),
+            format!("{n_points} points do not match {found} coordinates; get the whole file"),
         ));
     }
     Ok((numbers.to_points(progress)?, numbers.kind()))
@@ -214,7 +217,7 @@ fn read_cells<'n: 'a, 'a>(
         let n_cells = of_piece.iter().map(Cells::len).sum();
         let of_points = fields(frame, piece, "PointData", n, &mut extras, progress)?;
         let of_cells = fields(frame, piece, "CellData", n_cells, &mut extras, progress)?;
-        // Pieces of nothing have no arrays, or empty ones of any type.
+        // Empty pieces have no arrays, or empty ones of any type.
         if n > 0 {
             point_fields.add(of_points, &mut extras);
         }
@@ -260,7 +263,7 @@ fn polydata_cells<'n: 'a, 'a>(
     Ok(blocks)
 }
 
-/// The cells of an element.
+/// Cells of an element.
 fn block<'n: 'a, 'a>(
     frame: &Frame<'a>,
     section: Node<'n, '_>,
@@ -274,7 +277,7 @@ fn block<'n: 'a, 'a>(
     let ends = frame.named(section, "offsets", progress)?.unwrap_or_else(none);
     let (n, n_corners) = (ends.len(), corners.len());
     if let Some(expected) = n_cells.filter(|&expected| expected != n as u64) {
-        return Err(at(section, format!("there are {n} offsets for {expected} cells; get the whole file")));
+        return Err(at(section, format!("{expected} cells do not match {n} offsets; get the whole file")));
     }
     if n_corners >= u32::MAX as usize || n >= u32::MAX as usize {
         let (found, limit) = (n_corners.max(n) as u64, u32::MAX.into());
@@ -289,7 +292,7 @@ fn block<'n: 'a, 'a>(
     with_first.extend_from_slice(&offsets);
     let offsets = with_first;
     if !all(n, progress, |i| offsets[i] <= offsets[i + 1])? || offsets[n] as usize != n_corners {
-        let message = format!("the offsets do not grow up to the {n_corners} corners; save the file again");
+        let message = format!("the offsets must ascend to the {n_corners} corners; save the file again");
         return Err(at(section, message));
     }
     let corners = corners.to_indices(n_points as u32, progress).map_err(|error| match error {
@@ -326,7 +329,7 @@ fn unstructured_cells<'n: 'a, 'a>(
     };
     if types.len() != cells.len() {
         let (found, n) = (types.len(), cells.len());
-        return Err(at(section, format!("there are {found} types for {n} cells; get the whole file")));
+        return Err(at(section, format!("{n} cells do not match {found} types; get the whole file")));
     }
     let types = types.to_indices(256, progress).map_err(|e| no_index(section, "types", e, 256))?;
     let types: Vec<u8> = collect(types.len(), progress, |i| types[i] as u8)?;
@@ -337,7 +340,7 @@ fn unstructured_cells<'n: 'a, 'a>(
     Ok(vec![cells])
 }
 
-/// The faces of polyhedra: since version 2.3 of the format in lists of lists, before as one stream of numbers.
+/// Faces of polyhedra: since version 2.3 of the format in nested lists, before that in one stream of numbers.
 fn polyhedra<'n: 'a, 'a>(
     frame: &Frame<'a>,
     section: Node<'n, '_>,
@@ -345,7 +348,7 @@ fn polyhedra<'n: 'a, 'a>(
     n_points: usize,
     progress: Progress<'_>,
 ) -> Result<Option<Polyhedra>, ReadError> {
-    let broken = || at(section, "the faces of polyhedra are broken; save the file again");
+    let broken = || at(section, "the faces of polyhedra are invalid; save the file again");
     let list = |name: &str| -> Result<Option<Vec<i64>>, ReadError> {
         let Some(numbers) = frame.named(section, name, progress)? else { return Ok(None) };
         if !numbers.kind().is_integer() {
@@ -403,7 +406,7 @@ fn polyhedra<'n: 'a, 'a>(
             let range = first.zip(place(f)).and_then(|(a, b)| corners.get(a..b)).ok_or_else(broken)?;
             let face: Option<Vec<u32>> = range.iter().map(|&v| corner(v)).collect();
             polyhedra.faces.push(&face.ok_or_else(broken)?);
-            // A face is of two cells at most.
+            // A face belongs to two cells at most.
             if polyhedra.faces.corners().len() > 2 * corners.len() {
                 return Err(broken());
             }

@@ -1,4 +1,5 @@
-//! VTK XML for ParaView: points, faces as polygons, edges as lines, and all fields, as PolyData or as an unstructured grid.
+//! VTK XML writer for ParaView: points, faces as polygons, edges as lines, and all fields, as PolyData or as an
+//! unstructured grid.
 
 use std::io::Write;
 
@@ -11,18 +12,18 @@ use crate::provenance::NAME;
 use crate::text::escape_xml;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
 
-/// Uncompressed bytes of one block.
+/// Uncompressed size of one block in bytes.
 const BLOCK: usize = 1 << 20;
 
-/// The arrays, compressed, in the order in which the XML names them.
+/// Compressed arrays, in the order of the XML.
 struct Appended<'a> {
     bytes: Vec<u8>,
     progress: Progress<'a>,
 }
 
 impl Appended<'_> {
-    /// Compresses an array and gives where it begins. Its head is the number of blocks, the size of a block, the
-    /// size of the last if it is smaller, and the compressed size of each.
+    /// Compresses an array and returns its start. Its head has the number of blocks, the size of a block, the size of
+    /// the last if it is smaller, and the compressed size of each.
     fn add(&mut self, plain: &[u8]) -> Result<usize, WriteError> {
         let at = self.bytes.len();
         let mut sizes = Vec::new();
@@ -76,7 +77,7 @@ impl Appended<'_> {
         Ok(())
     }
 
-    /// Fields; the first that are normals or texture coordinates are said to be the ones to draw with.
+    /// Adds fields; the first normals and texture coordinates are marked for drawing.
     fn add_fields(&mut self, xml: &mut String, element: &str, fields: &[Field]) -> Result<(), WriteError> {
         let has =
             |name: &str, n: &[usize]| fields.iter().any(|f| f.name == name && n.contains(&f.n_channels));
@@ -95,7 +96,7 @@ impl Appended<'_> {
         Ok(())
     }
 
-    /// A list of cells: their corners, and where each ends.
+    /// Adds a list of cells: their corners, and the end of each.
     fn add_cells(
         &mut self,
         xml: &mut String,
@@ -115,13 +116,13 @@ impl Appended<'_> {
     }
 }
 
-/// The cells of a shape in the order of VTK: the points of a cloud, the edges, the faces.
+/// Cells of a shape in the order of VTK: the points of a cloud, the edges, the faces.
 struct WrittenCells {
     n_vertices: usize,
-    /// Two corners each.
+    /// Two corners per line.
     lines: Vec<i64>,
     corners: Vec<i64>,
-    /// Where each face ends.
+    /// End of each face.
     ends: Vec<i64>,
 }
 

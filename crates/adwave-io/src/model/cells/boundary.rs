@@ -1,11 +1,11 @@
-//! The boundary of volumes: faces that belong to one cell alone.
+//! Boundary of volumes: faces that belong to a single cell.
 
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
 use crate::progress::{at_row, collect};
 
-/// The faces of volumes, each with the cell that it is of.
+/// Faces of volume cells, each with the index of its cell.
 #[derive(Default)]
 pub(crate) struct VolumeFaces {
     corners: Vec<u32>,
@@ -14,8 +14,8 @@ pub(crate) struct VolumeFaces {
 }
 
 impl VolumeFaces {
-    /// Adds a face. Cells that are collapsed to simpler ones name a corner twice: the face is one with the neighbor's only without it, and
-    /// one that is collapsed to an edge is none.
+    /// Adds a face. Collapsed cells repeat a corner: their face matches the neighbor's only without the repetition,
+    /// and a face collapsed to an edge is dropped.
     pub(crate) fn push(&mut self, corners: impl Iterator<Item = u32>, cell: u32) {
         let start = self.corners.len();
         for corner in corners {
@@ -40,7 +40,7 @@ impl VolumeFaces {
         &self.corners[start..self.ends[f]]
     }
 
-    /// The smallest four corners in order, which tell a face from all others.
+    /// The four smallest corners in ascending order, which identify a face.
     fn key(&self, f: usize) -> [u32; 4] {
         let mut key = [u32::MAX; 4];
         for &corner in self.get(f) {
@@ -54,7 +54,7 @@ impl VolumeFaces {
         key
     }
 
-    /// The faces that come once, in order, with their cells.
+    /// Faces that occur once, in order, with their cells.
     pub(crate) fn boundary(
         &self,
         progress: Progress<'_>,

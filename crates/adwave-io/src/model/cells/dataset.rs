@@ -1,4 +1,4 @@
-//! A file of points, cells and their values as a shape.
+//! Conversion of points, cells and their values to a shape.
 
 use adwave::Progress;
 
@@ -8,11 +8,11 @@ use crate::model::numbers::gathered;
 use crate::progress::collect;
 use crate::{Edges, Field, FieldValues, Format, Precision, ReadError, ShapeFile};
 
-/// What a file of VTK holds.
+/// Content of a VTK file.
 pub(crate) struct Dataset {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) precision: Precision,
-    /// In the order in which the values of cells count them.
+    /// Cells in the order in which the cell values are stored.
     pub(crate) cells: Vec<Cells>,
     pub(crate) point_fields: Vec<Field>,
     pub(crate) cell_fields: Vec<Field>,
@@ -20,7 +20,7 @@ pub(crate) struct Dataset {
 }
 
 impl Dataset {
-    /// The surface of the cells; points that are corners of nothing else than volumes stay away.
+    /// Extracts the surface of the cells; points that are corners of volumes only are dropped.
     pub(crate) fn into_shape(self, format: Format, progress: Progress<'_>) -> Result<ShapeFile, ReadError> {
         let Self { points, precision, cells, point_fields, cell_fields, mut extras } = self;
         let n_points = points.len();
@@ -44,7 +44,7 @@ impl Dataset {
     }
 }
 
-/// Which points are named by a cell.
+/// Marks the points named by a cell.
 fn used_points(cells: &[Cells], n_points: usize) -> Vec<bool> {
     if !cells.iter().any(|block| matches!(block.kind, super::CellKind::Each(_))) {
         return Vec::new();
@@ -56,7 +56,7 @@ fn used_points(cells: &[Cells], n_points: usize) -> Vec<bool> {
     is_used
 }
 
-/// Takes away the points that cells have and the surface has not; what no cell names stays.
+/// Drops the points of cells that are not on the surface; points that no cell names stay.
 fn keep_corners(
     shape: &mut ShapeFile,
     surface: &mut Surface,
@@ -95,7 +95,7 @@ fn keep_corners(
     Ok(())
 }
 
-/// The values of the cells that are faces become fields of the faces.
+/// Turns the values of the cells that are faces into face fields.
 fn cell_values(
     shape: &mut ShapeFile,
     surface: &Surface,
@@ -136,7 +136,7 @@ fn cell_values(
     Ok(())
 }
 
-/// Whether it is what is written where there is no value: no number, or zero among whole numbers.
+/// True for the value that is written where there is none: NaN, or zero for integers.
 fn is_filling(values: &FieldValues, i: usize) -> bool {
     let x = values.get(i);
     if values.value_type().is_integer() { x == 0.0 } else { x.is_nan() }

@@ -1,5 +1,5 @@
-//! Grids of rows, columns and layers as shapes: a flat one as its quadrilaterals, one of volumes as its boundary, a
-//! single row as a path. This is what viewers draw of a grid; all its points as a cloud would be a solid block.
+//! Conversion of structured grids to shapes: a flat grid becomes its quadrilaterals, a grid of volumes its boundary,
+//! a single row a path. This matches what viewers draw; all points as a cloud would form a solid block.
 
 use adwave::Progress;
 use adwave::shape::Polygons;
@@ -8,17 +8,17 @@ use crate::model::numbers::gathered;
 use crate::progress::{at_row, collect};
 use crate::{Edges, Field, Format, Precision, ReadError, ReadLimits, ShapeFile};
 
-/// The most vertices of a grid of which a file gives nothing but its size.
+/// Largest number of vertices of a grid for which a file stores only the size.
 const MOST_WITHOUT_VALUES: usize = 1 << 18;
 
-/// How many points there are along each axis, the first running fastest.
+/// Numbers of points along the axes, the first axis running fastest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Lattice {
     dims: [usize; 3],
 }
 
 impl Lattice {
-    /// Nothing where an axis has no points; an error where there are more than can be counted.
+    /// Creates a lattice; `None` if an axis has no points. Fails if the points cannot be counted.
     pub(crate) fn new(dims: [u64; 3]) -> Result<Option<Self>, ReadError> {
         let n = dims.iter().try_fold(1_u64, |n, &d| n.checked_mul(d)).unwrap_or(u64::MAX);
         if n > u64::from(u32::MAX) {
@@ -35,23 +35,23 @@ impl Lattice {
         self.cells().iter().product()
     }
 
-    /// Points along each axis.
+    /// Number of points along each axis.
     pub(crate) fn dims(self) -> [usize; 3] {
         self.dims
     }
 
-    /// Refuses the lattice of a grid of which a file gives nothing but its size where it is large.
+    /// Checks the size of a grid for which a file stores only the size.
     pub(crate) fn check_without_values(self) -> Result<(), ReadError> {
         let n = if self.axes().len() == 3 { self.n_outer() } else { self.n_points() };
         if n <= MOST_WITHOUT_VALUES {
             return Ok(());
         }
         Err(ReadError::Whole(format!(
-            "the grid has {n} points and no values; a grid without values may have {MOST_WITHOUT_VALUES}"
+            "a grid without values may have at most {MOST_WITHOUT_VALUES} points, got {n}"
         )))
     }
 
-    /// Cells along each axis; one where there is one point.
+    /// Number of cells along each axis; 1 along an axis with one point.
     pub(crate) fn cells(self) -> [usize; 3] {
         self.dims.map(|d| (d - 1).max(1))
     }
@@ -65,30 +65,30 @@ impl Lattice {
         (k * ny + j) * nx + i
     }
 
-    /// Positions of all points (`cells` false) or cells below these numbers along the axes.
+    /// Lattice coordinates of the point with this index.
     fn position(self, index: usize) -> [usize; 3] {
         let [nx, ny, _] = self.dims;
         [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
-    /// The axes along which there is more than one point.
+    /// Axes with more than one point.
     fn axes(self) -> Vec<usize> {
         (0..3).filter(|&a| self.dims[a] > 1).collect()
     }
 
-    /// The number of points of a layer that is neither the first nor the last.
+    /// Number of boundary points of a layer that is neither the first nor the last.
     fn ring(self) -> usize {
         let [nx, ny, _] = self.dims;
         nx * ny - (nx - 2) * (ny - 2)
     }
 
-    /// Points of the boundary, where all axes have several.
+    /// Number of boundary points if all axes have several points.
     fn n_outer(self) -> usize {
         let [nx, ny, nz] = self.dims;
         2 * nx * ny + (nz - 2) * self.ring()
     }
 
-    /// Which of the points of the boundary this one is.
+    /// Index of a point among the boundary points.
     fn outer(self, [i, j, k]: [usize; 3]) -> usize {
         let [nx, ny, nz] = self.dims;
         if k == 0 {
@@ -108,7 +108,7 @@ impl Lattice {
             }
     }
 
-    /// The points of the boundary in order.
+    /// Indices of the boundary points, ascending.
     fn outer_points(self) -> Vec<u32> {
         let [nx, ny, nz] = self.dims;
         let mut points = Vec::with_capacity(self.n_outer());
@@ -122,18 +122,18 @@ impl Lattice {
     }
 }
 
-/// Where the points of a grid are.
+/// Positions of the points of a grid.
 #[derive(Clone, Debug)]
 pub(crate) enum GridPoints {
-    /// `matrix` times the position in the lattice, counted from `first`, and `origin`.
+    /// `matrix` times the lattice position, counted from `first`, plus `origin`.
     Image { origin: [f64; 3], matrix: [[f64; 3]; 3], first: [i64; 3] },
-    /// A coordinate for each place along each axis.
+    /// One coordinate for each lattice position along each axis.
     Axes([Vec<f64>; 3]),
-    /// In the rows of the file.
+    /// Explicit positions in the rows of the file.
     Listed(Vec<[f64; 3]>),
 }
 
-/// A grid with its values.
+/// Structured grid with its values.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     pub(crate) lattice: Lattice,
@@ -141,7 +141,7 @@ pub(crate) struct Grid {
     pub(crate) precision: Precision,
     pub(crate) point_fields: Vec<Field>,
     pub(crate) cell_fields: Vec<Field>,
-    /// The rows of the lattice's points and cells among the fields, where they are not in order.
+    /// Field rows of the lattice's points and cells, if they are not in order.
     pub(crate) point_rows: Option<Vec<u32>>,
     pub(crate) cell_rows: Option<Vec<u32>>,
     pub(crate) extras: Vec<String>,
@@ -169,7 +169,7 @@ impl Grid {
         }
     }
 
-    /// The grid as a shape.
+    /// Converts the grid to a shape.
     pub(crate) fn into_shape(
         mut self,
         format: Format,
@@ -234,7 +234,7 @@ impl Grid {
     }
 }
 
-/// Six times the volume within a closed surface.
+/// Six times the volume enclosed by a surface.
 fn volume(points: &[[f64; 3]], quads: &[[u32; 4]]) -> f64 {
     let Some(base) = points.first() else { return 0.0 };
     let at = |v: u32| -> [f64; 3] { std::array::from_fn(|c| points[v as usize][c] - base[c]) };
@@ -251,14 +251,14 @@ fn volume(points: &[[f64; 3]], quads: &[[u32; 4]]) -> f64 {
 struct Quads {
     lattice: Lattice,
     corners: Vec<[u32; 4]>,
-    /// The cell of each.
+    /// Cell of each quadrilateral.
     cells: Vec<u32>,
-    /// Whether points are counted among those of the boundary.
+    /// True if corners are numbered among the boundary points.
     is_outer: bool,
 }
 
 impl Quads {
-    /// Those at one place along an axis, which see along it or against it.
+    /// Adds the quadrilaterals at one lattice position along an axis, facing along it or against it.
     fn add(
         &mut self,
         axis: usize,
@@ -330,7 +330,7 @@ mod tests {
             let expected = 6.0 * ((nx - 1) * (ny - 1) * (nz - 1)) as f64;
             assert!((volume(&shape.points, &quads) - expected).abs() < 1e-9);
             for (f, face) in shape.faces.iter().enumerate() {
-                // The smallest corner of the cell is half a cell from the middle of its sides, or a whole one.
+                // The smallest corner of the cell is half a cell or a whole cell from the middle of its sides.
                 let middle: [f64; 3] = std::array::from_fn(|c| {
                     face.iter().map(|&v| shape.points[v as usize][c]).sum::<f64>() / 4.0
                 });

@@ -1,23 +1,23 @@
 //! The types of cells, numbered as in `vtkCellType.h`.
 
-/// What the surface gets of a cell.
+/// Surface element of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     Empty,
     Vertices,
-    /// A line between the first two corners.
+    /// Line between the first two corners.
     Line,
     Path,
     Strip,
-    /// A polygon of so many corners, which come first.
+    /// Polygon with that many corners, which come first.
     Polygon(usize),
-    /// A polygon of all points.
+    /// Polygon of all points.
     AnyPolygon,
-    /// A polygon of the first half of the points; the others lie on its sides.
+    /// Polygon of the first half of the points; the others are midpoints of its sides.
     HalfPolygon,
-    /// A rectangle whose last two corners are exchanged.
+    /// Rectangle whose last two corners are exchanged.
     Pixel,
-    /// A volume of so many corners, which come first, and its faces, outwards.
+    /// Volume with that many corners, which come first, and its outward faces.
     Volume(usize, &'static [&'static [u8]]),
     Polyhedron,
 }
@@ -49,7 +49,7 @@ const HEXAGONAL_PRISM: &[&[u8]] = &[
     &[5, 0, 6, 11],
 ];
 
-/// The family of a type; nothing where the type is not known.
+/// Family of a cell type; `None` for an unknown type.
 pub(super) fn family(cell_type: u8) -> Option<Family> {
     Some(match cell_type {
         0 => Family::Empty,
@@ -90,7 +90,7 @@ mod tests {
                     sides.push((face[k], face[(k + 1) % face.len()]));
                 }
             }
-            // Every side is passed once in each direction.
+            // Every side is traversed once in each direction.
             for (a, b) in &sides {
                 let times = |side| sides.iter().filter(|s| **s == side).count();
                 assert_eq!((times((*a, *b)), times((*b, *a))), (1, 1), "{cell_type}");

@@ -1,7 +1,8 @@
-//! Cells of grids, numbered and typed as VTK has them, and the surface that they make.
+//! Cells of unstructured grids with VTK's numbering and types, and their surface.
 //!
-//! Surfaces and lines are taken as they stand. Of volumes the boundary is taken: the faces that belong to one cell alone.
-//! Cells of higher order count by their corners, so that points between these are no vertices of the surface.
+//! Surfaces and lines are kept as they are. Volumes are replaced by their boundary: the faces that belong to a single
+//! cell. Cells of higher order are reduced to their corners, so that the points between corners are not vertices of
+//! the surface.
 
 mod boundary;
 #[cfg(feature = "vtk")]
@@ -21,34 +22,34 @@ pub(crate) use grid::{Grid, GridPoints, Lattice};
 
 use adwave::shape::Polygons;
 
-/// What the cells of a block are.
+/// Kind of the cells in a block.
 #[derive(Clone, Debug)]
 pub(crate) enum CellKind {
     Vertices,
-    /// Each a path over its corners.
+    /// Paths over their corners.
     Lines,
     Polygons,
-    /// Strips of triangles.
+    /// Triangle strips.
     Strips,
-    /// Each of its own type, as VTK numbers them.
+    /// Individual types in VTK's numbering.
     Each(Vec<u8>),
 }
 
-/// Cells one after the other, their corners numbered by the points of the whole file.
+/// Cells one after the other, with corners numbered by the points of the whole file.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells {
     pub(crate) kind: CellKind,
-    /// Where each begins among the corners, and at last where the last ends; they grow from 0.
+    /// Start of each cell among the corners, followed by the end of the last; ascending from 0.
     pub(crate) offsets: Vec<u32>,
     pub(crate) corners: Vec<u32>,
-    /// The faces of cells that are polyhedra.
+    /// Faces of the cells that are polyhedra.
     pub(crate) polyhedra: Option<Polyhedra>,
 }
 
-/// Faces of the cells of a block that are polyhedra.
+/// Faces of the polyhedra in a block.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polyhedra {
-    /// Where the faces of each cell end.
+    /// End of each cell's faces.
     pub(crate) ends: Vec<u32>,
     pub(crate) faces: Polygons,
 }
@@ -62,7 +63,7 @@ impl Cells {
         self.len() == 0
     }
 
-    /// Counts the points from `first` on.
+    /// Renumbers the points from `first` on.
     pub(crate) fn renumber(&mut self, first: u32) {
         for corner in &mut self.corners {
             *corner += first;
@@ -76,7 +77,7 @@ impl Cells {
         }
     }
 
-    /// The corners of cell `i`.
+    /// Corners of cell `i`.
     pub(crate) fn get(&self, i: usize) -> &[u32] {
         &self.corners[self.offsets[i] as usize..self.offsets[i + 1] as usize]
     }

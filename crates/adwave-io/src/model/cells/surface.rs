@@ -1,4 +1,4 @@
-//! The surface that cells make.
+//! Surface of cells.
 
 use adwave::Progress;
 use adwave::shape::Polygons;
@@ -9,27 +9,27 @@ use super::{CellKind, Cells};
 use crate::ReadError;
 use crate::progress::{all, at_row};
 
-/// What cells give a shape.
+/// Surface elements of all cells.
 #[derive(Default)]
 pub(super) struct Surface {
     pub(super) faces: Polygons,
-    /// The cell of each face.
+    /// Cell of each face.
     pub(super) sources: Sources,
     pub(super) edges: Vec<[u32; 2]>,
-    /// The cells that are lines, and those that are points.
+    /// Indices of the cells that are lines, and of those that are points.
     pub(super) line_cells: Vec<u32>,
     pub(super) vertex_cells: Vec<u32>,
-    /// How many cells are volumes.
+    /// Number of volume cells.
     pub(super) n_volumes: usize,
-    /// Whether cells have points that may be no corner of the surface.
+    /// True if cells have points that may not be corners of the surface.
     pub(super) has_other_points: bool,
     /// Points that are cells of their own.
     pub(super) vertices: Vec<u32>,
 }
 
-/// The cell that each face is of.
+/// Assignment of faces to cells.
 pub(super) enum Sources {
-    /// Face `f` is of cell `first + f`.
+    /// Face `f` belongs to cell `first + f`.
     From(usize),
     List(Vec<u32>),
 }
@@ -41,7 +41,7 @@ impl Default for Sources {
 }
 
 impl Surface {
-    /// The surface of all blocks.
+    /// Extracts the surface of all blocks.
     pub(super) fn of(blocks: Vec<Cells>, progress: Progress<'_>) -> Result<Self, ReadError> {
         let mut surface = Self::default();
         let mut volumes = VolumeFaces::default();
@@ -60,7 +60,9 @@ impl Surface {
                 if let Some(faces) = Polygons::from_parts(block.offsets, block.corners) {
                     return Ok(Self { faces, sources: Sources::From(first), ..surface });
                 }
-                return Err(ReadError::Whole("the offsets of cells do not grow; save the file again".into()));
+                return Err(ReadError::Whole(
+                    "the offsets of cells must not decrease; save the file again".into(),
+                ));
             }
             surface.add(&block, first, &mut volumes, progress)?;
             first += n;
@@ -96,7 +98,7 @@ impl Surface {
     fn push_strip(&mut self, corners: &[u32], cell: u32) {
         for (k, triple) in corners.windows(3).enumerate() {
             let [a, b, c] = [triple[0], triple[1], triple[2]];
-            // Every second triangle of a strip turns the other way.
+            // Every second triangle of a strip has the opposite orientation.
             self.push_face(&if k % 2 == 0 { [a, b, c] } else { [b, a, c] }, cell);
         }
     }
@@ -134,14 +136,14 @@ impl Surface {
         let corners = block.get(i);
         let Some(family) = family(cell_type) else {
             return Err(ReadError::Whole(format!(
-                "cell {cell} is of type {cell_type}, which no surface can be made of; take the surface where the file was made"
+                "cell {cell} has the type {cell_type}, which has no surface; export the surface instead"
             )));
         };
         let first = |n: usize| {
             corners.get(..n).ok_or_else(|| {
                 let found = corners.len();
                 ReadError::Whole(format!(
-                    "cell {cell} of type {cell_type} has {found} points and needs {n}; save the file again"
+                    "cell {cell} of type {cell_type} needs {n} points, got {found}; save the file again"
                 ))
             })
         };
@@ -180,7 +182,7 @@ impl Surface {
                     Some((start as usize..*polyhedra.ends.get(i)? as usize, &polyhedra.faces))
                 });
                 let Some((range, faces)) = faces else {
-                    let message = format!("cell {cell} is a polyhedron without faces; save the file again");
+                    let message = format!("the polyhedron {cell} has no faces; save the file again");
                     return Err(ReadError::Whole(message));
                 };
                 for f in range {
@@ -194,7 +196,7 @@ impl Surface {
     }
 }
 
-/// Whether all cells are polygons whose points are their corners.
+/// True if all cells are polygons whose points are their corners.
 fn is_polygons(block: &Cells, progress: Progress<'_>) -> Result<bool, ReadError> {
     Ok(match &block.kind {
         CellKind::Polygons => true,

@@ -1,7 +1,8 @@
-//! COPC 1.0: a LAZ whose chunks are the nodes of an octree, with a hierarchy in pages of 32-byte entries.
+//! COPC 1.0 reader: a LAZ whose chunks are the nodes of an octree, with a hierarchy in pages of 32-byte entries.
 //!
-//! The first record behind the header of 375 bytes has the user `copc`, number 1 and 160 bytes: the center and half the side of the
-//! root's cube, the spacing of its points, and where the first page is. Source: <https://copc.io>.
+//! The first record after the header of 375 bytes has the user `copc`, the number 1 and 160 bytes: the center and
+//! half the side of the root's cube, the spacing of its points, and the location of the first page. Source:
+//! <https://copc.io>.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -18,28 +19,28 @@ use crate::formats::las::stream::LasReader;
 use crate::formats::las::stream::coding::Coding;
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
-/// Bytes of the header, which the record with the information follows at once.
+/// Size of the header in bytes; the information record follows immediately.
 const HEADER: usize = 375;
-/// Where the content of that record begins.
+/// Offset of the content of that record.
 const INFO: usize = HEADER + 54;
-/// Bytes of an entry of the hierarchy.
+/// Size of a hierarchy entry in bytes.
 const ENTRY: usize = 32;
-/// Bytes of nodes, packed and unpacked, that are in memory at a time, but for one node more.
+/// Largest size of the nodes in memory, compressed and decompressed, in bytes; one more node may exceed it.
 const MOST_WAITING: u64 = 1 << 26;
-/// Nodes for each thread that are unpacked in one go, so that all end at about the same time.
+/// Nodes per thread in one batch, so that all threads end at about the same time.
 const NODES_PER_THREAD: usize = 4;
 
-/// Where bytes are in the file: the first, and how many.
+/// Byte range in the file: start and length.
 type Place = (u64, u64);
 
-/// What the file says of its octree.
+/// Description of the octree in the file.
 pub(super) struct Info {
     pub(super) root: Root,
     first_page: Place,
 }
 
 impl Info {
-    /// Of a file that is a COPC; `None` of another LAS or LAZ.
+    /// Reads the description from a COPC; `None` for another LAS or LAZ.
     pub(super) fn of(reader: &LasReader) -> Result<Option<Self>, ReadError> {
         let (head, header) = reader.head();
         let has_record = header.bytes == HEADER
@@ -61,7 +62,8 @@ impl Info {
         };
         if !root.is_valid() {
             let message = format!(
-                "the cube of the octree (half its side {half:?}) or its spacing {:?} is none; get an unbroken file",
+                "the octree has an invalid cube (half its side {half:?}) or spacing {:?}; get an undamaged \
+                file",
                 root.spacing
             );
             return Err(ReadError::at_byte(INFO, message));
@@ -70,7 +72,7 @@ impl Info {
     }
 }
 
-/// Reads the chosen part.
+/// Reads the selected part.
 pub(super) fn read(
     path: &Path,
     reader: &LasReader,
@@ -85,7 +87,7 @@ pub(super) fn read(
     let coding = coding(reader)?;
     let (size, n) = (reader.layout().record_bytes as u64, nodes.len() as u64);
     for node in &nodes {
-        // Both are reserved for a node.
+        // Both are allocated for a node.
         limits.check_bytes(node.n_points.saturating_mul(size).max(node.place.1))?;
     }
     let most = NODES_PER_THREAD * rayon::current_num_threads().max(1);
@@ -124,10 +126,10 @@ pub(super) fn nodes(
     let (n_bytes, start) = (reader.n_bytes(), reader.head().1.points_start as u64);
     let mut n_listed = 0_u64;
     let page = |own: Key, place: Place| {
-        // Pages are different parts of the file, so together they are not longer.
+        // Pages are different parts of the file, so their total size cannot exceed it.
         n_listed = n_listed.saturating_add(place.1);
         if n_listed > n_bytes || !place.1.is_multiple_of(ENTRY as u64) {
-            return Err(wrong(own, &format!("has a list of {} bytes, which cannot be", place.1)));
+            return Err(wrong(own, &format!("has a list of {} bytes, which is invalid", place.1)));
         }
         limits.check_bytes(n_listed)?;
         check_place(own, place, HEADER as u64, n_bytes)?;
@@ -143,14 +145,14 @@ pub(super) fn nodes(
     Ok(nodes)
 }
 
-/// An entry that stands at that byte.
+/// Parses the entry at that byte.
 fn entry(bytes: &[u8], at: u64) -> Result<Entry<Place>, ReadError> {
     let number = |k: usize| i64::from(u32_at(bytes, k).map_or(0, u32::cast_signed));
     let (own, n_bytes) = ([0, 4, 8, 12].map(number), number(24));
     let Some(key) = Key::new(own) else {
         let [depth, x, y, z] = own;
         let message =
-            format!("the hierarchy names node {depth} {x} {y} {z}, which cannot be; get an unbroken file");
+            format!("the hierarchy contains the invalid node {depth} {x} {y} {z}; get an undamaged file");
         return Err(ReadError::Byte { byte: at, message });
     };
     let Ok(n_bytes) = u64::try_from(n_bytes) else {
@@ -159,13 +161,13 @@ fn entry(bytes: &[u8], at: u64) -> Result<Entry<Place>, ReadError> {
     Ok(Entry { key, count: number(28), place: (u64_at(bytes, 16).unwrap_or(0), n_bytes) })
 }
 
-/// What belongs to a node lies between the byte `first` and the end of the file.
+/// Checks that the bytes of a node lie between the byte `first` and the end of the file.
 fn check_place(key: Key, (start, n): Place, first: u64, n_bytes: u64) -> Result<(), ReadError> {
     let end = start.checked_add(n);
     if start >= first && end.is_some_and(|end| end <= n_bytes) {
         return Ok(());
     }
-    Err(wrong(key, &format!("lies in {n} bytes from byte {start} on, outside the file of {n_bytes} bytes")))
+    Err(wrong(key, &format!("has {n} bytes from byte {start} on, outside the file of {n_bytes} bytes")))
 }
 
 fn bytes_at(file: &mut File, (start, n): Place) -> Result<Vec<u8>, ReadError> {
@@ -175,30 +177,30 @@ fn bytes_at(file: &mut File, (start, n): Place) -> Result<Vec<u8>, ReadError> {
     Ok(bytes)
 }
 
-/// How the points of nodes are packed.
+/// Compression of the points in the nodes.
 fn coding(reader: &LasReader) -> Result<Coding, ReadError> {
     let (head, header) = reader.head();
     let start = header.points_start;
     let broken = |what: &str| {
-        ReadError::at_byte(start, format!("the LAZ compression is broken ({what}); get an unbroken file"))
+        ReadError::at_byte(start, format!("the LAZ compression is damaged ({what}); get an undamaged file"))
     };
     let coding =
         Coding::of(compression(&records(head, header))?, header.record_bytes).map_err(|e| broken(&e))?;
     if coding.n_layers.is_none() {
-        return Err(broken("its points are not in layers, as those of a COPC are"));
+        return Err(broken("the points of a COPC must be compressed in layers"));
     }
     Ok(coding)
 }
 
-/// The records of a node.
+/// Decompresses the records of a node.
 fn unpacked(coding: &Coding, node: &Node<Place>, packed: &[u8]) -> Result<Vec<u8>, ReadError> {
     let broken = |what: &str| ReadError::Byte {
         byte: node.place.0,
-        message: format!("node {} cannot be unpacked ({what}); get an unbroken file", node.key),
+        message: format!("node {} cannot be decompressed ({what}); get an undamaged file", node.key),
     };
     let stated = u32_at(packed, coding.record_bytes).map_or(0, u64::from);
     if stated != node.n_points {
-        return Err(broken(&format!("it has {stated} points, the hierarchy says {}", node.n_points)));
+        return Err(broken(&format!("it has {stated} points, but the hierarchy states {}", node.n_points)));
     }
     let mut rows = vec![0; node.n_points as usize * coding.record_bytes];
     coding.unpack(packed, &mut rows).map_err(|failure| broken(&failure.what()))?;

@@ -1,6 +1,7 @@
-//! Entwine point tiles: a folder with `ept.json`, a hierarchy in `ept-hierarchy` and a LAZ for each node in `ept-data`.
+//! Reader of Entwine point tiles: a folder with `ept.json`, a hierarchy in `ept-hierarchy` and a LAZ for each node in
+//! `ept-data`.
 //!
-//! Names of files come from whole numbers alone, so that nothing outside the folder is read. Source:
+//! File names are built from integers only, so that nothing outside the folder is read. Source:
 //! <https://entwine.io/en/latest/entwine-point-tile.html>.
 
 use std::fs::File;
@@ -19,14 +20,14 @@ use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
 /// The file that says what the tiles are.
 const JSON: &str = "ept.json";
-/// Bytes of points of tiles that are in memory at a time, but for one tile more.
+/// Largest size of the points of tiles in memory, in bytes; one more tile may exceed it.
 const MOST_WAITING: u64 = 1 << 26;
-/// Tiles for each thread that are read in one go.
+/// Tiles per thread in one batch.
 const TILES_PER_THREAD: usize = 4;
-/// Points of a tile that are read in one go.
+/// Points of a tile read at a time.
 const STEP: usize = 1 << 16;
 
-/// The folder of an EPT, from it or the `ept.json` in it; `None` of anything else.
+/// Folder of an EPT, given the folder or its `ept.json`; `None` for other paths.
 pub(crate) fn folder_of_tiles(path: &Path) -> Option<PathBuf> {
     if path.file_name().is_some_and(|name| name == JSON) {
         return Some(path.parent().unwrap_or(Path::new("")).to_path_buf());
@@ -34,7 +35,7 @@ pub(crate) fn folder_of_tiles(path: &Path) -> Option<PathBuf> {
     path.join(JSON).is_file().then(|| path.to_path_buf())
 }
 
-/// What `ept.json` says.
+/// Content of `ept.json`.
 pub(super) struct Info {
     pub(super) root: Root,
     pub(super) bounds: Option<([f64; 3], [f64; 3])>,
@@ -58,22 +59,20 @@ impl Info {
             |what: String| ReadError::Whole(format!("{what}; convert it (untwine, or pdal translate)"));
         let kind = json["dataType"].as_str().unwrap_or("none");
         if kind != "laszip" {
-            return Err(refused(format!("its tiles are of type `{kind}`, and `laszip` is what is read")));
+            return Err(refused(format!("the tiles must be of type `laszip`, got `{kind}`")));
         }
         let hierarchy = json["hierarchyType"].as_str().unwrap_or("json");
         if hierarchy != "json" {
-            return Err(refused(format!(
-                "its hierarchy is of type `{hierarchy}`, and `json` is what is read"
-            )));
+            return Err(refused(format!("the hierarchy must be of type `json`, got `{hierarchy}`")));
         }
-        let missing = |what: &str| ReadError::Whole(format!("has no {what}; get an unbroken file"));
+        let missing = |what: &str| ReadError::Whole(format!("has no {what}; get an undamaged file"));
         let (low, high) = box_of(&json["bounds"]).ok_or_else(|| missing("`bounds` of six numbers"))?;
         let span = json["span"].as_f64().ok_or_else(|| missing("`span`"))?;
         let root =
             Root { low, high, spacing: (high[0] - low[0]) / span, rounding: rounding(&json["schema"]) };
         if !root.is_valid() {
             let message =
-                format!("`bounds` or the `span` {span:?} is that of no octree; get an unbroken file");
+                format!("`bounds` and the `span` {span:?} must describe an octree; get an undamaged file");
             return Err(ReadError::Whole(message));
         }
         Ok(Self {
@@ -87,24 +86,24 @@ impl Info {
 
 fn json(bytes: &[u8]) -> Result<Value, ReadError> {
     serde_json::from_slice(bytes).map_err(|e| {
-        ReadError::Whole(format!("is no JSON ({}); get an unbroken file", crate::text::one_line(&e)))
+        ReadError::Whole(format!("must be JSON ({}); get an undamaged file", crate::text::one_line(&e)))
     })
 }
 
-/// The least and the greatest coordinates.
+/// Smallest and largest coordinates.
 fn box_of(json: &Value) -> Option<([f64; 3], [f64; 3])> {
     let numbers: Vec<f64> = json.as_array()?.iter().filter_map(Value::as_f64).collect();
     let (low, high) = numbers.split_first_chunk()?;
     Some((*low, high.try_into().ok()?))
 }
 
-/// The steps of coordinates, where they are stated.
+/// Resolution of the coordinates, 0 if not stated.
 fn rounding(schema: &Value) -> [f64; 3] {
     let step = |name: &str| schema.as_array()?.iter().find(|d| d["name"] == name)?["scale"].as_f64();
     ["X", "Y", "Z"].map(|name| step(name).unwrap_or(0.0))
 }
 
-/// Reads the chosen part.
+/// Reads the selected part.
 pub(crate) fn read_tiles(
     folder: &Path,
     selection: &Selection,
@@ -153,24 +152,25 @@ fn tile(folder: &Path, key: Key) -> PathBuf {
     folder.join("ept-data").join(format!("{key}.laz"))
 }
 
-/// Tiles have one kind of points, and as many as the hierarchy says.
+/// Checks that a tile has the same kind of points as the first one, and the number of points stated by the hierarchy.
 fn check_tile(reader: &LasReader, first: &LasLayout, node: &Node<()>) -> Result<(), ReadError> {
     let own = reader.layout();
     let kind = |l: &LasLayout| (l.format, l.record_bytes, l.scale, l.offset);
     if kind(own) != kind(first) {
-        let what = "its points are not of the format, scale and offset of those of the first tile; make the tiles anew";
+        let what = "its points differ from those of the first tile in format, scale or offset; create the \
+                   tiles again";
         return Err(ReadError::Whole(what.into()));
     }
     if own.n_points != node.n_points {
         let (has, said) = (own.n_points, node.n_points);
         return Err(ReadError::Whole(format!(
-            "has {has} points, the hierarchy says {said}; make the tiles anew"
+            "has {has} points, but the hierarchy states {said}; create the tiles again"
         )));
     }
     Ok(())
 }
 
-/// The records of a tile that are chosen.
+/// Reads the selected records of a tile.
 fn records(
     reader: &mut LasReader,
     selection: &Selection,
@@ -190,7 +190,7 @@ fn records(
     }
 }
 
-/// The chosen nodes, in their order.
+/// Selected nodes, in order.
 pub(super) fn nodes(
     folder: &Path,
     info: &Info,
@@ -213,17 +213,17 @@ pub(super) fn nodes(
     nodes.map_err(|error| super::named(error, &folder.join("ept-hierarchy")))
 }
 
-/// The entries of a file of the hierarchy.
+/// Entries of a file of the hierarchy.
 fn entries(json: &Value) -> Result<Vec<Entry<()>>, ReadError> {
-    let broken = |what: String| ReadError::Whole(format!("{what}; get an unbroken file"));
-    let listed = json.as_object().ok_or_else(|| broken("is no list of nodes".into()))?;
+    let broken = |what: String| ReadError::Whole(format!("{what}; get an undamaged file"));
+    let listed = json.as_object().ok_or_else(|| broken("must be a list of nodes".into()))?;
     let entry = |(name, count): (&String, &Value)| {
         let numbers: Vec<i64> = name.split('-').filter_map(|word| word.parse().ok()).collect();
         let key =
             <[i64; 4]>::try_from(numbers).ok().and_then(Key::new).filter(|key| key.to_string() == *name);
         let name = || crate::text::show(name.as_bytes());
-        let key = key.ok_or_else(|| broken(format!("{} names no node D-X-Y-Z", name())))?;
-        let count = count.as_i64().ok_or_else(|| wrong(key, "has no whole number of points"))?;
+        let key = key.ok_or_else(|| broken(format!("{} must name a node D-X-Y-Z", name())))?;
+        let count = count.as_i64().ok_or_else(|| wrong(key, "must have an integer number of points"))?;
         Ok(Entry { key, count, place: () })
     };
     listed.iter().map(entry).collect()

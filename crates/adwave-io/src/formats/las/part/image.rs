@@ -1,4 +1,4 @@
-//! The chosen points as a LAS in memory.
+//! Selected points as a LAS in memory.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -13,41 +13,41 @@ use crate::formats::las::read::{
 use crate::formats::las::write::{COMPRESSED, LONG_HEADER, put, variable_record};
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
-/// Bytes of the head of an extended record.
+/// Size of the head of an extended record in bytes.
 const EXTENDED_HEAD: usize = 60;
-/// Most extended records of a file.
+/// Largest number of extended records of a file.
 const MOST_EXTENDED: u32 = 1 << 16;
-/// Where the header has the position of wave packets.
+/// Header offset of the position of wave packets.
 const WAVES: usize = 227;
-/// Where the header has the position of extended records, and their number behind it.
+/// Header offset of the position of extended records; their number follows.
 const EXTENDED: usize = 235;
 
-/// A LAS that is being put together.
+/// Writer of a LAS in memory.
 pub(super) struct Image<'a> {
     header: Vec<u8>,
     parsed: Header,
     records: Vec<Vec<u8>>,
     extended: Vec<Vec<u8>>,
-    /// Which of the extended records has the wave packets.
+    /// Index of the extended record with the wave packets.
     waves: Option<usize>,
     points: Vec<u8>,
     counts: Counts,
     low: [f64; 3],
     high: [f64; 3],
-    /// Bytes of all but the points.
+    /// Size of all content except the points, in bytes.
     n_others: u64,
     limits: &'a ReadLimits,
 }
 
 impl<'a> Image<'a> {
-    /// Without points, with the records of a file that begins with `head`.
+    /// Creates a LAS without points, with the records of a file that begins with `head`.
     pub(super) fn new(
         head: &[u8],
         file: &mut File,
         limits: &'a ReadLimits,
         progress: Progress<'_>,
     ) -> Result<Self, ReadError> {
-        let short = || ReadError::Whole("the header is cut; get an unbroken file".into());
+        let short = || ReadError::Whole("the header is truncated; get an undamaged file".into());
         let parsed = parse_header(head).ok_or_else(short)?;
         let header = head.get(..parsed.bytes).ok_or_else(short)?.to_vec();
         let kept = |record: &crate::formats::las::read::Record<'_>| {
@@ -73,7 +73,7 @@ impl<'a> Image<'a> {
         Ok(this)
     }
 
-    /// Takes the extended records of the file, but for the hierarchy of a COPC, as many as are whole.
+    /// Copies the complete extended records of the file, except the hierarchy of a COPC.
     fn read_extended(&mut self, file: &mut File, progress: Progress<'_>) -> Result<(), ReadError> {
         if self.header[25] < 4 || self.header.len() < LONG_HEADER {
             return Ok(());
@@ -101,7 +101,7 @@ impl<'a> Image<'a> {
         Ok(())
     }
 
-    /// Says the coordinate system, as text, where no record does.
+    /// Stores the coordinate system as text, unless a record already does.
     pub(super) fn add_coordinate_system(&mut self, text: &str) {
         let is_said = |record: &Vec<u8>| record[2..].starts_with(b"LASF_Projection\0");
         let length = u16::try_from(text.len() + 1);
@@ -111,7 +111,7 @@ impl<'a> Image<'a> {
         let record = variable_record(b"LASF_Projection", 2112, &[text.as_bytes(), &[0]].concat());
         self.n_others += record.len() as u64;
         self.records.push(record);
-        // The bit that says that it is a text.
+        // Flag for a coordinate system as text.
         self.header[6] |= 16;
     }
 
@@ -119,7 +119,7 @@ impl<'a> Image<'a> {
         &self.parsed
     }
 
-    /// Appends whole records.
+    /// Appends complete records.
     pub(super) fn add(&mut self, rows: &[u8]) -> Result<(), ReadError> {
         let size = self.parsed.record_bytes;
         self.limits.check_points(self.counts.n + (rows.len() / size) as u64)?;
@@ -140,7 +140,7 @@ impl<'a> Image<'a> {
         self.points.is_empty()
     }
 
-    /// The shape that it is; `format` is that of the files that the points came from.
+    /// Converts to a shape; `format` is that of the source files.
     pub(super) fn into_shape(
         mut self,
         format: Format,
@@ -167,7 +167,7 @@ impl<'a> Image<'a> {
         Ok(shape)
     }
 
-    /// Numbers, positions and bounds of what there is.
+    /// Stores the counts, positions and bounds of the content.
     fn finish_header(&mut self) {
         let start = self.header.len() + self.records.iter().map(Vec::len).sum::<usize>();
         put(&mut self.header, 96, (start as u32).to_le_bytes());
@@ -186,7 +186,7 @@ impl<'a> Image<'a> {
             put(&mut self.header, EXTENDED, 0_u64.to_le_bytes());
             put(&mut self.header, EXTENDED + 8, (self.extended.len() as u32).to_le_bytes());
         } else if minor >= 4 && self.header.len() >= 255 {
-            // Such headers are longer than any version has them, and their 64-bit number is read.
+            // Such headers are longer than in any version, and their 64-bit count is read.
             put(&mut self.header, 247, self.counts.n.to_le_bytes());
         } else if u32_at(&self.header, 107) == Some(0) {
             put(&mut self.header, 107, u32::try_from(self.counts.n).unwrap_or(0).to_le_bytes());

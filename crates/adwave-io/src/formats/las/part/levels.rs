@@ -1,4 +1,4 @@
-//! The levels of a cloud that has such.
+//! Levels of a cloud.
 
 use std::fs::File;
 use std::path::Path;
@@ -11,21 +11,24 @@ use crate::formats::las::part::{copc, ept, folder_of_tiles, is_las, named};
 use crate::formats::las::stream::LasReader;
 use crate::{ReadError, ReadLimits};
 
-/// The levels of a COPC or EPT. Level d adds its points to those of the levels before it, which together are about spacing / 2ᵈ apart.
+/// Levels of a COPC or EPT. Level d adds its points to those of the coarser levels; together they are about spacing /
+/// 2ᵈ apart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CloudLevels {
-    /// How far apart the points of level 0 are, in model units.
+    /// Distance of the points of level 0, in model units.
     pub spacing: f64,
-    /// The number of points of each level, the coarsest first.
+    /// Number of points of each level, the coarsest first.
     pub n_points: Vec<u64>,
 }
 
-/// The levels of a COPC (found by what is in the file) or an EPT (its folder, or the `ept.json` in it); `None` of any other file.
+/// Reads the levels of a COPC (identified by its content) or an EPT (its folder, or the `ept.json` in it); `None` for
+/// any other file.
 ///
-/// The whole hierarchy is read, and no points: 32 bytes of a COPC for each node.
+/// Reads the whole hierarchy but no points: 32 bytes per node of a COPC.
 ///
 /// # Errors
-/// One line that begins with a file's name: it cannot be read, or is a LAS, LAZ, COPC or EPT that is broken.
+/// The file cannot be read, or is a damaged LAS, LAZ, COPC or EPT. The message is one line that begins with the
+/// file's name.
 ///
 /// ```
 /// use adwave_io::{ReadLimits, ShapeFile, cloud_levels, write_path};

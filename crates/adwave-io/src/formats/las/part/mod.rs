@@ -1,12 +1,13 @@
-//! A part of a cloud: what lies in a box, as coarse as is enough.
+//! Parts of a cloud: the points in a box, at a resolution.
 //!
-//! COPC and EPT keep their points in an octree. Each point is in one node; the nodes of level d, cubes of side 2⁻ᵈ of the root's, hold
-//! points about spacing / 2ᵈ apart, and add to those of the levels above. So a part is the nodes whose cubes meet the box, down
-//! to the first level that is fine enough, without the points outside the box. Only these nodes are read. A LAS or LAZ has no levels:
-//! all its points are looked at, in portions.
+//! COPC and EPT store their points in an octree. Each point is in one node; the nodes of level d, cubes with 2⁻ᵈ
+//! times the side of the root, contain points about spacing / 2ᵈ apart and add to those of the coarser levels. A part
+//! therefore consists of the nodes whose cubes intersect the box, down to the first level that is fine enough,
+//! without the points outside the box. Only these nodes are read. A LAS or LAZ has no levels, so all its points are
+//! examined in blocks.
 //!
-//! What was chosen becomes a LAS in memory (`image`), which the reader of LAS takes from there: fields, extra bytes, coordinate
-//! system and writing are the same as of a whole file.
+//! The selected points become a LAS in memory, which the LAS reader parses: fields, extra bytes, coordinate system
+//! and writing are the same as for a whole file.
 
 mod copc;
 mod ept;
@@ -40,28 +41,28 @@ use selection::Selection;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CloudPart {
-    /// The least and the greatest coordinates of the points, in model units; both belong to the box. A side may be infinite.
+    /// Smallest and largest coordinates of the points, in model units, both inclusive. A side may be infinite.
     pub bounds: Option<([f64; 3], [f64; 3])>,
-    /// How far apart points may be, in model units, above 0: levels that are finer than needed for that are left out.
+    /// Distance of the points in model units, above 0: finer levels are skipped.
     pub resolution: Option<f64>,
 }
 
 impl CloudPart {
-    /// Only points in the box from `low` to `high`, its faces included.
+    /// Selects the points in the box from `low` to `high`, inclusive.
     #[must_use]
     pub fn with_bounds(mut self, low: [f64; 3], high: [f64; 3]) -> Self {
         self.bounds = Some((low, high));
         self
     }
 
-    /// No more levels than are needed for points `resolution` apart.
+    /// Selects only the levels needed for points `resolution` apart.
     #[must_use]
     pub fn with_resolution(mut self, resolution: f64) -> Self {
         self.resolution = Some(resolution);
         self
     }
 
-    /// Whether it is all of a cloud.
+    /// True if the whole cloud is selected.
     pub fn is_whole(&self) -> bool {
         self.bounds.is_none() && self.resolution.is_none()
     }
@@ -115,7 +116,7 @@ fn is_las(path: &Path) -> Result<bool, ReadError> {
     Ok(magic == b"LASF")
 }
 
-/// With the name of the file before it, unless it has one.
+/// Prefixes the error with the file's name, unless it has one.
 fn named(error: ReadError, path: &Path) -> ReadError {
     if matches!(error, ReadError::InFile { .. }) { error } else { error.in_file(path) }
 }

@@ -1,4 +1,4 @@
-//! Nodes of an octree, and the choice among those that a hierarchy in pages lists.
+//! Nodes of an octree, and their selection from a hierarchy in pages.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -8,12 +8,12 @@ use adwave::Progress;
 use crate::ReadError;
 use crate::formats::las::part::selection::Selection;
 
-/// The finest level: places of nodes are signed 32-bit numbers in the files.
+/// Finest level: node coordinates are signed 32-bit numbers in the files.
 pub(super) const MOST_DEPTH: u32 = 30;
-/// Share of the root's side by which cubes are taken larger than they are, against rounding.
+/// Fraction of the root's side by which cubes are enlarged, as a margin for rounding.
 const SLACK: f64 = 1e-9;
 
-/// A node: its level, and which of the 2^level cubes along each axis it is. Ordered by these.
+/// Node: its level, and its position among the 2^level cubes along each axis. Ordered by these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Key {
     pub(super) depth: u32,
@@ -30,7 +30,7 @@ impl fmt::Display for Key {
 impl Key {
     pub(super) const ROOT: Self = Self { depth: 0, place: [0; 3] };
 
-    /// The node of these numbers; `None` where there is none such.
+    /// Creates the node with these numbers; `None` if they are invalid.
     pub(super) fn new([depth, place @ ..]: [i64; 4]) -> Option<Self> {
         let depth = u32::try_from(depth).ok().filter(|&depth| depth <= MOST_DEPTH)?;
         if place.iter().any(|n| !(0..1 << depth).contains(n)) {
@@ -39,31 +39,31 @@ impl Key {
         Some(Self { depth, place: place.map(|n| n as u32) })
     }
 
-    /// Whether it is `other` or lies below it.
+    /// True if this is `other` or a descendant of it.
     fn is_within(self, other: Self) -> bool {
         let up = self.depth.checked_sub(other.depth);
         up.is_some_and(|up| self.place.map(|n| n >> up) == other.place)
     }
 }
 
-/// The box of the root, and how far apart its points are.
+/// Box of the root, and the distance of its points.
 pub(super) struct Root {
     pub(super) low: [f64; 3],
     pub(super) high: [f64; 3],
     pub(super) spacing: f64,
-    /// How far from their nodes points may lie because they were rounded.
+    /// Largest distance of points from their nodes because of rounding.
     pub(super) rounding: [f64; 3],
 }
 
 impl Root {
-    /// Whether the numbers can be those of an octree.
+    /// True if the numbers describe an octree.
     pub(super) fn is_valid(&self) -> bool {
         let is_length = |x: f64| x.is_finite() && x > 0.0;
         (0..3).all(|a| self.low[a].is_finite() && is_length(self.high[a] - self.low[a]))
             && is_length(self.spacing)
     }
 
-    /// Whether points of the node may be wanted.
+    /// True if points of the node may be selected.
     fn is_wanted(&self, key: Key, selection: &Selection) -> bool {
         let side = [0, 1, 2].map(|a| self.high[a] - self.low[a]);
         let share = 0.5_f64.powi(key.depth as i32);
@@ -74,21 +74,22 @@ impl Root {
     }
 }
 
-/// What a hierarchy says of a node: how many points it has and where they are, or (−1) where the page is that lists it.
+/// Hierarchy entry of a node: its number of points and their location, or (−1) the location of the page with the
+/// node.
 pub(super) struct Entry<P> {
     pub(super) key: Key,
     pub(super) count: i64,
     pub(super) place: P,
 }
 
-/// A node that has points.
+/// Node with points.
 pub(super) struct Node<P> {
     pub(super) key: Key,
     pub(super) n_points: u64,
     pub(super) place: P,
 }
 
-/// The nodes whose points may be wanted, in their order, from the page at `first` on. Pages of other nodes are not read.
+/// Nodes whose points may be selected, in order, from the page at `first` on. Pages of other nodes are not read.
 pub(super) fn chosen<P: Copy>(
     root: &Root,
     selection: &Selection,
@@ -106,7 +107,7 @@ pub(super) fn chosen<P: Copy>(
         for entry in page(own, place)? {
             let Entry { key, count, place } = entry;
             if !key.is_within(own) {
-                return Err(wrong(key, &format!("is listed below {own}, where it does not lie")));
+                return Err(wrong(key, &format!("is listed below {own}, but is not a descendant")));
             }
             if count < -1 {
                 return Err(wrong(key, &format!("has {count} points")));
@@ -116,7 +117,7 @@ pub(super) fn chosen<P: Copy>(
             }
             if count == -1 {
                 if !named.insert(key) {
-                    return Err(wrong(key, "has two lists, or one that leads back to itself"));
+                    return Err(wrong(key, "has two lists, or a list that refers back to itself"));
                 }
                 waiting.push((key, place));
                 continue;
@@ -124,10 +125,7 @@ pub(super) fn chosen<P: Copy>(
             let n_points = count.unsigned_abs();
             let rest = left.checked_sub(n_points);
             left = rest.ok_or_else(|| {
-                wrong(
-                    key,
-                    &format!("and those before it have more points than the {most_points} of the cloud"),
-                )
+                wrong(key, &format!("and the previous nodes exceed the {most_points} points of the cloud"))
             })?;
             if nodes.insert(key, Node { key, n_points, place }).is_some() {
                 return Err(wrong(key, "is listed twice"));
@@ -137,12 +135,13 @@ pub(super) fn chosen<P: Copy>(
     Ok(nodes.into_values().collect())
 }
 
-/// An error of the hierarchy.
+/// Creates an error of the hierarchy.
 pub(super) fn wrong(key: Key, what: &str) -> ReadError {
-    ReadError::Whole(format!("the hierarchy is broken: node {key} {what}; get an unbroken file"))
+    ReadError::Whole(format!("the hierarchy is damaged: node {key} {what}; get an undamaged file"))
 }
 
-/// Splits nodes into runs of at most `most` nodes whose sizes sum to at most `most_bytes`, or of one node.
+/// Splits nodes into runs of at most `most` nodes with a total size of at most `most_bytes`; a larger node forms a
+/// run of its own.
 pub(super) fn runs<P>(
     nodes: &[Node<P>],
     most: usize,

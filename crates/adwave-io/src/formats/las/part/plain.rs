@@ -1,4 +1,4 @@
-//! What lies in a box of a LAS or LAZ without levels.
+//! Points of a LAS or LAZ without levels in a box.
 
 use std::fs::File;
 use std::path::Path;
@@ -10,10 +10,10 @@ use crate::formats::las::part::selection::Selection;
 use crate::formats::las::stream::LasReader;
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
-/// Bytes of points that are looked at in one go.
+/// Size of a block of points in bytes.
 const STEP: usize = 1 << 22;
 
-/// All points are read, and those in the box kept.
+/// Reads all points and keeps those in the box.
 pub(super) fn read(
     path: &Path,
     mut reader: LasReader,
@@ -22,8 +22,8 @@ pub(super) fn read(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     if selection.resolution().is_some() {
-        let what = "has no levels to choose a resolution among, as COPC and EPT have; leave out the resolution, or \
-                    make a COPC of it (pdal translate IN OUT.copc.laz)";
+        let what = "the file has no levels, as COPC and EPT have; omit the resolution, or convert the file \
+                   to COPC (pdal translate IN OUT.copc.laz)";
         return Err(ReadError::Whole(what.into()));
     }
     let mut image = Image::new(reader.head().0, &mut File::open(path)?, limits, progress)?;

@@ -1,11 +1,11 @@
-//! What is chosen of a cloud, checked.
+//! Validated selection of a part of a cloud.
 
 use crate::ReadError;
 use crate::formats::las::part::CloudPart;
 use crate::formats::las::part::octree::MOST_DEPTH;
 use crate::formats::las::read::{Header, u32_at};
 
-/// A part that can be asked for.
+/// Valid part of a cloud.
 pub(crate) struct Selection {
     low: [f64; 3],
     high: [f64; 3],
@@ -14,7 +14,7 @@ pub(crate) struct Selection {
 }
 
 impl Selection {
-    /// All of a cloud.
+    /// Selects the whole cloud.
     pub(crate) fn whole() -> Self {
         let (low, high) = ([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]);
         Self { low, high, is_bounded: false, resolution: None }
@@ -24,17 +24,17 @@ impl Selection {
         let mut this = Self::whole();
         if let Some(resolution) = part.resolution {
             if !(resolution > 0.0 && resolution.is_finite()) {
-                let message = format!("a resolution of {resolution:?} is none; give a length above 0");
+                let message = format!("the resolution must be a length above 0, got {resolution:?}");
                 return Err(ReadError::Whole(message));
             }
             this.resolution = Some(resolution);
         }
         if let Some((low, high)) = part.bounds {
             for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-                // Not a number is in no order.
+                // NaN has no order.
                 if !matches!(low[axis].partial_cmp(&high[axis]), Some(order) if order.is_le()) {
                     return Err(ReadError::Whole(format!(
-                        "a box from {:?} to {:?} along {name} is none; give numbers, the least first",
+                        "the box must have ascending bounds along {name}, got {:?} to {:?}",
                         low[axis], high[axis]
                     )));
                 }
@@ -48,7 +48,7 @@ impl Selection {
         self.resolution
     }
 
-    /// The finest level that is wanted, where level 0 has this spacing.
+    /// Finest level needed, given the spacing of level 0.
     pub(super) fn depth(&self, mut spacing: f64) -> u32 {
         let Some(resolution) = self.resolution else { return MOST_DEPTH };
         let mut depth = 0;
@@ -59,12 +59,12 @@ impl Selection {
         depth
     }
 
-    /// Whether the box has a point in common with another, grown by `slack`.
+    /// True if the box intersects another one, enlarged by `slack`.
     pub(super) fn meets(&self, low: [f64; 3], high: [f64; 3], slack: [f64; 3]) -> bool {
         (0..3).all(|a| self.low[a] <= high[a] + slack[a] && low[a] - slack[a] <= self.high[a])
     }
 
-    /// Leaves of whole records those in the box.
+    /// Keeps the complete records in the box.
     pub(super) fn retain(&self, rows: &mut Vec<u8>, header: &Header) {
         if !self.is_bounded {
             return;
@@ -83,21 +83,21 @@ impl Selection {
         (0..3).all(|a| self.low[a] <= point[a] && point[a] <= self.high[a])
     }
 
-    /// The error of a selection without points, in a cloud of these bounds.
+    /// Error of a selection without points, in a cloud with these bounds.
     pub(super) fn empty(&self, bounds: Option<([f64; 3], [f64; 3])>) -> ReadError {
         let within = bounds.map_or(String::new(), |(low, high)| {
             format!("; its points lie from {} to {}", triple(low), triple(high))
         });
         ReadError::Whole(if self.is_bounded {
             let (low, high) = (triple(self.low), triple(self.high));
-            format!("no point lies in the box from {low} to {high}{within}; give a box that has some")
+            format!("the box from {low} to {high} contains no points{within}; choose another box")
         } else {
-            format!("has no points{within}; give a cloud that has some")
+            format!("the cloud has no points{within}; use a cloud with points")
         })
     }
 }
 
-/// The coordinates of a record, in model units.
+/// Coordinates of a record, in model units.
 pub(super) fn position(row: &[u8], header: &Header) -> [f64; 3] {
     [0, 1, 2].map(|axis| {
         let steps = u32_at(row, 4 * axis).map_or(0, u32::cast_signed);
@@ -105,7 +105,7 @@ pub(super) fn position(row: &[u8], header: &Header) -> [f64; 3] {
     })
 }
 
-/// Three coordinates in a message.
+/// Formats three coordinates for a message.
 fn triple([x, y, z]: [f64; 3]) -> String {
     format!("({x:?}, {y:?}, {z:?})")
 }

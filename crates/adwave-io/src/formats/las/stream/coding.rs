@@ -1,4 +1,4 @@
-//! Unpacking one chunk of a LAZ. What it reserves is checked before, and a panic of the library becomes an error.
+//! Decompression of single LAZ chunks. Allocations are checked before, and a panic of the library becomes an error.
 
 use std::io::{self, Cursor, Read, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,35 +10,35 @@ use crate::formats::las::laz::{Item, items_of, u32_at};
 
 pub(in crate::formats::las) type Decompressor<'a, R> = Box<dyn RecordDecompressor<R> + Send + Sync + 'a>;
 
-/// What all chunks have in common.
+/// Properties common to all chunks.
 pub(in crate::formats::las) struct Coding {
     pub(in crate::formats::las) items: Vec<LazItem>,
-    /// The number of layers, where chunks are in layers.
+    /// Number of layers; `None` for chunks without layers.
     pub(in crate::formats::las) n_layers: Option<usize>,
     pub(in crate::formats::las) record_bytes: usize,
 }
 
-/// Why unpacking stopped, after how many points.
+/// Reason for which the decompression stopped, and the number of points before it.
 pub(in crate::formats::las) struct Failure {
     pub(in crate::formats::las) done: usize,
-    /// `None` where the library panicked.
+    /// Error of the library; `None` if it panicked.
     pub(in crate::formats::las) error: Option<io::Error>,
 }
 
 impl Coding {
-    /// As the record of the compression describes it; else what is wrong with that.
+    /// Parses the record of the compression; the error describes its fault.
     pub(in crate::formats::las) fn of(description: &[u8], record_bytes: usize) -> Result<Self, String> {
         let items = items_of(description, record_bytes)?;
         let vlr = LazVlr::from_buffer(description).map_err(|e| crate::text::one_line(&e))?;
         let is_layered = items.first().is_some_and(|item| item.version >= 3);
         let n_layers = is_layered.then(|| items.iter().map(Item::n_layers).sum());
         let coding = Self { items: vlr.items().clone(), n_layers, record_bytes };
-        // Whether the library knows the parts in this version, and gives them the sizes that the file does.
+        // Checks that the library supports the parts in this version with the sizes of the file.
         let own_bytes = catch_unwind(|| coding.decompressor(io::empty()).map(|d| d.record_size()));
         match own_bytes {
             Ok(Ok(own)) if own == record_bytes => Ok(coding),
             Ok(Err(error)) => Err(crate::text::one_line(&error)),
-            _ => Err("its parts are not of the sizes that it states".into()),
+            _ => Err("its parts do not have the stated sizes".into()),
         }
     }
 
@@ -55,7 +55,7 @@ impl Coding {
         Ok(own)
     }
 
-    /// Unpacks a whole chunk.
+    /// Decompresses a whole chunk.
     pub(in crate::formats::las) fn unpack(&self, packed: &[u8], rows: &mut [u8]) -> Result<(), Failure> {
         if let Some(n_layers) = self.n_layers
             && !rows.is_empty()
@@ -74,7 +74,7 @@ impl Coding {
     }
 }
 
-/// Fills the rows; nothing of a decompressor that failed may be used again.
+/// Fills the rows; a decompressor that failed must not be used again.
 pub(in crate::formats::las) fn unpack_rows<R>(
     decompressor: &mut Decompressor<'_, R>,
     rows: &mut [u8],
@@ -95,7 +95,7 @@ pub(in crate::formats::las) fn unpack_rows<R>(
     }
 }
 
-/// The number of points that a chunk in layers states, and the bytes of its layers; `None` where the head is cut.
+/// Number of points that a layered chunk states, and the total size of its layers; `None` if its head is truncated.
 pub(in crate::formats::las) fn layer_sizes(
     chunk: &[u8],
     record_bytes: usize,

@@ -1,8 +1,8 @@
-//! LAS and LAZ in portions: point records as they stand in the file, for clouds that do not fit in memory.
+//! Streaming of LAS and LAZ: encoded point records in blocks, for clouds that do not fit in memory.
 //!
-//! [`LasReader`] gives records in the order of the file, [`LasWriter`] appends records to a new one. What is in memory at a time
-//! does not depend on the number of points, nor on what a header says about it. A LAZ is unpacked and packed chunk by chunk, by
-//! all threads of the pool; the bytes do not depend on how many there are.
+//! [`LasReader`] reads records in the order of the file, [`LasWriter`] appends records to a new file. The memory does
+//! not depend on the number of points, nor on numbers in the header. A LAZ is decompressed and compressed chunk by
+//! chunk on all threads of the pool; the bytes do not depend on their number.
 
 pub(in crate::formats::las) mod coding;
 mod pack;
@@ -17,23 +17,23 @@ pub use write::LasWriter;
 
 use crate::formats::las::read::{Header, f64_at};
 
-/// How the points of a LAS or LAZ are stored.
+/// Storage of the points in a LAS or LAZ.
 ///
-/// A coordinate is `scale * whole + offset`, where `whole` is the signed 32-bit number, least byte first, at byte 0 (x), 4 (y) or
-/// 8 (z) of a record.
+/// A coordinate is `scale * whole + offset`, where `whole` is the signed little-endian 32-bit number at byte 0 (x), 4
+/// (y) or 8 (z) of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LasLayout {
-    /// The point data record format, 0 to 10.
+    /// Point data record format, 0 to 10.
     pub format: u8,
-    /// Bytes of a record, extra bytes included.
+    /// Size of a record in bytes, including extra bytes.
     pub record_bytes: usize,
-    /// The size of a step in each coordinate.
+    /// Size of one step in each coordinate.
     pub scale: [f64; 3],
-    /// What step 0 stands for.
+    /// Coordinate of step 0.
     pub offset: [f64; 3],
-    /// How many points the header promises.
+    /// Number of points stated in the header.
     pub n_points: u64,
-    /// The least and the greatest coordinates that the header states, where they are finite and in order.
+    /// Smallest and largest coordinates stated in the header; `None` unless they are finite and in order.
     pub bounds: Option<([f64; 3], [f64; 3])>,
 }
 

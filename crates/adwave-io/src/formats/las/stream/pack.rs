@@ -1,4 +1,4 @@
-//! Packing points into the chunks of a LAZ, several at a time.
+//! Parallel compression of points into the chunks of a LAZ.
 
 use std::io::{Seek, SeekFrom, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -11,25 +11,25 @@ use rayon::prelude::*;
 use crate::formats::las::write::{CHUNK, compression};
 use crate::{Format, WriteError};
 
-/// Most bytes of points in a chunk; only where records are very long it has fewer points than [`CHUNK`].
+/// Largest size of the points of a chunk in bytes; only very long records have fewer points than [`CHUNK`] per chunk.
 const MOST_CHUNK: usize = 1 << 25;
-/// Most bytes of points that wait to be packed, but for one chunk more.
+/// Largest size of the points waiting for compression in bytes; one more chunk may exceed it.
 const MOST_WAITING: usize = 1 << 26;
-/// Chunks for each thread that are packed in one go, so that all end at about the same time.
+/// Chunks per thread in one batch, so that all threads end at about the same time.
 const CHUNKS_PER_THREAD: usize = 4;
 
-/// Packs points and keeps the table of chunks.
+/// Compressor that keeps the table of chunks.
 pub(super) struct Packer {
     vlr: LazVlr,
     table: ChunkTable,
     record_bytes: usize,
     waiting: Vec<u8>,
-    /// Waiting bytes that are packed in one go: some whole chunks.
+    /// Number of waiting bytes that are compressed in one batch: several whole chunks.
     enough: usize,
 }
 
 impl Packer {
-    /// For records of that point format and size.
+    /// Creates a compressor for records of that point format and size.
     pub(super) fn new(format: u8, record_bytes: usize) -> Result<Self, WriteError> {
         let chunk = (CHUNK as usize).min(MOST_CHUNK / record_bytes).max(1);
         let vlr = compression(format, record_bytes, chunk as u32).map_err(cannot)?;
@@ -39,12 +39,12 @@ impl Packer {
         Ok(Self { vlr, table: ChunkTable::default(), record_bytes, waiting: Vec::new(), enough })
     }
 
-    /// The description of the compression.
+    /// Description of the compression.
     pub(super) fn description(&self) -> &LazVlr {
         &self.vlr
     }
 
-    /// Room for the position of the table, which stands before the first chunk.
+    /// Reserves the position of the table, which precedes the first chunk.
     pub(super) fn begin(out: &mut impl Write) -> Result<(), WriteError> {
         Ok(out.write_all(&(-1_i64).to_le_bytes())?)
     }
@@ -62,7 +62,7 @@ impl Packer {
         Ok(())
     }
 
-    /// Writes the last chunk and the table; `start` is where the points began.
+    /// Writes the last chunk and the table; `start` is the start of the points.
     pub(super) fn end(&mut self, start: u64, out: &mut (impl Write + Seek)) -> Result<(), WriteError> {
         self.pack(out)?;
         let position = out.stream_position()?;
@@ -72,11 +72,11 @@ impl Packer {
         Ok(self.table.write_to(out, &self.vlr)?)
     }
 
-    /// Packs and writes all that waits.
+    /// Compresses and writes all waiting points.
     fn pack(&mut self, out: &mut impl Write) -> Result<(), WriteError> {
         let chunk_bytes = self.vlr.chunk_size() as usize * self.record_bytes;
         let items = self.vlr.items();
-        // Nothing of the library outlives this, so what a panic leaves half done is never seen.
+        // No object of the library survives, so a state left inconsistent by a panic is never used.
         let packed: Vec<_> = self
             .waiting
             .par_chunks(chunk_bytes)
@@ -88,7 +88,7 @@ impl Packer {
                 Ok(Err(error)) => {
                     return Err(cannot(format!("these points: {}", crate::text::one_line(&error))));
                 }
-                // The library subtracts times as whole numbers, which may overflow.
+                // The library subtracts times as integers, which may overflow.
                 Err(_) => return Err(cannot("these points; write a LAS instead")),
             };
             out.write_all(&chunk)?;
@@ -100,7 +100,7 @@ impl Packer {
     }
 }
 
-/// A chunk of these points.
+/// Compresses these points to a chunk.
 fn packed(items: &Vec<LazItem>, rows: &[u8], record_bytes: usize) -> laz::Result<Vec<u8>> {
     let is_layered = items.first().is_some_and(|item| item.version() >= 3);
     let mut compressor: Box<dyn RecordCompressor<Vec<u8>>> = if is_layered {

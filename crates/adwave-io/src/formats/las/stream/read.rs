@@ -1,4 +1,4 @@
-//! Reading the points of a LAS or LAZ in portions.
+//! Reading of LAS and LAZ points in blocks.
 
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
@@ -9,12 +9,12 @@ use crate::formats::las::read::{Header, LEAST_HEADER, check_header, compression,
 use crate::formats::las::stream::LasLayout;
 use crate::formats::las::stream::unpack::Unpacker;
 
-/// Most bytes before the points: records of a coordinate system are some kilobytes.
+/// Largest size of the content before the points in bytes; records of a coordinate system have some kilobytes.
 const MOST_HEAD: u64 = 1 << 26;
-/// Bytes that are read at once.
+/// Bytes read at a time.
 const STEP: usize = 1 << 20;
 
-/// The point records of a LAS or LAZ, read in portions in the order of the file.
+/// Reader of the point records of a LAS or LAZ, in blocks in the order of the file.
 ///
 /// ```
 /// use adwave_io::{LasReader, ShapeFile, write_path};
@@ -31,29 +31,29 @@ const STEP: usize = 1 << 20;
 pub struct LasReader {
     path: PathBuf,
     layout: LasLayout,
-    /// The bytes before the points.
+    /// Bytes before the points.
     head: Vec<u8>,
     header: Header,
-    /// Bytes of the file.
+    /// Size of the file in bytes.
     n_bytes: u64,
     points: Points,
 }
 
 enum Points {
-    /// As they are, and how many have been read.
+    /// Uncompressed points, and the number of them read.
     Plain(BufReader<File>, u64),
     Packed(Box<Unpacker>),
-    /// After an error nothing more is read.
+    /// State after an error; nothing more is read.
     Broken,
 }
 
 impl LasReader {
-    /// Opens a file and reads what stands before its points: at most 64 MiB, whatever its size.
+    /// Opens a file and reads the content before its points: at most 64 MiB for any size of the file.
     ///
     /// # Errors
-    /// One line that begins with the file's name: it cannot be read, is no LAS or LAZ, its header or what describes the compression
-    /// is broken, or it ends before the last point that the header promises. In a LAZ the last shows only in
-    /// [`read`](Self::read).
+    /// The file cannot be read, is not a LAS or LAZ, its header or the description of its compression is damaged, or
+    /// it ends before the last point stated in the header; in a LAZ the latter is detected only by
+    /// [`read`](Self::read). The message is one line that begins with the file's name.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         Self::open_file(path).map_err(|e| e.in_file(path))
     }
@@ -62,7 +62,7 @@ impl LasReader {
         let mut file = File::open(path)?;
         let metadata = file.metadata()?;
         if !metadata.is_file() {
-            return Err(ReadError::Whole("is no regular file; give a LAS or LAZ".into()));
+            return Err(ReadError::Whole("the file must be a regular LAS or LAZ file".into()));
         }
         let n_bytes = metadata.len();
         if n_bytes == 0 {
@@ -71,7 +71,7 @@ impl LasReader {
         let mut head = Vec::new();
         (&file).take(LEAST_HEADER as u64 + 28).read_to_end(&mut head)?;
         if !head.starts_with(b"LASF") {
-            return Err(ReadError::Whole("is no LAS or LAZ: it does not begin with `LASF`; give one".into()));
+            return Err(ReadError::Whole("a LAS or LAZ must begin with `LASF`".into()));
         }
         let header = parse_header(&head).ok_or_else(|| ReadError::Truncated {
             end: n_bytes,
@@ -101,23 +101,26 @@ impl LasReader {
         Ok(Self { path: path.to_path_buf(), layout, head, header, n_bytes, points })
     }
 
-    /// How the points are stored, and how many the header promises.
+    /// Storage of the points, and their number according to the header.
     pub fn layout(&self) -> &LasLayout {
         &self.layout
     }
 
-    /// Appends the next records, unpacked, `most` of them or all that are left; how many, which is 0 only at the end.
+    /// Appends the next `most` records, decompressed, or all remaining ones. Returns their number, which is 0 only at
+    /// the end.
     ///
     /// # Errors
-    /// One line that begins with the file's name and names the point, counted from 0, at which the file ends early or is broken.
-    /// `records` then holds some of the points before that one, and nothing more can be read.
+    /// The file ends early or is damaged; the message is one line with the file's name and the point, counted from 0.
+    /// `records` then contains some of the points before it, and nothing more can be read.
     pub fn read(&mut self, most: usize, records: &mut Vec<u8>) -> Result<usize, ReadError> {
         let result = match &mut self.points {
             Points::Plain(file, n_read) => {
                 read_plain(file, n_read, &self.layout, self.n_bytes, most, records)
             }
             Points::Packed(unpacker) => unpacker.read(most, records),
-            Points::Broken => Err(ReadError::Whole("cannot be read on after the error before".into())),
+            Points::Broken => {
+                Err(ReadError::Whole("reading cannot continue after the previous error".into()))
+            }
         };
         if result.is_err() {
             self.points = Points::Broken;
@@ -125,11 +128,11 @@ impl LasReader {
         result.map_err(|e| e.in_file(&self.path))
     }
 
-    /// Goes behind the next records, `most` of them or all that are left; how many. What a LAS or a LAZ with a table of its chunks
-    /// holds there is not read, but for the beginning of one chunk.
+    /// Skips the next `most` records, or all remaining ones, and returns their number. In a LAS, and in a LAZ with a
+    /// chunk table, the skipped records are not read, except for the beginning of one chunk.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// The errors of [`read`](Self::read).
     ///
     /// ```
     /// use adwave_io::{LasReader, ShapeFile, write_path};
@@ -145,13 +148,15 @@ impl LasReader {
         let result = match &mut self.points {
             Points::Plain(file, n_read) => {
                 let n = most.min(self.layout.n_points - *n_read);
-                // Below 2⁶³: the header promises no more bytes than the file has.
+                // Below 2⁶³, because the stated size cannot exceed that of the file.
                 let bytes = n as i64 * self.layout.record_bytes as i64;
                 *n_read += n;
                 file.seek_relative(bytes).map(|()| n).map_err(ReadError::from)
             }
             Points::Packed(unpacker) => unpacker.skip(most),
-            Points::Broken => Err(ReadError::Whole("cannot be read on after the error before".into())),
+            Points::Broken => {
+                Err(ReadError::Whole("reading cannot continue after the previous error".into()))
+            }
         };
         if result.is_err() {
             self.points = Points::Broken;
@@ -163,7 +168,7 @@ impl LasReader {
         &self.path
     }
 
-    /// The bytes before the points, and what was found in them.
+    /// Bytes before the points, and the parsed header.
     pub(in crate::formats::las) fn head(&self) -> (&[u8], &Header) {
         (&self.head, &self.header)
     }
@@ -184,7 +189,7 @@ fn read_plain(
     let n = (layout.n_points - *n_read).min(most as u64) as usize;
     let (size, mut left) = (layout.record_bytes, n);
     let per_step = (STEP / size).max(1);
-    // Step by step, since the file may be shorter by now.
+    // Step by step, because the file may have become shorter.
     while left > 0 {
         let rows = left.min(per_step);
         let start = records.len();
@@ -199,7 +204,7 @@ fn read_plain(
     Ok(n)
 }
 
-/// The error of a file that ends within a point, or another one of the system.
+/// Converts an error of the system; a file that ends within a point gives a truncation error.
 pub(super) fn cut_or(error: std::io::Error, n_bytes: u64, point: u64) -> ReadError {
     if error.kind() == ErrorKind::UnexpectedEof {
         ReadError::Truncated { end: n_bytes, needed: n_bytes + 1, element: "point".into(), row: point }

@@ -1,8 +1,8 @@
-//! Unpacking the chunks of a LAZ, several at a time.
+//! Parallel decompression of the chunks of a LAZ.
 //!
-//! The table at the end of the file says how long each chunk is. Where it is missing, chunks in layers (formats 6 to 10) are
-//! found by what each says at its beginning, and the others are unpacked one point after the other. Whatever is reserved is
-//! checked against the length of the file before, and a panic of the library becomes an error.
+//! The table at the end of the file has the length of each chunk. If it is missing, layered chunks (formats 6 to 10)
+//! are located by the sizes at their beginning, and other chunks are decompressed point by point. Allocations are
+//! checked against the size of the file, and a panic of the library becomes an error.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -17,47 +17,47 @@ use crate::formats::las::read::Header;
 use crate::formats::las::stream::coding::{Coding, Decompressor, layer_sizes, unpack_rows};
 use crate::formats::las::stream::read::cut_or;
 
-/// Bytes of points that are unpacked in advance; a chunk that has more is unpacked as far as it is asked for. Tests have few
-/// points.
+/// Size of the points that are decompressed in advance, in bytes; a larger chunk is decompressed on demand. Tests
+/// have few points.
 const MOST_WAITING: u64 = if cfg!(test) { 1 << 16 } else { 1 << 26 };
-/// Chunks for each thread that are unpacked in one go, so that all end at about the same time.
+/// Chunks per thread in one batch, so that all threads end at about the same time.
 const CHUNKS_PER_THREAD: usize = 4;
-/// Most chunks of a file: 16 bytes are kept of each.
+/// Largest number of chunks of a file; each takes 16 bytes of memory.
 const MOST_CHUNKS: u64 = 1 << 24;
-/// Bytes by which the result grows where points are unpacked one after the other.
+/// Growth of the result in bytes when points are decompressed one by one.
 const STEP: usize = 1 << 20;
 
-/// Some points that are compressed on their own.
+/// Separately compressed block of points.
 struct Chunk {
     start: u64,
-    /// Compressed, where that is known.
+    /// Compressed size in bytes, if known.
     n_bytes: Option<u64>,
     n_points: u64,
 }
 
-/// Gives the points of a LAZ one after the other.
+/// Sequential decompressor of the points of a LAZ.
 pub(super) struct Unpacker {
     file: File,
     n_bytes: u64,
     coding: Coding,
     n_points: u64,
-    /// Points of each chunk but the last, where all have as many.
+    /// Number of points of each chunk but the last, if all are equal.
     chunk_points: Option<u64>,
     table: Option<ChunkTable>,
-    /// The next chunk, the byte where it begins and its first point.
+    /// Index of the next chunk, its start and its first point.
     next_chunk: usize,
     at: u64,
     point: u64,
-    /// Unpacked points, and how many bytes of them have been fetched.
+    /// Decompressed points, and the number of bytes already returned.
     waiting: Vec<u8>,
     fetched: usize,
     packed: Vec<u8>,
     serial: Option<Serial>,
-    /// Where a chunk of unknown length ended.
+    /// Reader at the end of a chunk of unknown length.
     source: Option<BufReader<File>>,
 }
 
-/// A chunk that is unpacked point by point.
+/// Chunk that is decompressed point by point.
 struct Serial {
     decompressor: Decompressor<'static, BufReader<File>>,
     start: u64,
@@ -104,13 +104,13 @@ impl Unpacker {
             let position = this.table_position(start)?;
             this.table = position.and_then(|position| this.read_table(position));
             if this.table.is_none() && chunk_points.is_none() && is_sequential {
-                return Err(wrong("the table of its chunks, which are not all of one size, is missing"));
+                return Err(wrong("the table of its chunks of different sizes is missing"));
             }
         }
         Ok(this)
     }
 
-    /// Where the table of chunks begins, if the file says so.
+    /// Start of the chunk table, if stated.
     fn table_position(&mut self, start: u64) -> Result<Option<u64>, ReadError> {
         for at in [Some(start), self.n_bytes.checked_sub(8)].into_iter().flatten() {
             let mut own = Vec::new();
@@ -124,13 +124,13 @@ impl Unpacker {
         Ok(None)
     }
 
-    /// The table of chunks; `None` where it is cut or cannot be true.
+    /// Reads the chunk table; `None` if it is truncated or invalid.
     fn read_table(&mut self, position: u64) -> Option<ChunkTable> {
         self.file.seek(SeekFrom::Start(position)).ok()?;
         let mut head = Vec::new();
         (&self.file).take(8).read_to_end(&mut head).ok()?;
         let room = position.checked_sub(self.at)?;
-        // Each chunk begins with a whole point.
+        // Each chunk begins with an uncompressed point.
         if u32_at(&head, 4)? > MOST_CHUNKS.min(room / self.coding.record_bytes as u64) {
             return None;
         }
@@ -139,13 +139,13 @@ impl Unpacker {
         let is_variable = self.chunk_points.is_none();
         let read = catch_unwind(AssertUnwindSafe(|| ChunkTable::read(&mut source, is_variable)));
         let table = read.ok()?.ok()?;
-        // The library makes signed numbers of the sizes.
+        // The library converts the sizes to signed numbers.
         let bytes = table.as_ref().iter().try_fold(0, |sum: u64, entry| sum.checked_add(entry.byte_count))?;
         let counts = table.as_ref().iter().all(|entry| u32::try_from(entry.point_count).is_ok());
         (bytes <= room && counts).then_some(table)
     }
 
-    /// Appends at most `most` records; how many, which is 0 only at the end.
+    /// Appends at most `most` records and returns their number, which is 0 only at the end.
     pub(super) fn read(&mut self, most: usize, records: &mut Vec<u8>) -> Result<usize, ReadError> {
         let size = self.coding.record_bytes;
         let mut n = 0;
@@ -166,7 +166,8 @@ impl Unpacker {
         Ok(n)
     }
 
-    /// Goes behind at most `most` records; how many, which is less only where the file ends. Chunks whose length is known are not unpacked.
+    /// Skips at most `most` records and returns their number, which is smaller only at the end of the file. Chunks of
+    /// known length are not decompressed.
     pub(super) fn skip(&mut self, most: u64) -> Result<u64, ReadError> {
         let size = self.coding.record_bytes;
         let mut left = most;
@@ -191,13 +192,13 @@ impl Unpacker {
         Ok(most - left)
     }
 
-    /// Finds the next chunk and goes behind it.
+    /// Locates the next chunk and moves past it.
     fn next_chunk(&mut self) -> Result<Chunk, ReadError> {
         let (start, left) = (self.at, self.n_points - self.point);
         let n_points = self.chunk_points.map(|n| n.min(left));
         let chunk = if let Some(table) = &self.table {
             let Some(entry) = table.as_ref().get(self.next_chunk) else {
-                return Err(self.ends(start, "its chunks hold fewer points than the header promises"));
+                return Err(self.ends(start, "its chunks contain fewer points than the header states"));
             };
             let n_points = n_points.unwrap_or(entry.point_count.min(left));
             Chunk { start, n_bytes: Some(entry.byte_count), n_points }
@@ -220,7 +221,7 @@ impl Unpacker {
         Ok(chunk)
     }
 
-    /// The length of a chunk in layers, and the number of points that it states.
+    /// Reads the length of a layered chunk and the number of points it states.
     fn layered_head(&mut self, start: u64, n_layers: usize) -> Result<(u64, u64), ReadError> {
         let size = self.coding.record_bytes + 4 + 4 * n_layers;
         let mut head = Vec::new();
@@ -239,7 +240,7 @@ impl Unpacker {
         broken(at, self.point, what)
     }
 
-    /// Unpacks the next chunks, or begins one that is too long for that.
+    /// Decompresses the next chunks, or begins a chunk that is too long for that.
     fn unpack_next(&mut self) -> Result<(), ReadError> {
         let size = self.coding.record_bytes as u64;
         let first_point = self.point;
@@ -249,7 +250,7 @@ impl Unpacker {
             let before = (self.next_chunk, self.at, self.point);
             let chunk = match self.next_chunk() {
                 Ok(chunk) => chunk,
-                // First what is before it.
+                // Earlier content first.
                 Err(_) if !chunks.is_empty() => break,
                 Err(error) => return Err(error),
             };
@@ -295,7 +296,7 @@ impl Unpacker {
         Ok(())
     }
 
-    /// Begins to unpack a chunk point by point.
+    /// Begins to decompress a chunk point by point.
     fn begin(&mut self, chunk: &Chunk, first_point: u64) -> Result<(), ReadError> {
         if let Some(n_layers) = self.coding.n_layers {
             let (n_bytes, _) = self.layered_head(chunk.start, n_layers)?;
@@ -320,7 +321,7 @@ impl Unpacker {
         Ok(())
     }
 
-    /// Unpacks the next points of a chunk that is begun.
+    /// Decompresses the next points of a chunk in progress.
     fn read_on(
         &mut self,
         mut serial: Serial,
@@ -350,6 +351,6 @@ impl Unpacker {
 }
 
 fn broken(byte: u64, point: u64, what: &str) -> ReadError {
-    let message = format!("the LAZ compression is broken at point {point} ({what}); get an unbroken file");
+    let message = format!("the LAZ compression is damaged at point {point} ({what}); get an undamaged file");
     ReadError::Byte { byte, message }
 }

@@ -1,4 +1,4 @@
-//! Writing the points of a LAS or LAZ in portions.
+//! Writing of LAS and LAZ points in blocks.
 
 use crate::formats::las::{LAS, LAZ};
 use crate::model::format_descriptor::FormatDescriptor;
@@ -20,17 +20,17 @@ use crate::formats::las::write::{
 };
 use crate::{Format, Provenance, ValueType, WriteError};
 
-/// Bytes of the head of an extended record, which stands behind the points.
+/// Size of the head of an extended record, which follows the points, in bytes.
 const EXTENDED_HEAD: usize = 60;
-/// Most extended records of a file that are looked at.
+/// Largest number of extended records that are examined.
 const MOST_EXTENDED: u32 = 1 << 16;
-/// The number of the record that holds wave packets.
+/// Number of the record with wave packets.
 const WAVE_PACKETS: u16 = 65535;
 
-/// A LAS or LAZ that is written in portions, with the header and the records of another file and fields of its own.
+/// Writer of a LAS or LAZ in blocks, with the header and the records of a template file and additional fields.
 ///
-/// The file takes its place when it is [finished](Self::finish). Until then an older one of that name is as it was, and dropping the
-/// writer leaves nothing behind.
+/// The file appears under its name when it is [finished](Self::finish). Until then an older file of that name is
+/// unchanged, and dropping the writer leaves no file behind.
 ///
 /// ```
 /// use adwave_io::{LasLayout, LasReader, LasWriter};
@@ -60,18 +60,18 @@ pub struct LasWriter {
     counts: Counts,
     low: [i32; 3],
     high: [i32; 3],
-    /// Extended records of the file that this one is like.
+    /// Extended records of the template file.
     tail: Option<Tail>,
     is_broken: bool,
 }
 
-/// Extended records of a file: where each begins, and its length.
+/// Extended records of a file: the start of each, and its length.
 struct Tail {
     file: File,
     records: Vec<(u64, u64)>,
 }
 
-/// What stands before the points.
+/// Content before the points.
 struct Head {
     header: Vec<u8>,
     records: Vec<Vec<u8>>,
@@ -79,16 +79,16 @@ struct Head {
 }
 
 impl LasWriter {
-    /// Begins a file like another one, compressed where its name ends in `.laz`.
+    /// Begins a file with a template, compressed if its name ends in `.laz`.
     ///
-    /// Version (at least 1.2), creation date, identifiers and coordinate system stay, as do all records but those of the
-    /// compression, of wave packets, of the arrangement of a COPC and of an earlier [`Provenance`]. Each field is a 32-bit float
-    /// behind what the records have already, named in the list of extra bytes. A name that is there already gets a number, see
-    /// [`fields`](Self::fields).
+    /// Version (at least 1.2), creation date, identifiers and coordinate system are copied, and so are all records
+    /// except those of the compression, of wave packets, of a COPC hierarchy and of an earlier [`Provenance`]. Each
+    /// field is a 32-bit float after the existing content of the records, with a description as extra bytes. A name
+    /// in use gets a number, see [`fields`](Self::fields).
     ///
     /// # Errors
-    /// One line that begins with the file's name: the name has another ending, the folder is missing, or the records have no
-    /// room for the fields.
+    /// The name has another extension, the folder is missing, or the records have no room for the fields. The message
+    /// is one line that begins with the file's name.
     pub fn create(
         path: &Path,
         like: &LasReader,
@@ -110,10 +110,10 @@ impl LasWriter {
         Ok(writer)
     }
 
-    /// Begins a file of version 1.4 with records of that layout; its number of points and bounds do not count.
+    /// Begins a file of version 1.4 with records of that layout, ignoring its number of points and bounds.
     ///
     /// # Errors
-    /// As [`create`](Self::create), and where the layout is none of LAS.
+    /// The errors of [`create`](Self::create), and a layout that LAS does not have.
     pub fn new(
         path: &Path,
         layout: &LasLayout,
@@ -157,7 +157,7 @@ impl LasWriter {
         for field in fields {
             let Some((name, _)) = list.add(field, 1, ValueType::F32) else {
                 let what = format!(
-                    "the field `{field}` behind records of {} bytes, which have no room for it",
+                    "the field `{field}` in records of {} bytes, which have no room for it",
                     list.record_bytes
                 );
                 return Err(WriteError::CannotHold { format, what });
@@ -178,7 +178,7 @@ impl LasWriter {
             head.records.push(compression_record(packer.description()));
         }
         if layout.format < 6 || !has_long_counts(&head.header) {
-            // The 32-bit counts are filled, too.
+            // The 32-bit counts are set, too.
             put(&mut head.header, 107, 1_u32.to_le_bytes());
         }
         head.header[104] = layout.format | if packer.is_some() { COMPRESSED } else { 0 };
@@ -213,21 +213,21 @@ impl LasWriter {
         })
     }
 
-    /// How the written points are stored, with the fields; the number of points and the bounds are known when it is finished.
+    /// Storage of the written points, with the fields; the number of points and the bounds are known after finishing.
     pub fn layout(&self) -> &LasLayout {
         &self.layout
     }
 
-    /// The names that the fields have in the file: as given, where they are short enough and not there already.
+    /// Names of the fields in the file: as given, if they are short enough and not in use.
     pub fn fields(&self) -> &[String] {
         &self.fields
     }
 
-    /// Appends whole records: those of the file that this one is like, each with the fields behind it.
+    /// Appends complete records: those of the template file, each followed by its fields.
     ///
     /// # Errors
-    /// One line that begins with the file's name: the bytes are no whole number of records, the system or the compression refuses
-    /// them, or there are more points than the header can count. Nothing more can be written then.
+    /// The bytes are not a multiple of the record size, writing or compression fails, or the header cannot count the
+    /// points. The message is one line that begins with the file's name, and nothing more can be written.
     pub fn write(&mut self, records: &[u8]) -> Result<(), WriteError> {
         let result = self.append(records);
         self.is_broken |= result.is_err();
@@ -243,7 +243,7 @@ impl LasWriter {
         }
         let n = self.counts.n + (records.len() / size) as u64;
         if n > u64::from(u32::MAX) && !has_long_counts(&self.header) {
-            let what = format!("more than {} points behind a header before version 1.4", u32::MAX);
+            let what = format!("more than {} points with a header before version 1.4", u32::MAX);
             return Err(WriteError::CannotHold { format: self.format, what });
         }
         for row in records.chunks_exact(size) {
@@ -264,15 +264,17 @@ impl LasWriter {
 
     fn check(&self) -> Result<(), WriteError> {
         if self.is_broken {
-            return Err(std::io::Error::other("an error before has left it incomplete").into());
+            return Err(std::io::Error::other("a previous error left it incomplete").into());
         }
         Ok(())
     }
 
-    /// Writes what comes after the points and the counts and bounds of the header, and puts the file in its place.
+    /// Writes the content after the points and the counts and bounds of the header, and renames the file to its final
+    /// name.
     ///
     /// # Errors
-    /// One line that begins with the file's name; an older file of that name is unchanged then.
+    /// Writing fails; an older file of that name is unchanged then. The message is one line that begins with the
+    /// file's name.
     pub fn finish(self) -> Result<(), WriteError> {
         let path = self.path.clone();
         self.complete().map_err(|e| e.in_file(&path))
@@ -291,7 +293,7 @@ impl LasWriter {
                 tail.file.seek(SeekFrom::Start(start))?;
                 let n = std::io::copy(&mut (&tail.file).take(n_bytes), &mut self.pending.out)?;
                 if n < n_bytes {
-                    return Err(std::io::Error::other("the file that it is like has become shorter").into());
+                    return Err(std::io::Error::other("the template file has become shorter").into());
                 }
             }
         }
@@ -314,13 +316,13 @@ fn is_gzip(path: &Path) -> bool {
 }
 
 impl Head {
-    /// The bytes before the points of a file, without what belongs to its compression or arrangement.
+    /// Copies the bytes before the points of a file, except those of its compression or hierarchy.
     fn like(bytes: &[u8], parsed: &Header) -> Self {
         const VERSION_1_2: u8 = 2;
         const WAVE_PACKETS_INSIDE: u8 = 2;
         let mut header = bytes[..parsed.bytes].to_vec();
         header[25] = header[25].max(VERSION_1_2);
-        // Wave packets stay behind, and extended records are counted when they are written.
+        // Wave packets are dropped, and extended records are counted when they are written.
         header[6] &= !WAVE_PACKETS_INSIDE;
         if header[25] >= 3 && header.len() >= 235 {
             put(&mut header, 227, 0_u64.to_le_bytes());
@@ -345,7 +347,7 @@ impl Head {
 }
 
 impl Tail {
-    /// The extended records of a file but wave packets and the arrangement of a COPC, as far as they are whole.
+    /// Collects the complete extended records of a file, except wave packets and the hierarchy of a COPC.
     fn of(like: &LasReader) -> Result<Option<Self>, WriteError> {
         let (bytes, parsed) = like.head();
         if !has_long_counts(&bytes[..parsed.bytes]) {

@@ -1,4 +1,4 @@
-//! Files made here of all point formats, whole, cut and with bytes changed.
+//! Generated files of all point formats: complete, truncated, and with modified bytes.
 
 mod writing;
 
@@ -14,7 +14,7 @@ use crate::formats::las::read::{parse_header, u32_at, u64_at, unpacked};
 use crate::formats::las::stream::LasReader;
 use crate::formats::las::write::{compression_record, new_header, put};
 
-/// Extra bytes of each record, which no list describes.
+/// Extra bytes of each record without a description.
 const EXTRA: usize = 3;
 
 fn rows(format: u8, n: usize) -> Vec<u8> {
@@ -32,7 +32,7 @@ fn rows(format: u8, n: usize) -> Vec<u8> {
     all
 }
 
-/// A file before its points.
+/// Builds the content of a file before its points.
 fn head(format: u8, n: usize, records: &[Vec<u8>], is_packed: bool) -> Vec<u8> {
     let size = record_bytes(format).unwrap() + EXTRA;
     let minor = if format < 6 { 2 } else { 4 };
@@ -60,7 +60,7 @@ enum Chunks {
     Variable,
 }
 
-/// As another program writes it.
+/// Builds a LAZ as written by another program.
 fn laz(format: u8, n: usize, chunks: Chunks) -> Vec<u8> {
     let (points, size) = (rows(format, n), record_bytes(format).unwrap() + EXTRA);
     let items = LazItemRecordBuilder::default_for_point_format_id(format, EXTRA as u16).unwrap();
@@ -108,7 +108,7 @@ impl Folder {
     }
 }
 
-/// All points in portions, and the error at which that ended.
+/// Reads all points in blocks, and the error at the end, if any.
 fn read_all(path: &Path, most: usize) -> (Vec<u8>, Option<ReadError>) {
     let mut all = Vec::new();
     let mut reader = match LasReader::open(path) {
@@ -126,7 +126,7 @@ fn read_all(path: &Path, most: usize) -> (Vec<u8>, Option<ReadError>) {
                 return (all, Some(error));
             }
         }
-        // A header that was changed may promise more than anyone waits for.
+        // A modified header may state an excessive number of points.
         if all.len() > 1 << 22 {
             return (all, None);
         }
@@ -215,7 +215,7 @@ fn a_missing_table_of_chunks_is_done_without() {
         let start = u32_at(&bytes, 96).unwrap() as usize;
         let table = u64_at(&bytes, start).unwrap() as usize;
         let expected = rows(format, 1234);
-        // Its position at the end of the file, where a program could not go back.
+        // The position is at the end of the file, as from a program that could not seek back.
         let mut moved = [&bytes[..], &(table as u64).to_le_bytes()].concat();
         put(&mut moved, start, (-1_i64).to_le_bytes());
         assert!(read_whole(&folder.file("a.laz", &moved), 300) == expected);
@@ -224,7 +224,7 @@ fn a_missing_table_of_chunks_is_done_without() {
             put(&mut bytes, start, position.to_le_bytes());
             assert!(read_whole(&folder.file("b.laz", &bytes), 300) == expected, "format {format}");
         }
-        // More chunks than there can be, and one that is longer than the file.
+        // An impossible number of chunks, and a chunk longer than the file.
         for broken in [[0xff; 16], [0, 0, 0, 0, 13, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff]]
         {
             let bytes = [&bytes[..], &broken].concat();
@@ -238,7 +238,7 @@ fn a_missing_table_of_chunks_is_done_without() {
     assert!(error.contains("the table of its chunks"), "{error}");
 }
 
-/// The point that the message names.
+/// Point named in the message.
 fn named_point(message: &str) -> Option<u64> {
     let at = message.find(" row ").map(|at| at + 5).or_else(|| message.find("at point ").map(|at| at + 9))?;
     message[at..].split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
@@ -278,7 +278,7 @@ fn changed_bytes_give_one_line_or_points() {
         for bytes in [las(format, 60), laz(format, 60, Chunks::Fixed(20)), laz(format, 60, Chunks::Variable)]
         {
             let start = u32_at(&bytes, 96).unwrap() as usize;
-            // All that describes the points, and now and then a byte of them.
+            // All bytes that describe the points, and some bytes of the points.
             for at in (0..start + 8).chain((start + 8..bytes.len()).step_by(7)) {
                 let mut changed = bytes.clone();
                 changed[at] ^= 0xff;

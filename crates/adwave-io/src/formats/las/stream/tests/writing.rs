@@ -1,4 +1,4 @@
-//! Files that are written in portions.
+//! Tests of files written in blocks.
 
 use std::path::Path;
 
@@ -137,7 +137,7 @@ fn a_writer_that_is_dropped_leaves_the_old_file() {
     assert_eq!(n_files(), 3);
     drop(writer);
     assert_eq!((n_files(), std::fs::read(&path).unwrap()), (2, b"old".to_vec()));
-    // Over the file that it is like, and without points.
+    // Over its template file, and without points.
     for (name, n) in [("a.las", 10), ("b.laz", 0), ("c.las", 0)] {
         let path = folder.0.path().join(name);
         let mut writer = LasWriter::create(&path, &like, &[], None).unwrap();
