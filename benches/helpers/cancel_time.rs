@@ -28,7 +28,7 @@ fn main() {
     }
     if formats.is_empty() && !is_work {
         is_work = true;
-        formats = vec![Format::Ply, Format::Obj, Format::Stl];
+        formats = vec![Format::PLY, Format::OBJ, Format::STL];
     }
     let side = f64::from(n).sqrt() as u32;
     let points = (0..n).map(|v| [f64::from(v % side), f64::from(v / side), f64::from(v).sin()]).collect();

@@ -178,27 +178,27 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
         save(target, name, text.as_bytes())?;
     }
     for (target, format, kind) in [
-        ("obj", Format::Obj, "mesh"),
-        ("ply", Format::Ply, "mesh"),
-        ("ply", Format::PlyAscii, "text"),
-        ("off", Format::Off, "mesh"),
-        ("stl", Format::Stl, "mesh"),
-        ("xyz", Format::Xyz, "cloud"),
-        ("csv", Format::Csv, "cloud"),
-        ("pcd", Format::Pcd, "cloud"),
-        ("pcd", Format::PcdCompressed, "packed"),
-        ("off", Format::OffBinary, "binary"),
-        ("msh", Format::Msh, "binary"),
-        ("msh", Format::MshAscii, "text"),
-        ("meshb", Format::MeditBinary, "mesh"),
-        ("3mf", Format::ThreeMf, "mesh"),
-        ("dmat", Format::DmatBinary, "binary"),
-        ("vtk-xml", Format::Vtp, "mesh"),
-        ("vtk-xml", Format::Vtu, "grid"),
-        ("vtk", Format::Vtk, "mesh"),
-        ("freesurfer", Format::FreeSurfer, "mesh"),
-        ("glb", Format::Glb, "mesh"),
-        ("gltf", Format::Gltf, "mesh"),
+        ("obj", Format::OBJ, "mesh"),
+        ("ply", Format::PLY, "mesh"),
+        ("ply", Format::PLY_ASCII, "text"),
+        ("off", Format::OFF, "mesh"),
+        ("stl", Format::STL, "mesh"),
+        ("xyz", Format::XYZ, "cloud"),
+        ("csv", Format::CSV, "cloud"),
+        ("pcd", Format::PCD, "cloud"),
+        ("pcd", Format::PCD_COMPRESSED, "packed"),
+        ("off", Format::OFF_BINARY, "binary"),
+        ("msh", Format::MSH, "binary"),
+        ("msh", Format::MSH_ASCII, "text"),
+        ("meshb", Format::MEDIT_BINARY, "mesh"),
+        ("3mf", Format::THREE_MF, "mesh"),
+        ("dmat", Format::DMAT_BINARY, "binary"),
+        ("vtk-xml", Format::VTP, "mesh"),
+        ("vtk-xml", Format::VTU, "grid"),
+        ("vtk", Format::VTK, "mesh"),
+        ("freesurfer", Format::FREESURFER, "mesh"),
+        ("glb", Format::GLB, "mesh"),
+        ("gltf", Format::GLTF, "mesh"),
     ] {
         let mut bytes = Vec::new();
         write_bytes(&mesh()?, format, &mut bytes)?;
@@ -206,7 +206,7 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
     }
     let edges = Edges { pairs: vec![[1, 0], [2, 1]], weights: vec![1.0, 0.5], direction: Direction::Both };
     let mut graph = Vec::new();
-    write_bytes(&ShapeFile::from_graph(3, edges), Format::Mtx, &mut graph)?;
+    write_bytes(&ShapeFile::from_graph(3, edges), Format::MTX, &mut graph)?;
     save("mtx", "weights", &graph)?;
     save("ply", "big", &big_endian_ply())?;
     save("e57", "scan", &e57_scan()?)?;

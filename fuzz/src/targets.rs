@@ -217,7 +217,7 @@ fn cloud_part(bytes: &[u8]) -> Result<String, String> {
         }
     }
     let mut written = Vec::new();
-    match write_bytes(&file, Format::Laz, &mut written) {
+    match write_bytes(&file, Format::LAZ, &mut written) {
         Ok(_) => {
             let again = read_bytes(written, Some("a.laz"), &LIMITS).map_err(|e| e.to_string())?;
             if again.n_vertices() != file.n_vertices() {
@@ -303,8 +303,8 @@ fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
     };
     // An OBJ is recognized by its name alone.
     let is_mesh = |f| match f {
-        Some(Format::Ply | Format::PlyAscii) => true,
-        Some(Format::Obj) => Path::new(name).extension().is_some_and(|e| e == "obj"),
+        Some(Format::PLY | Format::PLY_ASCII) => true,
+        Some(Format::OBJ) => Path::new(name).extension().is_some_and(|e| e == "obj"),
         _ => false,
     };
     match read_bytes(bytes.to_vec(), Some(name), &LIMITS) {
@@ -376,9 +376,9 @@ fn unchanged(file: &ShapeFile, written: &[u8], name: &str) -> Result<(), String>
     if let Some((a, b)) = old.iter().zip(new).find(|&(&a, &b)| !same(a, b)) {
         return Err(format!("a coordinate changed in writing and reading: {a:e} became {b:e}"));
     }
-    // STL stores triangles only.
-    if !matches!(file.format(), Some(Format::Stl | Format::StlAscii)) && file.faces() != again.faces() {
-        return Err("the faces changed in writing and reading".into());
+    // Triangles are all that an STL has.
+    if !matches!(file.format(), Some(Format::STL | Format::STL_ASCII)) && file.faces() != again.faces() {
+        return Err("other faces after writing and reading".into());
     }
     Ok(())
 }

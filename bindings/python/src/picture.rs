@@ -129,7 +129,7 @@ fn render_picture<'py>(
         Some(up) => up.parse::<Up>().map_err(|e| value_error(e.to_string()))?,
         None if matches!(
             content.file.format(),
-            Some(Format::Las | Format::Laz | Format::Ept | Format::Gifti | Format::FreeSurfer)
+            Some(Format::LAS | Format::LAZ | Format::EPT | Format::GIFTI | Format::FREESURFER)
         ) =>
         {
             Up::Z

@@ -27,8 +27,8 @@ impl FieldFile {
             return Some(Self::Npy);
         }
         match Format::from_path(path) {
-            Some(Format::Csv) => Some(Self::Csv),
-            Some(Format::Gifti) => Some(Self::Gifti),
+            Some(Format::CSV) => Some(Self::Csv),
+            Some(Format::GIFTI) => Some(Self::Gifti),
             _ => None,
         }
     }

@@ -215,12 +215,9 @@ const PIPE: &str = "-";
 /// The format that a path asks for by its extension; the standard output gets that of the input, or PLY.
 pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
     if path == Path::new(PIPE) {
-        return Ok(Format::Ply);
+        return Ok(Format::PLY);
     }
-    match Format::from_path(path) {
-        Some(format) => Ok(format),
-        None => Err(write_error(WriteError::UnknownFormat.in_file(path))),
-    }
+    Format::of_output(path).map_err(|e| write_error(e.in_file(path)))
 }
 
 /// Files that were tried: two runs in one process may ask about the same folder.
@@ -285,17 +282,14 @@ pub(crate) fn write_shape(
 
 /// Comments say it where that is asked for, and where they would go on saying what the shape was before.
 fn carries_provenance(global: &Global<'_>, file: &ShapeFile, path: &Path) -> bool {
-    match Format::from_path(path) {
-        Some(Format::Ply | Format::PlyAscii | Format::Obj) => {
-            global.inputs.in_comments || file.provenance().is_some()
-        }
-        format => format.is_some_and(Format::holds_provenance),
-    }
+    let Some(format) = Format::from_path(path) else { return false };
+    let is_asked_for = global.inputs.in_comments || file.provenance().is_some();
+    format.holds_provenance() || (format.holds_provenance_comment() && is_asked_for)
 }
 
 /// Writes a shape to the standard output, in the format that it came in or as PLY.
 fn write_to_pipe(global: &Global<'_>, file: &ShapeFile) -> Result<WriteReport, CliError> {
-    let format = file.format().filter(|format| format.can_write()).unwrap_or(Format::Ply);
+    let format = file.format().filter(|format| format.can_write()).unwrap_or(Format::PLY);
     let mut out = std::io::BufWriter::with_capacity(1 << 18, std::io::stdout().lock());
     let written = adwave_io::write_bytes_with(file, format, &mut out, global.progress());
     let written = written.and_then(|report| out.flush().map(|()| report).map_err(WriteError::from));

@@ -36,9 +36,9 @@ impl Upward {
             return Self { up, why: Why::Asked };
         }
         match input.file.format() {
-            Some(Format::Las | Format::Laz | Format::Ept) => return Self { up: Up::Z, why: Why::Las },
-            Some(Format::Gifti) => return Self { up: Up::Z, why: Why::Gifti },
-            Some(Format::FreeSurfer) => return Self { up: Up::Z, why: Why::FreeSurfer },
+            Some(Format::LAS | Format::LAZ | Format::EPT) => return Self { up: Up::Z, why: Why::Las },
+            Some(Format::GIFTI) => return Self { up: Up::Z, why: Why::Gifti },
+            Some(Format::FREESURFER) => return Self { up: Up::Z, why: Why::FreeSurfer },
             _ => {}
         }
         let up = Up::guess(input.shape.points().unwrap_or_default(), || is_open(&input.shape));

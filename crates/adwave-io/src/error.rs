@@ -22,13 +22,12 @@ pub enum ReadError {
     #[error("is empty; give a file that holds vertices")]
     Empty,
     /// Neither content nor name tells a format that can be read.
-    #[error(
-        "is of an unknown format ({found}); formats that can be read: {}",
-        crate::Format::readable_names()
-    )]
+    #[error("is of an unknown format ({found}); formats that can be read: {readable}")]
     UnknownFormat {
         /// What it looks like.
         found: String,
+        /// Names of the formats that can be read.
+        readable: String,
     },
     /// A line of a text format is wrong.
     #[error("line {line}: {message}")]
@@ -160,11 +159,11 @@ pub enum WriteError {
         folder: String,
     },
     /// The name has no ending that tells a format.
-    #[error(
-        "the name tells no format that can be written; use one of the endings {}",
-        crate::Format::writable_names()
-    )]
-    UnknownFormat,
+    #[error("the name tells no format that can be written; use one of the endings {writable}")]
+    UnknownFormat {
+        /// Endings that can be written.
+        writable: String,
+    },
     /// The shape has nothing that the format can hold.
     #[error("{format} cannot store {what}; choose another format")]
     CannotHold {
@@ -207,7 +206,7 @@ impl ClassifiedError for WriteError {
             Self::Io(error) => kind_of_io(error),
             Self::Cancelled(error) => error.kind(),
             Self::NoFolder { .. } => ErrorKind::Machine,
-            Self::UnknownFormat
+            Self::UnknownFormat { .. }
             | Self::CannotHold { .. }
             | Self::ReadOnly { .. }
             | Self::ArrayShape { .. } => ErrorKind::Input,
@@ -243,7 +242,7 @@ mod tests {
             assert_eq!(error.kind(), kind, "{error}");
         }
         for (error, kind) in [
-            (WriteError::UnknownFormat.in_file(path), ErrorKind::Input),
+            (WriteError::UnknownFormat { writable: ".obj".into() }.in_file(path), ErrorKind::Input),
             (WriteError::from(missing()), ErrorKind::Machine),
             (WriteError::from(io::Error::other(Cancelled)).in_file(path), ErrorKind::Cancelled),
         ] {

@@ -16,28 +16,21 @@
 //!
 //! # Map
 //!
-//! | where | what |
+//! | room | content |
 //! |---|---|
-//! | `read`, `write` | a path or bytes, the format found or chosen |
-//! | `sniff`, `format`, `limits`, `error` | which format, its names, how much a file may ask for, what went wrong |
-//! | `shape_file`, `shape` | what was read, and the shape that it is |
-//! | `field`, `grouping` | values per vertex or face; columns as fields and back |
-//! | `cells`, `volume`, `instances` | cells of grids and volumes, and the surface around them; objects that are placed several times |
-//! | `original`, `binary_rows` | the bytes of a file that is written again with other coordinates |
-//! | `ply`, `obj`, `off`, `stl`, `columns`, `pcd`, `las`, `mtx`, `gifti`, `gltf`, `e57`, `vtk_xml`, `vtk_legacy`, `freesurfer`, `msh`, `medit`, `amf`, `threemf`, `dmat`, `graph`, `geomview` | a folder per format: `read`, `write`, and what only this format needs |
-//! | `npy`, `csv` | arrays and tables as fields, and written |
-//! | `cifti`, `surface_values` | values at the vertices of a surface, in files of their own |
-//! | `single` | what 32-bit floats and triangles hold, for formats of such |
-//! | `subset` | a file with fewer vertices |
-//! | `signal` | signals by name: fields, what the shape gives itself, other files |
-//! | `texture` | colors of pictures at vertices |
-//! | `recipe` | edits as TOML |
-//! | `region_field` | fields that a region may name |
-//! | `atomic` | files replaced as a whole |
-//! | `progress` | how far reading and writing are, and whether to stop |
-//! | `numbers` | arrays of numbers, binary or text, as lists |
-//! | `text`, `lines`, `tokens`, `encoding`, `cursor` | numbers, words and lines of text formats; numbers of binary ones |
-//! | `xml`, `package` | documents of XML, and ZIP archives |
+//! | `error`, `format`, `limits`, `progress` | errors, the id of a format, bounds on reading, progress and cancellation |
+//! | `text`, `bytes`, `files` | lines, words and numbers of texts; numbers of binary files; files read and replaced |
+//! | `model` | what was read, fields, subsets; the description of a format; helpers that formats share |
+//! | `formats` | a folder per format, and the one table |
+//! | `registry` | formats by content and by name; reading and writing |
+//! | `mesh_stream`, `cloud_part`, `texture` | meshes in portions, parts of clouds, colors of pictures |
+//! | `signal`, `region_field`, `recipe`, `provenance` | signals and fields by name, edits as TOML, the origin of a result |
+//!
+//! # Features
+//!
+//! OBJ, PLY, STL, OFF, rows of numbers (XYZ, PTS, CSV) and NPY are always there. The other formats belong to features,
+//! all of them default: `las`, `gltf`, `vtk`, `neuro`, `e57`, `pcd`, `volume`, `graph`, `print3d`, `more`, and `texture`
+//! for colors of pictures.
 
 // Headers are a few lines of text; `write!` into a string would return an error that cannot occur.
 #![allow(clippy::format_push_string, clippy::format_collect)]
@@ -45,8 +38,11 @@
 #![allow(clippy::cast_possible_wrap)]
 
 mod bytes;
+#[cfg(feature = "las")]
+mod cloud_part;
 mod error;
 mod files;
+mod format;
 mod formats;
 mod limits;
 mod mesh_stream;
@@ -58,35 +54,49 @@ mod region_field;
 mod registry;
 mod signal;
 mod text;
+#[cfg(feature = "texture")]
 mod texture;
 
+#[cfg(feature = "las")]
+pub use cloud_part::{read_cloud_part, read_cloud_part_with};
 pub use error::{ReadError, WriteError};
 pub use files::atomic::{atomic_write, atomic_write_with, remove_temporaries, write_together};
+pub use format::Format;
 pub use formats::csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
-pub use formats::csv::write::{csv_number, push_csv_row, write_csv_fields};
+pub use formats::csv::write::write_csv_fields;
+#[cfg(feature = "more")]
 pub use formats::dmat::read::{parse_dmat_field, read_dmat_field};
+#[cfg(feature = "neuro")]
 pub use formats::gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
+#[cfg(feature = "neuro")]
 pub use formats::gifti::write::{write_gifti_fields, write_gifti_fields_with};
-pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels, read_cloud_part, read_cloud_part_with};
+#[cfg(feature = "las")]
+pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels};
+#[cfg(feature = "las")]
 pub use formats::las::stream::{LasLayout, LasReader, LasWriter};
-pub use formats::mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};
+#[cfg(feature = "graph")]
+pub use formats::mtx::write::{write_matrix_market, write_matrix_market_with};
 pub use formats::npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
 pub use limits::ReadLimits;
 pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
 pub use model::field::{Field, FieldValues, ValueType};
+pub use model::report::WriteReport;
 pub use model::shape::{ShapeFileError, ShapeKind};
 pub use model::shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
+pub use model::sparse_rows::{MatrixValues, SparseRows};
 pub use model::subset::Subset;
+pub use model::texture::TextureError;
 pub use provenance::{Provenance, ProvenanceInput};
 pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use region_field::region_field;
-pub use registry::format::Format;
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
-pub use registry::surface_values::{parse_surface_values, read_surface_values};
-pub use registry::write::{WriteReport, write_bytes, write_bytes_with, write_path, write_path_with};
+pub use registry::values::{parse_surface_values, read_surface_values};
+pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
 pub use signal::{
     COORDS, DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
     named_axis, named_signal, with_axis, written_signal,
 };
-pub use texture::{TextureError, texture_colors};
+pub use text::csv::{csv_number, push_csv_row};
+#[cfg(feature = "texture")]
+pub use texture::texture_colors;

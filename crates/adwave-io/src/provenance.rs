@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 /// let made = Provenance { program: "adwave 0.1.0".into(), command: "adwave denoise scan.laz -o a.vtp".into(), inputs: vec![input] };
 /// shape.set_provenance(Some(made.clone()));
 /// let mut bytes = Vec::new();
-/// write_bytes(&shape, Format::Vtp, &mut bytes).unwrap();
+/// write_bytes(&shape, Format::VTP, &mut bytes).unwrap();
 /// let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
 /// assert_eq!(again.provenance(), Some(&made));
 /// ```
@@ -173,7 +173,7 @@ mod tests {
         };
         let input = ProvenanceInput { name: "a.ply".into(), sha256: None };
         let made = Provenance { program: "p".into(), command: "c".into(), inputs: vec![input] };
-        for format in [Format::Glb, Format::Gltf, Format::Vtp, Format::Vtu, Format::Las, Format::Laz] {
+        for format in [Format::GLB, Format::GLTF, Format::VTP, Format::VTU, Format::LAS, Format::LAZ] {
             let mut shape = ShapeFile::from_cloud(vec![[0.0, 0.5, 1.0], [1.0, 0.0, 0.25]]);
             shape.set_provenance(Some(made.clone()));
             let bytes = written(&shape, format);

@@ -1,6 +1,8 @@
 //! Signals by name: coordinates, fields of the file, quantities computed from the shape, colors of a texture, other
 //! files.
 
+use crate::model::format_descriptor::SurfaceSize;
+use crate::registry::values::read_value_file;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, TextureError};
 use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave::signal::{SignalError, SurfaceSignal, degree, lightness, luminance, surface_signal};
@@ -240,10 +242,8 @@ fn from_file(
         Some(".npy") => {
             vec![crate::read_npy(Path::new(path), &limits)?.into_field(name)]
         }
-        Some(".dmat") => vec![crate::read_dmat_field(Path::new(path), &limits)?],
         Some(".csv" | ".tsv") => crate::read_csv_fields(Path::new(path), &limits)?,
-        Some(".gii") => crate::read_gifti_fields(Path::new(path), &limits)?,
-        Some(_) => crate::read_surface_values(Path::new(path), structure, n_vertices, &limits)?,
+        Some(_) => read_value_file(Path::new(path), &SurfaceSize { structure, n_vertices }, &limits)?,
         None => return Ok(None),
     };
     let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
@@ -279,7 +279,10 @@ fn texture_field(file: &ShapeFile, of: &str, texture: Option<&Path>) -> Result<F
     if of == "-" || file.format().is_none() {
         return Err(NamedSignalError::Unknown(format!("{of}: a texture needs a shape from a file")));
     }
-    Ok(crate::texture_colors(file, Path::new(of), texture, &ReadLimits::default())?)
+    #[cfg(feature = "texture")]
+    return Ok(crate::texture_colors(file, Path::new(of), texture, &ReadLimits::default())?);
+    #[cfg(not(feature = "texture"))]
+    Err(NamedSignalError::Unknown(format!("{of}: textures {texture:?} need the feature `texture`")))
 }
 
 /// Luminance or lightness of colors: bytes, or numbers in [0, 1].

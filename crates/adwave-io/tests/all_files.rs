@@ -106,24 +106,24 @@ fn same_points(a: &ShapeFile, b: &ShapeFile) -> bool {
 /// The corners of each face; an STL has its own three vertices for each triangle.
 fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
     let what = format!("{} as {format}", name.display());
-    if matches!(format, Format::Stl | Format::StlAscii) {
+    if matches!(format, Format::STL | Format::STL_ASCII) {
         let triangles = triangulate(a.points(), a.faces());
         let soup: Vec<[f64; 3]> = triangles.iter().flatten().map(|&v| a.points()[v as usize]).collect();
         assert_eq!(soup.len(), b.points().len(), "{what}");
-        let single = format == Format::Stl;
+        let single = format == Format::STL;
         for (x, y) in soup.as_flattened().iter().zip(b.points().as_flattened()) {
             let x = if single { f64::from(*x as f32) } else { *x };
             assert!(same_bits(x, *y), "{what}: {x} became {y}");
         }
         return;
     }
-    if matches!(format, Format::Gifti | Format::FreeSurfer | Format::OffBinary) {
+    if matches!(format, Format::GIFTI | Format::FREESURFER | Format::OFF_BINARY) {
         for (x, y) in a.points().as_flattened().iter().zip(b.points().as_flattened()) {
             assert!(same_bits(f64::from(*x as f32), *y), "{what}: {x} became {y}");
         }
         return;
     }
-    if matches!(format, Format::Glb | Format::Gltf) {
+    if matches!(format, Format::GLB | Format::GLTF) {
         // Far from the origin they are about their center, with more digits than 32-bit floats have there.
         let reach =
             a.points().as_flattened().iter().filter(|x| x.is_finite()).fold(0.0_f64, |r, x| r.max(x.abs()));
@@ -145,13 +145,13 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
     assert!(same_points(a, b), "{what}: points");
     if matches!(
         format,
-        Format::Obj | Format::Off | Format::Ply | Format::PlyAscii | Format::Vtp | Format::Vtu | Format::Vtk
+        Format::OBJ | Format::OFF | Format::PLY | Format::PLY_ASCII | Format::VTP | Format::VTU | Format::VTK
     ) {
         assert_eq!(a.faces(), b.faces(), "{what}: faces");
     }
     if matches!(
         format,
-        Format::Obj | Format::Ply | Format::PlyAscii | Format::Vtp | Format::Vtu | Format::Vtk
+        Format::OBJ | Format::PLY | Format::PLY_ASCII | Format::VTP | Format::VTU | Format::VTK
     ) {
         assert_eq!(a.edges().pairs, b.edges().pairs, "{what}: edges");
     }
@@ -172,12 +172,12 @@ fn what_is_read_can_be_written_and_read_again() {
             let hint = format!("a.{}", format.name());
             let again = read_bytes(bytes, Some(&hint), &ReadLimits::default())
                 .unwrap_or_else(|e| panic!("{} as {format}: {e}", name.display()));
-            if matches!(format, Format::Las | Format::Laz) {
+            if matches!(format, Format::LAS | Format::LAZ) {
                 assert_eq!(again.n_vertices(), shape.n_vertices(), "{}", name.display());
             } else if !format.holds_graphs() {
                 same_content(&name, format, &shape, &again);
             }
-            if matches!(format, Format::Ply | Format::PlyAscii) {
+            if matches!(format, Format::PLY | Format::PLY_ASCII) {
                 for (a, b) in shape.vertex_fields().iter().zip(again.vertex_fields()) {
                     assert_eq!((&a.name, a.n_channels), (&b.name, b.n_channels), "{}", name.display());
                     let (x, y) = (a.to_f64(), b.to_f64());
@@ -203,15 +203,15 @@ fn an_unchanged_shape_is_written_byte_for_byte() {
         let format = shape.format().unwrap();
         let kept = matches!(
             format,
-            Format::Obj
-                | Format::Ply
-                | Format::PlyAscii
-                | Format::Off
-                | Format::Xyz
-                | Format::PcdAscii
-                | Format::Gifti
+            Format::OBJ
+                | Format::PLY
+                | Format::PLY_ASCII
+                | Format::OFF
+                | Format::XYZ
+                | Format::PCD_ASCII
+                | Format::GIFTI
         );
-        if !kept || (format == Format::Ply && shape.n_vertices() == 0) {
+        if !kept || (format == Format::PLY && shape.n_vertices() == 0) {
             continue;
         }
         let mut bytes = Vec::new();
@@ -249,7 +249,7 @@ fn moved_points_keep_everything_else() {
         for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
             let x = if shape.precision() == Precision::F32 { f64::from(*x as f32) } else { *x };
             // Those of a LAS are whole numbers of its steps.
-            let is_near = format == Format::Las && (x - y).abs() <= 0.005 * (1.0 + 1e-6);
+            let is_near = format == Format::LAS && (x - y).abs() <= 0.005 * (1.0 + 1e-6);
             assert!(same_bits(x, *y) || is_near, "{}: {x} became {y}", name.display());
         }
         assert_eq!(shape.faces(), again.faces(), "{}", name.display());

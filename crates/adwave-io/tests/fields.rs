@@ -78,7 +78,7 @@ fn all_encodings_and_orders_of_a_gifti_give_the_same_points() {
         Gifti::new().array(column_major, &base64(&by_column)),
     ] {
         let shape = read_bytes(gifti.array(triangles, "0 1 2").bytes(), None, &limits()).unwrap();
-        assert_eq!(shape.format(), Some(Format::Gifti));
+        assert_eq!(shape.format(), Some(Format::GIFTI));
         let expected: Vec<f64> = COORDINATES.iter().map(|&c| c.into()).collect();
         assert_eq!(shape.points().as_flattened(), expected);
         assert_eq!(shape.faces().get(0), [0, 1, 2]);

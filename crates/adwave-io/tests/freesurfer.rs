@@ -34,22 +34,22 @@ fn surface() -> Vec<u8> {
 fn a_surface_keeps_its_creator_and_its_volume() {
     let bytes = surface();
     let mut shape = read(&bytes, Some("subject/surf/lh.white")).unwrap();
-    assert_eq!((shape.format(), shape.structure()), (Some(Format::FreeSurfer), Some("CortexLeft")));
+    assert_eq!((shape.format(), shape.structure()), (Some(Format::FREESURFER), Some("CortexLeft")));
     assert_eq!(shape.points()[3], [1.0, 1.0, f64::from(0.1_f32)]);
     assert_eq!(shape.faces().triangles(), Some([[0, 1, 2], [1, 3, 2]].as_slice()));
     let mut again = Vec::new();
-    assert_eq!(write_bytes(&shape, Format::FreeSurfer, &mut again).unwrap().not_written, [""; 0]);
+    assert_eq!(write_bytes(&shape, Format::FREESURFER, &mut again).unwrap().not_written, [""; 0]);
     assert_eq!(again, bytes);
     let mut points = shape.points().to_vec();
     points[0] = [7.0, 8.0, 9.0];
     shape.set_points(points).unwrap();
     let mut moved = Vec::new();
-    write_bytes(&shape, Format::FreeSurfer, &mut moved).unwrap();
+    write_bytes(&shape, Format::FREESURFER, &mut moved).unwrap();
     let at = 3 + CREATOR.len() + 8;
     assert_eq!(moved[at..at + 12], floats(&[7.0, 8.0, 9.0]));
     assert_eq!((&moved[..at], &moved[at + 12..]), (&bytes[..at], &bytes[at + 12..]));
     // Another format says what it leaves out.
-    let report = write_bytes(&shape, Format::Ply, &mut Vec::new()).unwrap();
+    let report = write_bytes(&shape, Format::PLY, &mut Vec::new()).unwrap();
     assert_eq!(report.not_written, ["the volume that the surface is of"]);
 }
 
@@ -60,7 +60,7 @@ fn a_new_surface_has_what_the_format_holds() {
     let mut shape = ShapeFile::from_mesh(points, square);
     shape.add_vertex_field(Field::new("heat", 1, FieldValues::U8(vec![1; 4]))).unwrap();
     let mut bytes = Vec::new();
-    let report = write_bytes(&shape, Format::FreeSurfer, &mut bytes).unwrap();
+    let report = write_bytes(&shape, Format::FREESURFER, &mut bytes).unwrap();
     assert_eq!(
         report.not_written,
         ["digits of coordinates beyond 32-bit floats", "vertex field `heat`", "polygons (as triangles)"]

@@ -22,7 +22,7 @@ fn square() -> ShapeFile {
 
 fn written(shape: &ShapeFile) -> (Vec<u8>, Vec<String>) {
     let mut bytes = Vec::new();
-    let report = write_bytes(shape, Format::Gifti, &mut bytes).unwrap();
+    let report = write_bytes(shape, Format::GIFTI, &mut bytes).unwrap();
     (bytes, report.not_written)
 }
 
@@ -62,7 +62,7 @@ fn what_32_bits_cannot_hold_is_said_or_refused() {
     shape.set_points(vec![[0.1; 3]; 4]).unwrap();
     assert!(written(&shape).1.contains(&"digits of coordinates beyond 32-bit floats".to_owned()));
     shape.set_points(vec![[1e39, 0.0, 0.0]; 4]).unwrap();
-    let error = write_bytes(&shape, Format::Gifti, &mut Vec::new()).unwrap_err().to_string();
+    let error = write_bytes(&shape, Format::GIFTI, &mut Vec::new()).unwrap_err().to_string();
     assert!(error.contains("coordinates beyond 3.4e38"), "{error}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("large.gii");

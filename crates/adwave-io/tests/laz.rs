@@ -81,7 +81,7 @@ fn compressed_and_plain_points_are_the_same() {
     for format in [3, 7] {
         let plain = read_bytes(file(format, false), None, &ReadLimits::default()).unwrap();
         let packed = read_bytes(file(format, true), None, &ReadLimits::default()).unwrap();
-        assert_eq!((plain.format(), packed.format()), (Some(Format::Las), Some(Format::Laz)));
+        assert_eq!((plain.format(), packed.format()), (Some(Format::LAS), Some(Format::LAZ)));
         assert_eq!(plain.points()[4], [12.0, 24.0, 28.0]);
         assert_eq!(plain.points(), packed.points());
         assert_eq!(plain.vertex_fields(), packed.vertex_fields());

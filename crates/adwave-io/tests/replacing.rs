@@ -90,10 +90,10 @@ fn gz_compresses_and_the_text_form_stays_text() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply.gz");
     let shape = ShapeFile::from_cloud(vec![[0.0, 0.5, 1.0]]);
-    write_path(&shape, &path, Some(Format::PlyAscii)).unwrap();
+    write_path(&shape, &path, Some(Format::PLY_ASCII)).unwrap();
     assert!(fs::read(&path).unwrap().starts_with(&[0x1f, 0x8b]));
     let again = adwave_io::read_path(&path, &adwave_io::ReadLimits::default()).unwrap();
-    assert_eq!((again.format(), again.points()), (Some(Format::PlyAscii), shape.points()));
+    assert_eq!((again.format(), again.points()), (Some(Format::PLY_ASCII), shape.points()));
     let plain = folder.path().join("b.ply");
     write_path(&again, &plain, None).unwrap();
     assert!(fs::read(&plain).unwrap().starts_with(b"ply\nformat ascii"));

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 fn both_ways() -> Vec<Format> {
     // Coordinates of LAS are whole numbers of steps: `las_write.rs`.
-    let is_las = |f: &Format| matches!(f, Format::Las | Format::Laz);
+    let is_las = |f: &Format| matches!(f, Format::LAS | Format::LAZ);
     Format::all().filter(|f| f.can_read() && f.can_write() && !f.holds_graphs() && !is_las(f)).collect()
 }
 
@@ -104,7 +104,7 @@ fn shape() -> impl Strategy<Value = ShapeFile> {
 }
 
 fn is_gltf(format: Format) -> bool {
-    matches!(format, Format::Glb | Format::Gltf)
+    matches!(format, Format::GLB | Format::GLTF)
 }
 
 fn same(a: f64, b: f64) -> bool {
@@ -156,12 +156,12 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
     let report = match write_bytes(shape, format, &mut bytes) {
         Ok(report) => report,
         Err(error) => {
-            let stl = matches!(format, Format::Stl | Format::StlAscii);
+            let stl = matches!(format, Format::STL | Format::STL_ASCII);
             let fields = shape.vertex_fields().iter().flat_map(Field::to_f64);
             let is_large = |x: f64| x.is_finite() && (x as f32).is_infinite();
             let beyond = shape.points().as_flattened().iter().copied().chain(fields).any(is_large);
             let is_single =
-                matches!(format, Format::Gifti | Format::Stl | Format::FreeSurfer | Format::OffBinary)
+                matches!(format, Format::GIFTI | Format::STL | Format::FREESURFER | Format::OFF_BINARY)
                     || is_gltf(format);
             let is_expected = (stl && shape.faces().is_empty()) || (is_single && beyond);
             assert!(is_expected, "{format}: {error}");
@@ -173,7 +173,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
         .unwrap_or_else(|e| panic!("{format}: {e}\n{}", String::from_utf8_lossy(&bytes)));
     let what = format.to_string();
     let left = |name: &str| report.not_written.iter().any(|l| l == name);
-    if matches!(format, Format::Stl | Format::StlAscii) {
+    if matches!(format, Format::STL | Format::STL_ASCII) {
         let triangles: usize = shape.faces().iter().map(|f| f.len() - 2).sum();
         assert_eq!(again.faces().len(), triangles);
         return Some(again);
@@ -193,7 +193,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
         let is_rounded = is_rounded(&report, "coordinates");
         let x = stored(
             *x,
-            matches!(format, Format::Gifti | Format::FreeSurfer | Format::OffBinary) && is_rounded,
+            matches!(format, Format::GIFTI | Format::FREESURFER | Format::OFF_BINARY) && is_rounded,
         );
         // Far from the origin a glTF has them about their center, with more digits than 32-bit floats have there.
         let near = is_rounded && (x - y).abs() <= 1e-7 * x.abs().max(extent);
@@ -213,7 +213,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
     if !left("edges") {
         assert_eq!(again.edges().pairs, shape.edges().pairs, "{what}");
     }
-    let scale = if matches!(format, Format::Obj | Format::Amf) { 255.0 } else { 1.0 };
+    let scale = if matches!(format, Format::OBJ | Format::AMF) { 255.0 } else { 1.0 };
     check_fields(
         &what,
         held(shape.vertex_fields(), &report, "vertex"),
@@ -240,7 +240,7 @@ proptest! {
 
     #[test]
     fn an_added_field_joins_the_original(shape in shape(), extra in any::<u16>()) {
-        for format in both_ways().into_iter().filter(|f| !matches!(f, Format::Stl | Format::StlAscii)) {
+        for format in both_ways().into_iter().filter(|f| !matches!(f, Format::STL | Format::STL_ASCII)) {
             let Some(mut read) = there_and_back(&shape, format) else { continue };
             let n = read.n_vertices();
             read.add_vertex_field(Field::new("added", 1, FieldValues::U16(vec![extra; n]))).unwrap();
@@ -264,7 +264,7 @@ proptest! {
             let edges = Edges { pairs, weights, direction };
             let graph = ShapeFile::from_graph(n as usize, edges.clone());
             let mut bytes = Vec::new();
-            write_bytes(&graph, Format::Mtx, &mut bytes).unwrap();
+            write_bytes(&graph, Format::MTX, &mut bytes).unwrap();
             let read = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
             prop_assert_eq!(read.n_vertices(), n as usize);
             prop_assert_eq!(read.edges(), &edges);
@@ -317,7 +317,7 @@ proptest! {
             b"solid ",
         ];
         for head in HEADS {
-            survives([head, noise.as_slice()].concat(), Format::Obj);
+            survives([head, noise.as_slice()].concat(), Format::OBJ);
         }
     }
 }

@@ -34,7 +34,7 @@ fn an_obj_keeps_its_lines_materials_groups_and_both_sides_of_a_seam() {
     let part = file.subset(&subset).unwrap();
     assert_eq!(part.points(), [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
     assert_eq!(
-        written(&part, Format::Obj),
+        written(&part, Format::OBJ),
         "# head\nmtllib a.mtl\nv 0 0 0 1 0 0\nv 1.0 0 0 0 1 0\nv 2 0 0 0 0 1\nv 1 1 0 0 1 1\nvt 0.6 0\nvt 1 0\n\
          vt 0.6 1\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvn 0 0 1\no sheet\ng left\nusemtl red\nf 1/4/1 2/5/1 4/6/1\n\
          g right\nusemtl blue\nf 2/1/1 3/2/1 4/3/1\nl 1 2\nl 2 3\n"

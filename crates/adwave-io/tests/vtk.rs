@@ -168,7 +168,7 @@ fn pieces_are_joined_however_their_arrays_are_stored() {
     for storage in storages() {
         let bytes = polydata(storage);
         let shape = read(bytes.clone()).unwrap_or_else(|e| panic!("{storage:?}: {e}"));
-        assert_eq!(shape.format(), Some(Format::Vtp));
+        assert_eq!(shape.format(), Some(Format::VTP));
         let twice: Vec<f64> = SQUARE.iter().chain(&SQUARE).copied().collect();
         assert_eq!(shape.points().as_flattened(), twice, "{storage:?}");
         assert_eq!(faces(&shape), [[0, 1, 2], [3, 2, 0], [4, 5, 7], [7, 5, 6]]);
@@ -235,7 +235,7 @@ fn of_volumes_the_boundary_is_taken_and_of_curved_cells_the_corners() {
         w.floats("Points", 3, &points)
     );
     let shape = read(w.file("UnstructuredGrid", "", &piece)).unwrap();
-    assert_eq!(shape.format(), Some(Format::Vtu));
+    assert_eq!(shape.format(), Some(Format::VTU));
     // The three middles are gone, what no cell names stays.
     assert_eq!((shape.n_vertices(), shape.points()[12]), (13, [9.0; 3]));
     assert_eq!(shape.faces().len(), 1 + 5 + 5);
@@ -376,7 +376,7 @@ const LEGACY: &[(&str, [usize; 3], Names, Names)] = &[
 fn legacy_texts() {
     for (text, counts, of_vertices, of_faces) in LEGACY {
         let shape = read(*text).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        assert_eq!(shape.format(), Some(Format::Vtk));
+        assert_eq!(shape.format(), Some(Format::VTK));
         assert_eq!([shape.n_vertices(), shape.faces().len(), shape.edges().pairs.len()], *counts, "{text}");
         assert_eq!(shape.field_names(), *of_vertices);
         assert_eq!(shape.face_fields().iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), *of_faces);
@@ -405,7 +405,7 @@ fn edges_and_values_of_faces_are_written_together() {
     mesh.add_face_field(Field::new("part", 1, FieldValues::U8(vec![3, 4]))).unwrap();
     mesh.add_face_field(Field::new("area", 1, FieldValues::F32(vec![0.5, 0.25]))).unwrap();
     let line = Edges { pairs: vec![[0, 1]], ..Edges::default() };
-    for format in [Format::Vtp, Format::Vtu, Format::Vtk] {
+    for format in [Format::VTP, Format::VTU, Format::VTK] {
         let text = "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n0 0 0 1 0 0 0 1 0\nLINES 1 3\n2 0 1\n\
                     POLYGONS 1 4\n3 0 1 2\nCELL_DATA 2\nSCALARS part int\nLOOKUP_TABLE default\n0 9\n";
         let shape = read(text).unwrap();

@@ -47,7 +47,7 @@ pub(crate) struct TransformArgs {
 pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliError> {
     let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
     let format = Format::from_path(&args.output);
-    if !npz && format != Some(Format::Gifti) && !holds_fields(&args.output) {
+    if !npz && format != Some(Format::GIFTI) && !holds_fields(&args.output) {
         return Err(no_fields(&args.output, "bands are", &[".npz", ".gii"]));
     }
     check_writable(&args.output)?;
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     with_spinner(global, "writing", || {
         if npz {
             write_npz(global, &args.output, &input, &signal, &bands)
-        } else if format == Some(Format::Gifti) {
+        } else if format == Some(Format::GIFTI) {
             write_gifti(&args.output, &input, &bands)
         } else {
             write_fields(global, &args.output, &input, &signal, &bands)
@@ -207,7 +207,7 @@ pub(crate) fn fresh(file: &ShapeFile, path: &Path) -> ShapeFile {
 /// Frees the bytes that a shape was read from before long work, but for a scan that becomes one again: its coordinate system and
 /// the like are nowhere else.
 pub(crate) fn forget_original(file: &mut ShapeFile, path: &Path) {
-    let is_scan = |format: Option<Format>| matches!(format, Some(Format::Las | Format::Laz | Format::Ept));
+    let is_scan = |format: Option<Format>| matches!(format, Some(Format::LAS | Format::LAZ | Format::EPT));
     if !(is_scan(file.format()) && is_scan(Format::from_path(path))) {
         file.forget_original();
     }

@@ -8,7 +8,7 @@ use zip::ZipArchive;
 
 use crate::progress::BYTES_PER_STEP;
 use crate::text::one_line;
-use crate::{Format, ReadError, ReadLimits};
+use crate::{ReadError, ReadLimits};
 
 /// An archive, and how many bytes may still come out of it.
 pub(crate) struct Package<'a> {
@@ -19,14 +19,11 @@ pub(crate) struct Package<'a> {
     left: u64,
 }
 
-/// The format of the shape in an archive, by the names in it.
-pub(crate) fn format_of_archive(bytes: &[u8]) -> Option<Format> {
-    let archive = ZipArchive::new(Cursor::new(bytes)).ok()?;
-    let has = |ending: &str| archive.file_names().any(|name| ends_with(name, ending));
-    if has(".model") {
-        return Some(Format::ThreeMf);
-    }
-    has(".amf").then_some(Format::Amf)
+/// Tells if the bytes are an archive with a file whose name ends so.
+pub(crate) fn package_has(bytes: &[u8], ending: &str) -> bool {
+    bytes.starts_with(b"PK\x03\x04")
+        && ZipArchive::new(Cursor::new(bytes))
+            .is_ok_and(|archive| archive.file_names().any(|name| ends_with(name, ending)))
 }
 
 fn ends_with(name: &str, ending: &str) -> bool {

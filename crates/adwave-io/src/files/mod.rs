@@ -1,3 +1,4 @@
-//! Replacing files as a whole.
+//! Reading files with a limit, and replacing them as a whole.
 
 pub(crate) mod atomic;
+pub(crate) mod read;

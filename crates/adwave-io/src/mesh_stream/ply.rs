@@ -14,6 +14,13 @@ use crate::{ReadError, ValueType};
 /// Largest number of rows read at a time.
 const MOST_ROWS: u64 = 1 << 16;
 
+/// Whole rows at the beginning of the window.
+#[derive(Clone, Copy)]
+pub(super) struct RowSpan {
+    pub(super) n: u64,
+    pub(super) n_bytes: usize,
+}
+
 pub(in crate::mesh_stream) struct PlyStream {
     pub(super) window: Window,
     pub(super) header: Header,
@@ -50,13 +57,12 @@ impl PlyStream {
         self.header.elements.iter().filter(are_faces).map(|e| e.n_rows).sum()
     }
 
-    /// Makes the next complete rows available in the window; returns their number and size in bytes. Both are 0 at
-    /// the end of the element.
-    pub(super) fn rows(&mut self) -> Result<(u64, usize), ReadError> {
+    /// The next rows, whole and in the window; none at the end of the element.
+    pub(super) fn rows(&mut self) -> Result<RowSpan, ReadError> {
         let element = &self.header.elements[self.element];
         let most = (element.n_rows - self.row).min(MOST_ROWS);
         if most == 0 || element.properties.is_empty() {
-            return Ok((most, 0));
+            return Ok(RowSpan { n: most, n_bytes: 0 });
         }
         loop {
             let bytes = match self.header.encoding {
@@ -76,8 +82,8 @@ impl PlyStream {
                 }
             };
             match failed {
-                _ if n > 0 => return Ok((n, end)),
-                None => return Ok((0, 0)),
+                _ if n > 0 => return Ok(RowSpan { n, n_bytes: end }),
+                None => return Ok(RowSpan { n: 0, n_bytes: 0 }),
                 Some(error) => {
                     // A list may state more items than the file has.
                     let is_cut = |needed: u64| {
@@ -94,10 +100,10 @@ impl PlyStream {
         }
     }
 
-    /// Releases `n` rows of `bytes` bytes.
-    pub(super) fn consume(&mut self, (n, bytes): (u64, usize)) {
-        self.row += n;
-        self.window.consume(bytes);
+    /// These rows are done with.
+    pub(super) fn consume(&mut self, rows: RowSpan) {
+        self.row += rows.n;
+        self.window.consume(rows.n_bytes);
     }
 
     /// Moves to the first row of the next element for which `is_wanted`; `false` if there is none.
@@ -142,8 +148,9 @@ impl PlyStream {
         Ok(true)
     }
 
-    /// Reads the coordinates of vertex rows.
-    fn points(&self, (n, n_bytes): (u64, usize), points: &mut Vec<[f64; 3]>) -> Result<(), ReadError> {
+    /// The coordinates of rows of vertices.
+    fn points(&self, rows: RowSpan, points: &mut Vec<[f64; 3]>) -> Result<(), ReadError> {
+        let RowSpan { n, n_bytes } = rows;
         let element = &self.header.elements[self.element];
         let axes = ["x", "y", "z"].map(|axis| element.property(axis).unwrap_or(0));
         let bytes = &self.window.rest()[..n_bytes];
@@ -193,13 +200,9 @@ impl PlyStream {
         Ok(true)
     }
 
-    /// Reads the corners of rows of faces or strips.
-    fn corners(
-        &self,
-        (n, n_bytes): (u64, usize),
-        n_vertices: u64,
-        faces: &mut Polygons,
-    ) -> Result<(), ReadError> {
+    /// The corners of rows of faces or strips.
+    fn corners(&self, rows: RowSpan, n_vertices: u64, faces: &mut Polygons) -> Result<(), ReadError> {
+        let RowSpan { n, n_bytes } = rows;
         let element = &self.header.elements[self.element];
         let (corners, are_strips) = (corner_list(element), element.name == "tristrips");
         let layout = corners

@@ -11,7 +11,7 @@ use super::obj::ObjStream;
 use super::ply::PlyStream;
 use crate::formats::ply::header::Element;
 use crate::formats::ply::update::{RowWriter, write_header};
-use crate::model::original::{RowEdit, Separator, TextRows};
+use crate::model::text_rows::{RowEdit, Separator, TextRows};
 use crate::{Field, FieldValues, Format, ReadError, ShapeFile, WriteError};
 
 /// What [`rewrite_mesh`] asks for: the new coordinates of the next vertices, and their values of each new field.
@@ -51,7 +51,7 @@ pub fn rewrite_mesh<E: From<ReadError> + From<WriteError>>(
         Source::Ply(ply) => Rewriter { path, fields, out, progress }.ply(*ply, edit),
         Source::Obj(_) if !fields.is_empty() => {
             let what = format!("the vertex field `{}`", fields[0]);
-            Err(WriteError::CannotHold { format: Format::Obj, what }.into())
+            Err(WriteError::CannotHold { format: Format::OBJ, what }.into())
         }
         Source::Obj(obj) => Rewriter { path, fields, out, progress }.obj(*obj, edit),
     }
@@ -83,8 +83,7 @@ impl Rewriter<'_> {
         let dropped: Vec<bool> = element.properties.iter().map(|p| is_replaced(&p.name)).collect();
         let none = self.portion(0);
         let lines: Vec<&Field> = none.iter().collect();
-        let header = (&ply.head[..], &ply.header);
-        write_header(header, vertex, &dropped, &lines, self.out).map_err(WriteError::from)?;
+        write_header(&ply.head, &ply.header, vertex, &dropped, &lines, self.out).map_err(WriteError::from)?;
         let mut n = 0;
         // Elements before the vertices.
         let has_rows = ply.seek(|e, _| e == vertex).map_err(|e| self.read_error(e))?;
@@ -96,7 +95,7 @@ impl Rewriter<'_> {
             self.progress.step(n, element.n_rows).map_err(WriteError::from)?;
             let rows = ply.rows().map_err(|e| self.read_error(e))?;
             points.clear();
-            points.resize(rows.0 as usize, [f64::NAN; 3]);
+            points.resize(rows.n as usize, [f64::NAN; 3]);
             let mut values = vec![vec![0.0; points.len()]; self.fields.len()];
             edit(&mut points, &mut values)?;
             let mut portion = self.portion(0);
@@ -104,16 +103,17 @@ impl Rewriter<'_> {
                 field.values = FieldValues::F32(values);
             }
             let portion: Vec<&Field> = portion.iter().collect();
-            let mut body = ply.body(&ply.window.rest()[..rows.1]);
+            let mut body = ply.body(&ply.window.rest()[..rows.n_bytes]);
             text.clear();
             for (i, point) in points.iter().enumerate() {
                 let point = point.map(|x| (!x.is_nan()).then_some(x));
-                let pushed = writer.push(&mut body, n + i as u64, point, (&portion, i), &mut text);
+                let pushed = writer.push(&mut body, n + i as u64, point, &mut text);
                 pushed.map_err(|e| self.read_error(e))?;
+                writer.push_fields(&portion, i, &mut text);
             }
             self.out.write_all(&text).map_err(WriteError::from)?;
             ply.consume(rows);
-            n += rows.0;
+            n += rows.n;
         }
         if has_rows {
             self.copy(ply.window.position(), ply.window.n_bytes()).map_err(WriteError::from)?;

@@ -212,7 +212,7 @@ fn portions_are_the_whole_on_real_files() {
                 continue;
             };
             // Some have the name of another format.
-            if !whole.format().is_some_and(|f| [Format::Ply, Format::PlyAscii, Format::Obj].contains(&f)) {
+            if !whole.format().is_some_and(|f| matches!(f, Format::PLY | Format::PLY_ASCII | Format::OBJ)) {
                 continue;
             }
             let (points, faces) = portions(&path).unwrap_or_else(|e| panic!("{e}"));

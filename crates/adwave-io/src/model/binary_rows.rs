@@ -2,10 +2,14 @@
 //! coordinates.
 
 use std::io::Write;
+use std::ops::Range;
 
 use adwave::Progress;
 
+use crate::model::context::WriteContext;
 use crate::model::field::ByteOrder;
+use crate::model::source_document::Update;
+use crate::model::text_rows::{RowEdit, TextRows};
 use crate::progress::at_row;
 use crate::{ShapeFile, WriteError};
 
@@ -33,22 +37,56 @@ pub(crate) struct BinaryRows {
     pub(crate) order: ByteOrder,
 }
 
+/// A text or a binary file with its coordinates in place.
+#[derive(Debug)]
+pub(crate) enum CoordinateRows {
+    Text(TextRows),
+    Binary(BinaryRows),
+}
+
+impl CoordinateRows {
+    /// Updates a document of which nothing but coordinates can change.
+    pub(crate) fn update_coordinates(
+        &self,
+        shape: &ShapeFile,
+        context: &mut WriteContext<'_>,
+    ) -> Result<Update, WriteError> {
+        if !shape.edited.is_empty() {
+            return Ok(Update::DoesNotFit);
+        }
+        self.write_all(shape, context)?;
+        Ok(Update::Written)
+    }
+
+    /// Writes the whole original with the coordinates of the shape.
+    pub(crate) fn write_all(
+        &self,
+        shape: &ShapeFile,
+        context: &mut WriteContext<'_>,
+    ) -> Result<(), WriteError> {
+        match self {
+            Self::Text(rows) => rows.write_all(shape, &RowEdit::default(), context.out, context.progress),
+            Self::Binary(rows) => rows.write_range(0..rows.bytes.len(), shape, context.out, context.progress),
+        }
+    }
+}
+
 impl BinaryRows {
     /// Where the rows begin.
     pub(crate) fn first(&self) -> usize {
         self.runs.first().map_or(self.bytes.len(), |run| run.start)
     }
 
-    /// Writes bytes `from..to` of the original, which contain all rows, with the coordinates of the shape.
+    /// Writes these bytes of the original, in which all rows lie, with the coordinates of the shape.
     pub(crate) fn write_range(
         &self,
-        (from, to): (usize, usize),
+        range: Range<usize>,
         shape: &ShapeFile,
         out: &mut dyn Write,
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
         const ROWS: usize = 4096;
-        let (mut copied, mut vertex) = (from, 0);
+        let (mut copied, mut vertex) = (range.start, 0);
         let mut buffer = Vec::new();
         for run in &self.runs {
             let mut row = 0;
@@ -69,7 +107,7 @@ impl BinaryRows {
                 vertex += n;
             }
         }
-        Ok(out.write_all(&self.bytes[copied..to])?)
+        Ok(out.write_all(&self.bytes[copied..range.end])?)
     }
 
     fn n_row_bytes(&self) -> usize {

@@ -363,3 +363,14 @@ impl Field {
         self.values.to_f64()
     }
 }
+
+/// A name that is not taken: with the separator and a number after it if it is.
+pub(crate) fn unused(name: &str, separator: &str, taken: impl Fn(&str) -> bool) -> String {
+    let mut free = name.to_string();
+    let mut k = 2;
+    while taken(&free) {
+        free = format!("{name}{separator}{k}");
+        k += 1;
+    }
+    free
+}

@@ -48,31 +48,37 @@ impl Transform {
     }
 }
 
-/// Placed objects, one after the other.
-#[derive(Default)]
-pub(crate) struct Joined {
+/// The objects that are placed, one after the other.
+pub(crate) struct Joined<'a> {
+    limits: &'a ReadLimits,
+    /// Length of the file.
+    n_bytes: usize,
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[u32; 3]>,
     /// End of each object's triangles.
     ends: Vec<usize>,
 }
 
-impl Joined {
-    /// Adds an object. Nested references could multiply a small file: the total is limited by what a file of that
-    /// size could contain.
+impl<'a> Joined<'a> {
+    /// Nothing placed yet, for a file of `n_bytes` bytes.
+    pub(crate) fn new(limits: &'a ReadLimits, n_bytes: usize) -> Self {
+        Self { limits, n_bytes, points: Vec::new(), triangles: Vec::new(), ends: Vec::new() }
+    }
+
+    /// Adds an object. Objects that name others many times over make much of little: at most as much as a file of that many
+    /// bytes is worth.
     pub(crate) fn add(
         &mut self,
         points: &[[f64; 3]],
         triangles: &[[u32; 3]],
         transform: &Transform,
-        (limits, n_bytes): (&ReadLimits, usize),
         progress: Progress<'_>,
     ) -> Result<(), ReadError> {
         progress.step(self.points.len() as u64, 0)?;
         let (n_points, n_triangles) =
             (self.points.len() + points.len(), self.triangles.len() + triangles.len());
-        limits.check_points(n_points as u64)?;
-        let limit = 4_000_000 + 64 * n_bytes as u64;
+        self.limits.check_points(n_points as u64)?;
+        let limit = 4_000_000 + 64 * self.n_bytes as u64;
         let found = n_points.max(n_triangles).max(self.ends.len()) as u64;
         if found > limit {
             return Err(ReadError::Limit { what: "placed vertices for the size of the file", found, limit });

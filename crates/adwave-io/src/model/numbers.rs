@@ -1,5 +1,6 @@
 //! Arrays of numbers as files hold them: bytes in some order, or decimals.
 
+use crate::ShapeFile;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -345,6 +346,13 @@ impl TextNumber for f64 {
     fn from_word(word: &[u8]) -> Option<Self> {
         parse_f64(word)
     }
+}
+
+/// Fields of faces as those of cells. Edges come before faces among the cells and have none of the faces' values: no number
+/// stands there, or zero among whole numbers.
+pub(crate) fn cell_fields(shape: &ShapeFile) -> Vec<Field> {
+    let n_lines = shape.edges.pairs.len();
+    shape.face_fields.iter().map(|field| filled(field, n_lines)).collect()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use adwave::shape::Polygons;
 
-use crate::model::original::Original;
+use crate::model::source_document::SourceDocument;
 use crate::provenance::Provenance;
 use crate::{Field, Format, ShapeFileError};
 
@@ -52,7 +52,7 @@ pub struct Edges {
 /// points[0][2] = 0.25;
 /// shape.set_points(points)?;
 /// let mut out = Vec::new();
-/// write_bytes(&shape, Format::Obj, &mut out).unwrap();
+/// write_bytes(&shape, Format::OBJ, &mut out).unwrap();
 /// assert_eq!(out, b"# kept\nv 0 0 0.25\nv 1.50 0 0\nv 0 1 0\nf 1 2 3\n");
 /// # Ok::<(), adwave_io::ShapeFileError>(())
 /// ```
@@ -70,7 +70,7 @@ pub struct ShapeFile {
     pub(crate) structure: Option<String>,
     /// What only the original bytes hold, named for the report of what another format leaves out.
     pub(crate) extras: Vec<String>,
-    pub(crate) original: Option<Arc<Original>>,
+    pub(crate) original: Option<Arc<dyn SourceDocument>>,
     /// How many vertex fields the original has.
     pub(crate) n_original_fields: usize,
     /// Vertex fields that are not as in the original.
@@ -306,6 +306,12 @@ impl ShapeFile {
     pub(crate) fn valid_provenance(&self) -> Option<&Provenance> {
         let is_changed = self.moved || !self.edited.is_empty();
         self.provenance().filter(|_| self.is_new_provenance || !is_changed)
+    }
+
+    /// The shape as it was read: its fields are those of the file.
+    pub(crate) fn with_original_fields(mut self) -> Self {
+        self.n_original_fields = self.vertex_fields.len();
+        self
     }
 
     /// Forgets the original bytes: frees their memory, and writing makes a plain new file.

@@ -1,7 +1,7 @@
-//! Choosing the format of a file, reading and writing it.
+//! Choosing the format of a file, reading and writing it: knows the table of formats, and no format.
 
-pub(crate) mod format;
+pub(crate) mod names;
 pub(crate) mod read;
-pub(crate) mod sniff;
-pub(crate) mod surface_values;
+mod sniff;
+pub(crate) mod values;
 pub(crate) mod write;

@@ -1,17 +1,17 @@
 //! Reading a shape from a file or from bytes.
 
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::Path;
 
 use adwave::{Cancelled, Progress};
-use rayon::prelude::*;
 
-use crate::formats::las::part::{Selection, folder_of_tiles, read_tiles};
+use crate::files::read::read_file;
+use crate::formats::TABLE;
 use crate::limits::decompress;
+use crate::model::context::ReadContext;
 use crate::progress::BYTES_PER_STEP;
+use crate::registry::names::unknown_content;
 use crate::registry::sniff::sniff;
-use crate::{Format, ReadError, ReadLimits, ShapeFile};
+use crate::{ReadError, ReadLimits, ShapeFile};
 
 /// Reads the shape in a file, compressed by gzip or not. The content decides the format, the name only where the
 /// content leaves it open. A folder with an `ept.json`, or that file, is read as an EPT; for a part of one see
@@ -33,80 +33,14 @@ pub fn read_path_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    if let Some(folder) = folder_of_tiles(path) {
-        let mut shape = read_tiles(&folder, &Selection::whole(), limits, progress)?;
-        shape.n_original_fields = shape.vertex_fields.len();
-        return Ok(shape);
+    let context = ReadContext { limits, progress, name: None, folder: None };
+    let mut folder_readers = TABLE.iter().filter_map(|format| format.read_folder);
+    if let Some(shape) = folder_readers.find_map(|read| read(path, &context)) {
+        return Ok(shape?.with_original_fields());
     }
     read_file(path, limits, progress)
         .and_then(|bytes| read_named(bytes, Some(&path.to_string_lossy()), path.parent(), limits, progress))
         .map_err(|e| e.in_file(path))
-}
-
-/// The bytes of a file, no more than the limit. A pipe is read to its end.
-pub(crate) fn read_file(
-    path: &Path,
-    limits: &ReadLimits,
-    progress: Progress<'_>,
-) -> Result<Vec<u8>, ReadError> {
-    let mut file = File::open(path)?;
-    let metadata = file.metadata()?;
-    if metadata.is_dir() {
-        return Err(ReadError::Whole("is a folder; give a file".into()));
-    }
-    limits.check_bytes(metadata.len())?;
-    let total = metadata.len();
-    let mut bytes = read_at_once(&file, if metadata.is_file() { total } else { 0 }, progress)?;
-    if bytes.is_empty() {
-        bytes.reserve_exact(total as usize);
-    } else {
-        io::Seek::seek(&mut file, io::SeekFrom::Start(total))?;
-    }
-    // What is left: all of it, or what was added since its length was asked for.
-    let most = limits.max_bytes.saturating_add(1);
-    loop {
-        let before = bytes.len();
-        let step = (most - before as u64).min(BYTES_PER_STEP as u64);
-        (&file).take(step).read_to_end(&mut bytes)?;
-        progress.step(bytes.len() as u64, total.max(bytes.len() as u64))?;
-        if bytes.len() == before || bytes.len() as u64 == most {
-            break;
-        }
-    }
-    limits.check_bytes(bytes.len() as u64)?;
-    Ok(bytes)
-}
-
-/// Shorter files are read by one thread.
-const LARGE: u64 = 1 << 22;
-
-/// The first `n` bytes of a large regular file, by all threads: making room for fresh memory takes longer than copying into
-/// it. Nothing where the file is small, has become shorter, or the system has no reads at a position.
-fn read_at_once(file: &File, n: u64, progress: Progress<'_>) -> Result<Vec<u8>, ReadError> {
-    if n < LARGE {
-        return Ok(Vec::new());
-    }
-    let mut bytes = vec![0; n as usize];
-    let read = bytes.par_chunks_mut(BYTES_PER_STEP).enumerate().try_for_each(|(k, chunk)| {
-        progress.check()?;
-        read_exact_at(file, chunk, (k * BYTES_PER_STEP) as u64).map_err(ReadError::Io)
-    });
-    match read {
-        Ok(()) => Ok(bytes),
-        Err(ReadError::Cancelled(_)) => Err(Cancelled.into()),
-        // The plain way meets the same error again if it is one.
-        Err(_) => Ok(Vec::new()),
-    }
-}
-
-#[cfg(unix)]
-fn read_exact_at(file: &File, bytes: &mut [u8], at: u64) -> io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(file, bytes, at)
-}
-
-#[cfg(not(unix))]
-fn read_exact_at(_: &File, _: &mut [u8], _: u64) -> io::Result<()> {
-    Err(io::ErrorKind::Unsupported.into())
 }
 
 /// Reads the shape in bytes, compressed by gzip or not. `name_hint` is a file name that the content overrules.
@@ -149,64 +83,15 @@ fn read_named(
         bytes = text;
     }
     let mut format = sniff(&bytes, name_hint)?;
-    if is_text(format, &bytes) && old_line_ends(&mut bytes, progress)? {
+    if (format.descriptor().has_lines)(&bytes) && old_line_ends(&mut bytes, progress)? {
         // What was one long remark may be rows now.
         format = sniff(&bytes, name_hint)?;
     }
-    let mut shape = match format.family() {
-        Format::Obj => crate::formats::obj::read::read_obj(bytes, limits, progress),
-        Format::Ply => crate::formats::ply::read::read_ply(bytes, limits, progress),
-        Format::Off => crate::formats::off::read::read_off(bytes, limits, progress),
-        Format::Stl if format == Format::StlAscii => {
-            crate::formats::stl::read::read_stl_ascii(&bytes, limits, progress)
-        }
-        Format::Stl => crate::formats::stl::read::read_stl(&bytes, limits, progress),
-        Format::Xyz | Format::Pts | Format::Csv => {
-            crate::formats::columns::read::read_columns(bytes, limits, name_hint, progress)
-        }
-        Format::Pcd => crate::formats::pcd::read::read_pcd(bytes, limits, progress),
-        Format::Las | Format::Laz => crate::formats::las::read::read_las(bytes, limits, progress),
-        Format::Gifti => crate::formats::gifti::read::read_gifti(bytes, folder, limits, progress),
-        Format::E57 => crate::formats::e57::read::read_e57(bytes, limits, progress),
-        Format::Glb | Format::Gltf => crate::formats::gltf::read::read_gltf(bytes, folder, limits, progress),
-        Format::Msh => crate::formats::msh::read::read_msh(bytes, limits, progress),
-        Format::Medit => crate::formats::medit::read::read_medit(bytes, limits, progress),
-        Format::MeditBinary => crate::formats::medit::binary::read_meshb(bytes, limits, progress),
-        Format::Amf => crate::formats::amf::read::read_amf(bytes, limits, progress),
-        Format::ThreeMf => crate::formats::threemf::read::read_3mf(&bytes, limits, progress),
-        Format::Dmat => crate::formats::dmat::read::read_dmat(&bytes, limits, progress),
-        Format::Tgf => crate::formats::graph::tgf::read_tgf(&bytes, limits, progress),
-        Format::EdgeList => crate::formats::graph::edge_list::read_edge_list(&bytes, limits, progress),
-        Format::GraphMl => crate::formats::graph::graphml::read_graphml(bytes, limits, progress),
-        Format::Geomview => crate::formats::geomview::read::read_geomview(&bytes, limits, progress),
-        Format::Mtx => crate::formats::mtx::read::read_mtx(&bytes, limits, progress),
-        Format::Vtp | Format::Vtu | Format::Vti | Format::Vtr | Format::Vts => {
-            crate::formats::vtk_xml::read::read_vtk_xml(&bytes, format, limits, progress)
-        }
-        Format::FreeSurfer => {
-            crate::formats::freesurfer::read::read_surface(&bytes, name_hint, limits, progress)
-        }
-        Format::Vtk => crate::formats::vtk_legacy::read::read_vtk(&bytes, limits, progress),
-        _ => Err(ReadError::UnknownFormat { found: format!("{format} is written only") }),
-    }?;
-    shape.n_original_fields = shape.vertex_fields.len();
-    Ok(shape)
-}
-
-fn is_text(format: Format, bytes: &[u8]) -> bool {
-    let text = matches!(
-        format,
-        Format::Obj
-            | Format::Off
-            | Format::StlAscii
-            | Format::Xyz
-            | Format::Pts
-            | Format::Csv
-            | Format::Mtx
-            | Format::Tgf
-            | Format::EdgeList
-    );
-    text || (format == Format::Ply && bytes.starts_with(b"ply\rformat ascii"))
+    let Some(read) = format.descriptor().read else {
+        return Err(unknown_content(format!("{format} is written only")));
+    };
+    let context = ReadContext { limits, progress, name: name_hint, folder };
+    read(bytes, &context).map(ShapeFile::with_original_fields)
 }
 
 /// Lines that end with a carriage return alone (before 2001 on the Macintosh) get line feeds instead; whether there were any.

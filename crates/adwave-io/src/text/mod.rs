@@ -1,8 +1,10 @@
 //! Numbers and words in text formats.
 
+pub(crate) mod csv;
 pub(crate) mod encoding;
 pub(crate) mod lines;
 pub(crate) mod tokens;
+#[cfg(any(feature = "vtk", feature = "neuro", feature = "graph", feature = "print3d"))]
 pub(crate) mod xml;
 
 /// Whether the byte separates words on a line.

@@ -3,8 +3,8 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use super::TextureError;
 use crate::error::kind_of_io;
+use crate::model::texture::TextureError;
 use crate::text::one_line;
 use adwave::ErrorKind;
 use image::{ImageError, ImageReader, RgbImage};
@@ -15,12 +15,12 @@ const LARGEST_SIDE: u32 = 1 << 16;
 const MAX_BYTES: u64 = 1 << 30;
 
 /// A texture.
-pub(super) struct Picture {
+pub(crate) struct Picture {
     pixels: RgbImage,
 }
 
 impl Picture {
-    pub(super) fn open(path: &Path) -> Result<Self, TextureError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, TextureError> {
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|e| TextureError::Picture {
             path: name.clone(),
@@ -31,7 +31,7 @@ impl Picture {
     }
 
     /// A picture in memory, called so in errors.
-    pub(super) fn of_bytes(bytes: &[u8], name: &str) -> Result<Self, TextureError> {
+    pub(crate) fn of_bytes(bytes: &[u8], name: &str) -> Result<Self, TextureError> {
         let wrong = |kind, cause: String| TextureError::Picture { path: name.to_owned(), cause, kind };
         let mut reader = ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()
@@ -48,7 +48,7 @@ impl Picture {
     }
 
     /// The color at (u, v), channels in [0, 1]; NaN where u or v is not finite.
-    pub(super) fn sample(&self, u: f64, v: f64) -> [f64; 3] {
+    pub(crate) fn sample(&self, u: f64, v: f64) -> [f64; 3] {
         if !(u.is_finite() && v.is_finite()) {
             return [f64::NAN; 3];
         }

@@ -50,14 +50,14 @@ fn a_part_of_tiles_is_their_points_by_level_and_node() {
         for (part, n_levels) in parts() {
             let shape = read(&path, &part).unwrap();
             assert_eq!(numbers(&shape), expected(&part, n_levels), "{part:?}");
-            assert_eq!(shape.format(), Some(Format::Ept));
+            assert_eq!(shape.format(), Some(Format::EPT));
         }
         let whole = read_path(&path, &ReadLimits::default()).unwrap();
         assert_eq!(numbers(&whole), expected(&CloudPart::default(), 3));
         let levels = cloud_levels(&path, &ReadLimits::default()).unwrap().unwrap();
         assert_eq!((levels.spacing, levels.n_points), (4.0, vec![75, 75, 450]));
         let mut written = Vec::new();
-        let report = adwave_io::write_bytes(&whole, Format::Laz, &mut written).unwrap();
+        let report = adwave_io::write_bytes(&whole, Format::LAZ, &mut written).unwrap();
         assert!(report.not_written.is_empty());
         assert!(
             written.windows(9).any(|own| own == b"somewhere")

@@ -68,7 +68,7 @@ fn a_part_of_a_copc_is_its_points_by_level_and_node() {
             let expected = expected(&part, n_levels);
             assert!(expected.len() > 5 && (part.bounds.is_none() || expected.len() <= N), "{part:?}");
             assert_eq!(numbers(&shape), expected, "{part:?}");
-            assert_eq!(shape.format(), Some(Format::Laz));
+            assert_eq!(shape.format(), Some(Format::LAZ));
         }
         let levels = cloud_levels(&path, &ReadLimits::default()).unwrap().unwrap();
         assert_eq!((levels.spacing, levels.n_points), (4.0, vec![75, 75, 450]));
@@ -101,7 +101,7 @@ fn a_box_of_a_las_or_laz_is_what_a_filter_leaves() {
     let (low, high) = BOX;
     let part = CloudPart::default().with_bounds(low, high);
     let inside: Vec<usize> = (0..N).filter(|&i| within(i, BOX)).collect();
-    for (path, format) in [(&plain, Format::Las), (&packed, Format::Laz)] {
+    for (path, format) in [(&plain, Format::LAS), (&packed, Format::LAZ)] {
         let shape = read(path, &part).unwrap();
         assert_eq!(numbers(&shape), inside);
         assert_eq!(shape.format(), Some(format));
@@ -169,7 +169,7 @@ fn extended_records_stay() {
     fs::write(&path, bytes).unwrap();
     let mut written = Vec::new();
     let shape = read(&path, &parts()[1].0).unwrap();
-    adwave_io::write_bytes(&shape, Format::Las, &mut written).unwrap();
+    adwave_io::write_bytes(&shape, Format::LAS, &mut written).unwrap();
     let start = u64::from_le_bytes(written[235..243].try_into().unwrap()) as usize;
     assert_eq!((&written[start + 2..start + 9], written[243]), (&b"someone"[..], 1));
     assert!(written.ends_with(b"hello"));

@@ -9,7 +9,7 @@ use crate::{common, error, read, survives, written};
 #[test]
 fn grids_make_quadrilaterals() {
     let plain = read(b"MESH\n3 2\n0 0 0 1 0 0 2 0 0\n0 1 0 1 1 0 2 1 1.5\n", "a.mesh");
-    assert_eq!((plain.format(), plain.n_vertices()), (Some(Format::Geomview), 6));
+    assert_eq!((plain.format(), plain.n_vertices()), (Some(Format::GEOMVIEW), 6));
     let faces: Polygons = [&[0_u32, 1, 4, 3][..], &[1, 2, 5, 4]].into_iter().collect();
     assert_eq!(*plain.faces(), faces);
     // Wrapped both ways it is a torus: as many faces as points.
@@ -53,9 +53,9 @@ fn faces_may_run_over_lines_or_share_one() {
     ] {
         let mut file = read(text.as_bytes(), "a.off");
         assert_eq!((file.points(), file.faces()), (plain.points(), plain.faces()));
-        assert_eq!(written(&file, Format::Off), text.as_bytes());
+        assert_eq!(written(&file, Format::OFF), text.as_bytes());
         file.set_points(vec![[2.0; 3]; 4]).unwrap();
-        assert_eq!(read(&written(&file, Format::Off), "a.off").points(), [[2.0; 3]; 4]);
+        assert_eq!(read(&written(&file, Format::OFF), "a.off").points(), [[2.0; 3]; 4]);
     }
     let colored =
         read(b"COFF 3 1 0 0 0 0 1 0 0 1\n1 0 0 0 1 0 1 0 1 0 0 0 1 1\n3 0 1\n2 0.5 0.5 0 1\n", "a.off");
@@ -90,17 +90,17 @@ fn binary_off_is_kept() {
         .unwrap();
     mesh.add_face_field(Field::new("color", 3, FieldValues::F32(vec![0.5, 0.0, 1.0, 0.25, 1.0, 0.0])))
         .unwrap();
-    let bytes = written(&mesh, Format::OffBinary);
+    let bytes = written(&mesh, Format::OFF_BINARY);
     assert!(bytes.starts_with(b"NOFF BINARY\n\0\0\0\x04\0\0\0\x02\0\0\0\0"));
     let mut again = read(&bytes, "a.off");
     assert_eq!(
         (again.points(), again.faces(), again.format()),
-        (mesh.points(), mesh.faces(), Some(Format::OffBinary))
+        (mesh.points(), mesh.faces(), Some(Format::OFF_BINARY))
     );
     assert_eq!((again.vertex_fields(), again.face_fields()), (mesh.vertex_fields(), mesh.face_fields()));
-    assert_eq!(written(&again, Format::OffBinary), bytes);
+    assert_eq!(written(&again, Format::OFF_BINARY), bytes);
     again.set_points(vec![[7.0; 3]; 4]).unwrap();
-    assert_eq!(read(&written(&again, Format::OffBinary), "a.off").points(), [[7.0; 3]; 4]);
+    assert_eq!(read(&written(&again, Format::OFF_BINARY), "a.off").points(), [[7.0; 3]; 4]);
     survives(&bytes, "a.off", |end, _| panic!("cut at {end}"));
 }
 

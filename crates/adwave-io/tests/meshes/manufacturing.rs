@@ -48,7 +48,7 @@ fn a_3mf_places_objects_of_all_parts_in_its_unit() {
         ("3D/more.model", &model("centimeter", &object(7, "", ""), "")),
     ]);
     let file = read(&bytes, "a.3mf");
-    assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (9, 3, Some(Format::ThreeMf)));
+    assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (9, 3, Some(Format::THREE_MF)));
     // Turned by a quarter about z, lifted, then moved along x; the other part is ten times as large.
     assert_eq!(file.points()[4], [10.0, 1.0, 5.0]);
     assert_eq!(file.points()[5], [9.0, 0.0, 5.0]);
@@ -123,7 +123,7 @@ const AMF: &str = "<?xml version=\"1.0\"?><amf unit=\"inch\"><metadata type=\"na
 #[test]
 fn an_amf_is_placed_and_colored() {
     let file = read(AMF.as_bytes(), "a.amf");
-    assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (6, 4, Some(Format::Amf)));
+    assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (6, 4, Some(Format::AMF)));
     let [x, y, z] = file.points()[1];
     assert!((x - 2.0).abs() < 1e-15 && y == 1.0 && z == 0.0, "{:?}", file.points()[1]);
     assert_eq!(file.points()[4], [1.0, 0.0, -1.0]);
@@ -154,17 +154,17 @@ fn colors_are_written_and_other_fields_named() {
     );
     mesh.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..9).collect()))).unwrap();
     mesh.add_vertex_field(Field::new("q", 1, FieldValues::U8(vec![0; 3]))).unwrap();
-    for format in [Format::Amf, Format::ThreeMf] {
+    for format in [Format::AMF, Format::THREE_MF] {
         let mut bytes = Vec::new();
         let report = write_bytes(&mesh, format, &mut bytes).unwrap();
         assert_eq!(report.not_written, ["vertex field `q`"]);
         let again = read(&bytes, "a");
         assert_eq!((again.points(), again.faces()), (mesh.points(), mesh.faces()));
-        let scale = if format == Format::Amf { 255.0 } else { 1.0 };
+        let scale = if format == Format::AMF { 255.0 } else { 1.0 };
         let colors: Vec<f64> = mesh.field("color").unwrap().to_f64().iter().map(|c| c / scale).collect();
         assert_eq!(again.field("color").unwrap().to_f64(), colors);
     }
-    assert!(written(&mesh, Format::ThreeMf).starts_with(b"PK"));
+    assert!(written(&mesh, Format::THREE_MF).starts_with(b"PK"));
 }
 
 /// Vertices and triangles as `trimesh` counts them in the first, in the others as the elements of the XML are counted.

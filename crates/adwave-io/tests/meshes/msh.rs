@@ -30,7 +30,7 @@ const TEXT_2: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2
 #[test]
 fn version_2_as_text() {
     let mut file = read(TEXT_2.as_bytes());
-    assert_eq!((file.n_vertices(), file.format()), (5, Some(Format::MshAscii)));
+    assert_eq!((file.n_vertices(), file.format()), (5, Some(Format::MSH_ASCII)));
     let faces: Polygons = [&[0_u32, 1, 2][..], &[1, 3, 2], &[0, 1, 3, 2]].into_iter().collect();
     assert_eq!(*file.faces(), faces);
     let names: Vec<&str> = file.face_fields().iter().map(|f| f.name.as_str()).collect();
@@ -42,16 +42,16 @@ fn version_2_as_text() {
     assert!(file.extras().iter().any(|e| e == "elements of a line"), "{:?}", file.extras());
 
     // Everything else stays.
-    assert_eq!(written(&file, Format::MshAscii), TEXT_2.as_bytes());
+    assert_eq!(written(&file, Format::MSH_ASCII), TEXT_2.as_bytes());
     let mut points = file.points().to_vec();
     points[3][1] = -2.0;
     file.set_points(points).unwrap();
     let moved = TEXT_2.replace("1000000 1 1 0.5", "1000000 1 -2 0.5");
-    assert_eq!(String::from_utf8(written(&file, Format::MshAscii)).unwrap(), moved);
+    assert_eq!(String::from_utf8(written(&file, Format::MSH_ASCII)).unwrap(), moved);
     // A field that is new is added, one that is changed takes the place of the old.
     file.add_vertex_field(Field::new("new", 1, FieldValues::U8(vec![5; 5]))).unwrap();
     file.add_vertex_field(Field::new("a b", 1, FieldValues::U8(vec![1, 2, 3, 4, 5]))).unwrap();
-    let again = read(&written(&file, Format::MshAscii));
+    let again = read(&written(&file, Format::MSH_ASCII));
     assert_eq!(again.field("new").unwrap().to_f64(), [5.0; 5]);
     assert_eq!(again.field("a b").unwrap().to_f64(), [1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(again.vertex_fields().len(), 2);
@@ -73,7 +73,7 @@ fn version_4_as_text_with_the_boundary_of_cells() {
     let field = |name: &str| file.face_fields().iter().find(|f| f.name == name).unwrap().to_f64();
     assert_eq!((field("physical"), field("elementary")), (vec![42.0; 6], vec![5.0; 6]));
     assert_eq!(field("heat"), [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]);
-    assert_eq!(written(&file, Format::MshAscii), TEXT_41.as_bytes());
+    assert_eq!(written(&file, Format::MSH_ASCII), TEXT_41.as_bytes());
     // 4.0 has tag before dimension, boxes for points, and tags beside coordinates.
     let old = "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n3 0 0 0 1 1 1 1 6 0\n$EndEntities\n\
         $Nodes\n1 3\n3 2 0 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1 1\n3 2 2 1\n1 1 2 3\n$EndElements\n";
@@ -113,14 +113,14 @@ fn both_byte_orders_are_read_and_kept() {
     for is_big in [false, true] {
         let bytes = binary_41(is_big);
         let mut file = read(&bytes);
-        assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (4, 2, Some(Format::Msh)));
+        assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (4, 2, Some(Format::MSH)));
         assert_eq!(file.faces().get(1), [0, 1, 2, 3]);
-        assert_eq!(written(&file, Format::Msh), bytes);
+        assert_eq!(written(&file, Format::MSH), bytes);
         let points: Vec<[f64; 3]> = file.points().iter().map(|p| p.map(|x| x + 0.1)).collect();
         file.set_points(points.clone()).unwrap();
         file.add_vertex_field(Field::new("q", 2, FieldValues::F32((0..8).map(|k| k as f32).collect())))
             .unwrap();
-        let again = read(&written(&file, Format::Msh));
+        let again = read(&written(&file, Format::MSH));
         assert_eq!((again.points(), again.faces()), (points.as_slice(), file.faces()));
         assert_eq!(again.field("q").unwrap().to_f64(), file.field("q").unwrap().to_f64());
     }
@@ -142,7 +142,7 @@ fn every_cut_before_the_end_of_the_elements_is_an_error() {
         let faces: Polygons = [&[0_u32, 1, 2][..], &[0, 2, 3, 1]].into_iter().collect();
         ShapeFile::from_mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], faces)
     };
-    for bytes in [TEXT_2.as_bytes().to_vec(), text_4, binary_41(true), written(&mesh, Format::Msh)] {
+    for bytes in [TEXT_2.as_bytes().to_vec(), text_4, binary_41(true), written(&mesh, Format::MSH)] {
         let last = bytes.windows(12).position(|w| w == b"$EndElements").unwrap() + 12;
         for end in 0..bytes.len() {
             let result = read_bytes(bytes[..end].to_vec(), Some("a.msh"), &ReadLimits::default());

@@ -168,7 +168,7 @@ fn diffusion_json(decomposer: &Decomposer) -> Value {
 
 /// The levels of a file that has such; what is wrong with them where it has no true ones, which the points do not need.
 fn octree(input: &Input, global: &Global<'_>) -> Option<Result<CloudLevels, ReadError>> {
-    let has_file = matches!(input.file.format(), Some(Format::Laz | Format::Ept)) && input.name != "-";
+    let has_file = matches!(input.file.format(), Some(Format::LAZ | Format::EPT)) && input.name != "-";
     has_file.then(|| cloud_levels(Path::new(&input.name), &global.limits).transpose()).flatten()
 }
 

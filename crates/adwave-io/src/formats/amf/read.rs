@@ -37,11 +37,10 @@ enum Placed {
 
 struct Assembly<'a> {
     placed: HashMap<String, Placed>,
-    joined: Joined,
+    joined: Joined<'a>,
     colors: Vec<Option<Color>>,
     of_triangles: Vec<Option<Color>>,
     volumes: Vec<u32>,
-    limits: &'a ReadLimits,
     n_bytes: usize,
     n_visits: u64,
     progress: Progress<'a>,
@@ -89,11 +88,10 @@ pub(crate) fn read_amf(
     }
     let mut assembly = Assembly {
         placed,
-        joined: Joined::default(),
+        joined: Joined::new(limits, text.len()),
         colors: Vec::new(),
         of_triangles: Vec::new(),
         volumes: Vec::new(),
-        limits,
         n_bytes: text.len(),
         n_visits: 0,
         progress,
@@ -230,8 +228,7 @@ impl Assembly<'_> {
                 return Err(ReadError::Whole(message));
             }
             Some(Placed::Object(object)) => {
-                let bounds = (self.limits, self.n_bytes);
-                self.joined.add(&object.points, &object.triangles, transform, bounds, self.progress)?;
+                self.joined.add(&object.points, &object.triangles, transform, self.progress)?;
                 self.colors.extend_from_slice(&object.colors);
                 self.of_triangles.extend_from_slice(&object.of_triangles);
                 self.volumes.extend_from_slice(&object.volumes);
@@ -247,7 +244,7 @@ impl Assembly<'_> {
 
     fn finish(self, n_volumes: u32) -> Result<ShapeFile, ReadError> {
         let mut shape = self.joined.into_shape(self.progress)?;
-        shape.format = Some(Format::Amf);
+        shape.format = Some(Format::AMF);
         shape.vertex_fields.extend(field(&self.colors));
         if n_volumes > 1 {
             shape.face_fields.push(Field::new("volume", 1, FieldValues::U32(self.volumes)));

@@ -77,7 +77,8 @@ pub(crate) fn read_cifti(
     limits.check_bytes((n_vertices as u64).saturating_mul(n_columns).saturating_mul(8))?;
     let scale = [176, 184].map(|at| f64::from_bytes(&bytes[at..], order));
     let values = Numbers::Bytes { bytes: data.into(), kind, order };
-    fields(model, &maps, &values, n_columns as usize, n_vertices, scale, progress)
+    let matrix = Matrix { values: &values, n_columns: n_columns as usize, scale };
+    fields(model, &maps, &matrix, n_vertices, progress)
 }
 
 /// XML in the extensions of the header.
@@ -126,16 +127,23 @@ fn chosen<'a>(maps: &'a Maps, structure: Option<&str>, n_vertices: usize) -> Res
     }
 }
 
-/// One field per named column; columns without names become the channels of one field.
+/// The numbers of the file, row by row.
+struct Matrix<'a> {
+    values: &'a Numbers<'a>,
+    n_columns: usize,
+    /// Slope and intercept.
+    scale: [f64; 2],
+}
+
+/// A field for each named column; columns without names are the channels of one.
 fn fields(
     model: &Model,
     maps: &Maps,
-    values: &Numbers<'_>,
-    n_columns: usize,
+    matrix: &Matrix<'_>,
     n_vertices: usize,
-    [slope, intercept]: [f64; 2],
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
+    let Matrix { values, n_columns, scale: [slope, intercept] } = *matrix;
     let mut rows = vec![None; n_vertices];
     for (i, &vertex) in model.vertices.iter().enumerate() {
         rows[vertex as usize] = Some(model.first as usize + i);

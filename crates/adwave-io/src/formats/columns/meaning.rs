@@ -1,5 +1,9 @@
 //! What the columns of a row mean.
 
+use crate::model::file_head::FileHead;
+use crate::model::format_descriptor::Evidence;
+use crate::text::is_blank;
+use crate::text::parse_f64;
 use adwave::{Cancelled, Progress};
 
 use crate::progress::all;
@@ -62,4 +66,25 @@ fn is_unit(v: [f64; 3]) -> bool {
 /// Whether it is a whole number that fits a byte.
 pub(crate) fn is_color_byte(x: f64) -> bool {
     (0.0..=255.0).contains(&x) && x.fract() == 0.0
+}
+
+/// Evidence by the first lines: rows of at least three numbers, but for a count or a row of names before them.
+pub(crate) fn recognize_numbers(file: &FileHead<'_>) -> Option<Evidence> {
+    let numbers = |line: &[u8]| {
+        let mut n = 0;
+        let separator = |b: &u8| is_blank(*b) || matches!(b, b',' | b';');
+        let all = line.split(separator).filter(|w| !w.is_empty()).all(|w| {
+            n += 1;
+            parse_f64(w).is_some()
+        });
+        all.then_some(n)
+    };
+    let mut lines = file.statements();
+    let is_table = file.is_text()
+        && match lines.next().map(numbers) {
+            Some(Some(n)) if n >= 3 => true,
+            Some(Some(1) | None) => lines.next().and_then(numbers).is_some_and(|n| n >= 3),
+            _ => false,
+        };
+    is_table.then_some(Evidence::Numbers)
 }

@@ -7,8 +7,9 @@
 use adwave::{Cancelled, Progress};
 
 use crate::formats::columns::meaning::{is_color_byte, name_columns};
+use crate::formats::columns::{CSV, ColumnsSource};
 use crate::model::grouping::group;
-use crate::model::original::{Original, Separator, TextRows};
+use crate::model::text_rows::{Separator, TextRows};
 use crate::progress::{BYTES_PER_STEP, all, collect};
 use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -65,20 +66,21 @@ pub(crate) fn read_columns(
     let others = (0..k).filter(|c| !columns.contains(c)).map(|c| Ok((names[c].clone(), column(c)?)));
     shape.vertex_fields = group(others.collect::<Result<_, Cancelled>>()?, progress)?.0;
     shape.vertex_fields.extend(normals);
-    let hint = name.and_then(|n| Format::from_path(std::path::Path::new(n)));
-    shape.format = Some(match hint {
-        _ if table.count.is_some() => Format::Pts,
-        Some(Format::Csv) => Format::Csv,
-        _ if table.separator == Separator::Byte(b',') => Format::Csv,
-        _ => Format::Xyz,
+    let is_csv = name.is_some_and(|name| CSV.matches_name(std::path::Path::new(name)));
+    shape.format = Some(if table.count.is_some() {
+        Format::PTS
+    } else if is_csv || table.separator == Separator::Byte(b',') {
+        Format::CSV
+    } else {
+        Format::XYZ
     });
-    shape.original = Some(std::sync::Arc::new(Original::Rows(TextRows {
+    shape.set_source(ColumnsSource(TextRows {
         rows: table.rows,
         columns,
         separator: table.separator,
         names: table.names_line,
         bytes,
-    })));
+    }));
     Ok(shape)
 }
 

@@ -4,28 +4,32 @@ use std::io::Write;
 
 use adwave::Progress;
 
-use crate::formats::csv::write::push_csv_row;
+use crate::model::context::WriteContext;
 use crate::model::grouping::column_names;
-use crate::model::original::{RowEdit, Separator, TextRows};
+use crate::model::source_document::Update;
+use crate::model::text_rows::{RowEdit, Separator, TextRows};
 use crate::progress::at_row;
+use crate::text::csv::push_csv_row;
 use crate::text::push_f64;
 use crate::{Field, Format, ShapeFile, WriteError, WriteReport};
 
-/// Writes the original with other coordinates and with added columns. `None` where a column of it was replaced, or
-/// where there is no line that could take the names of added ones.
+/// Writes the original with other coordinates and with added columns. [`Update::DoesNotFit`] if a column of it was replaced, or
+/// if there is no line that could take the names of added ones.
 pub(crate) fn update_columns(
-    shape: &ShapeFile,
     rows: &TextRows,
-    out: &mut dyn Write,
-    progress: Progress<'_>,
-) -> Result<Option<WriteReport>, WriteError> {
+    shape: &ShapeFile,
+    context: &mut WriteContext<'_>,
+) -> Result<Update, WriteError> {
+    let (out, progress) = (&mut *context.out, context.progress);
     if shape.edited.is_empty() {
         rows.write_all(shape, &RowEdit::default(), out, progress)?;
-        return Ok(Some(WriteReport::default()));
+        return Ok(Update::Written);
     }
-    let Some((_, names_end)) = rows.names else { return Ok(None) };
+    let Some((_, names_end)) = rows.names.filter(|_| context.format != Format::PTS) else {
+        return Ok(Update::DoesNotFit);
+    };
     if shape.edited.len() + shape.n_original_fields != shape.vertex_fields.len() {
-        return Ok(None);
+        return Ok(Update::DoesNotFit);
     }
     let separator = if let Separator::Byte(b) = rows.separator { b } else { b' ' };
     let added: Vec<&Field> = shape.vertex_fields.iter().filter(|f| shape.edited.contains(&f.name)).collect();
@@ -43,8 +47,8 @@ pub(crate) fn update_columns(
         out.write_all(name.as_bytes())?;
     }
     let edit = RowEdit { dropped: &[], append: Some(&append) };
-    rows.write_range((names_end, rows.bytes.len()), shape, &edit, out, progress)?;
-    Ok(Some(WriteReport::default()))
+    rows.write_range(names_end..rows.bytes.len(), shape, &edit, out, progress)?;
+    Ok(Update::Written)
 }
 
 /// Writes points and all vertex fields. Names of columns stand in the first line: of a CSV as they are, of an XYZ
@@ -63,16 +67,16 @@ pub(crate) fn write_columns(
     if !shape.edges.pairs.is_empty() {
         report.leave_out("edges");
     }
-    let separator = if format == Format::Csv { "," } else { " " };
+    let separator = if format == Format::CSV { "," } else { " " };
     let names: Vec<String> = shape.vertex_fields.iter().flat_map(column_names).collect();
-    if format == Format::Csv {
+    if format == Format::CSV {
         let mut head = String::new();
         push_csv_row(&mut head, ["x", "y", "z"].into_iter().chain(names.iter().map(String::as_str)));
         out.write_all(head.as_bytes())?;
     } else if !names.is_empty() || shape.points.is_empty() {
         writeln!(out, "# x y z{}", names.iter().map(|n| format!(" {n}")).collect::<String>())?;
     }
-    if format == Format::Pts {
+    if format == Format::PTS {
         writeln!(out, "{}", shape.points.len())?;
     }
     let mut line = Vec::new();

@@ -1,4 +1,6 @@
-//! Tables of comma-separated values: reading of fields, and the formatting of all tables.
+//! Tables of comma-separated values: fields read from them and written as them.
+//!
+//! Library: `csv` for reading.
 
 pub(crate) mod read;
 pub(crate) mod write;

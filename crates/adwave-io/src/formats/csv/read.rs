@@ -1,12 +1,11 @@
 //! Values at vertices from a table: one row per vertex, one column per field.
 
+use crate::files::read::parse_file;
 use std::path::Path;
 
 use adwave::Progress;
 
-use crate::limits::decompress;
 use crate::progress::at_row;
-use crate::registry::read::read_file;
 use crate::text::{parse_f64, show};
 use crate::{Field, FieldValues, ReadError, ReadLimits};
 
@@ -28,10 +27,7 @@ pub fn read_csv_fields_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
-    read_file(path, limits, progress)
-        .and_then(|bytes| decompress(bytes, limits, progress))
-        .and_then(|bytes| parse(&bytes, limits, progress))
-        .map_err(|e| e.in_file(path))
+    parse_file(path, limits, progress, |bytes| parse(&bytes, limits, progress))
 }
 
 /// As [`read_csv_fields`], from bytes.

@@ -1,4 +1,4 @@
-//! The text of CSV files: how cells are quoted and numbers written, for everything that writes a table.
+//! Fields as tables.
 
 use std::io::Write;
 use std::path::Path;
@@ -8,41 +8,8 @@ use flate2::write::GzEncoder;
 
 use super::read::number;
 use crate::model::grouping::column_names;
-use crate::text::push_f64;
+use crate::text::csv::push_csv_row;
 use crate::{Field, WriteError, atomic_write};
-
-/// Adds a row to a CSV text as RFC 4180 has it: cells with commas, quotes or line breaks stand in quotes; the row ends in a
-/// line feed.
-///
-/// ```
-/// let mut text = String::new();
-/// adwave_io::push_csv_row(&mut text, ["x", "name"]);
-/// adwave_io::push_csv_row(&mut text, [adwave_io::csv_number(0.5), "a, \"b\"".to_owned()]);
-/// assert_eq!(text, "x,name\n0.5,\"a, \"\"b\"\"\"\n");
-/// ```
-pub fn push_csv_row<C: AsRef<str>>(text: &mut String, cells: impl IntoIterator<Item = C>) {
-    for (k, cell) in cells.into_iter().enumerate() {
-        if k > 0 {
-            text.push(',');
-        }
-        let cell = cell.as_ref();
-        if cell.contains([',', '"', '\n', '\r']) {
-            text.push('"');
-            text.push_str(&cell.replace('"', "\"\""));
-            text.push('"');
-        } else {
-            text.push_str(cell);
-        }
-    }
-    text.push('\n');
-}
-
-/// A number as the cell of a table: the shortest decimal that reads back to the same value; `nan` and `inf` in small letters.
-pub fn csv_number(x: f64) -> String {
-    let mut text = Vec::new();
-    push_f64(&mut text, x);
-    text.into_iter().map(char::from).collect()
-}
 
 /// Writes fields as a table: a row of names (`heat`; of several channels `flow_x`, or `hks_0`), then a row for each vertex.
 /// `.gz` after the ending compresses.
@@ -93,6 +60,7 @@ fn write_rows(n: usize, fields: &[Field], out: &mut dyn Write) -> Result<(), Wri
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text::csv::csv_number;
 
     #[test]
     fn what_is_written_is_read_back() {

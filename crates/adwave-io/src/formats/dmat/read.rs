@@ -5,10 +5,10 @@ use std::path::Path;
 
 use adwave::Progress;
 
+use crate::files::read::read_file;
 use crate::limits::decompress;
 use crate::model::field::{ByteOrder, Number};
 use crate::progress::{at_row, collect};
-use crate::registry::read::read_file;
 use crate::text::line_end;
 use crate::text::tokens::{Tokens, check_rows};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -91,7 +91,7 @@ pub(crate) fn read_dmat(
     limits.check_points(n_rows as u64)?;
     let point = |i: usize| [values[i], values[n_rows + i], values[2 * n_rows + i]];
     let mut shape = ShapeFile::from_cloud(collect(n_rows, progress, point)?);
-    shape.format = Some(if is_binary { Format::DmatBinary } else { Format::Dmat });
+    shape.format = Some(if is_binary { Format::DMAT_BINARY } else { Format::DMAT });
     Ok(shape)
 }
 

@@ -23,7 +23,7 @@ pub(crate) fn write_dmat(
             report.leave_out(what);
         }
     }
-    let is_binary = format == Format::DmatBinary;
+    let is_binary = format == Format::DMAT_BINARY;
     let n = shape.points.len();
     writeln!(out, "{}3 {n}", if is_binary { "0 0\n" } else { "" })?;
     let mut row = Vec::new();

@@ -2,14 +2,15 @@
 //!
 //! Coordinates are taken as they stand, in the space of the surface; what the tail says of the volume is kept for writing.
 
-use std::sync::Arc;
-
+use crate::WriteError;
+use crate::model::context::WriteContext;
+use crate::model::source_document::SourceDocument;
+use crate::model::source_document::Update;
 use adwave::Progress;
 use adwave::shape::Polygons;
 
 use crate::model::field::{ByteOrder, Number};
 use crate::model::numbers::{NoIndex, Numbers};
-use crate::model::original::Original;
 use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
@@ -22,11 +23,18 @@ const NEW_QUADS: &[u8] = b"\xff\xff\xfd";
 
 /// What stands around the numbers of a surface.
 #[derive(Debug)]
-pub(crate) struct FreeSurferOriginal {
+pub(crate) struct FreeSurferSource {
     /// Who made it, with the line ends after it.
     pub(super) creator: Vec<u8>,
     /// What stands after the triangles: the volume that the surface is of, commands.
     pub(super) tail: Vec<u8>,
+}
+
+impl SourceDocument for FreeSurferSource {
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        super::write::write_surface(shape, &mut context.report, context.out, context.progress)?;
+        Ok(Update::Written)
+    }
 }
 
 /// Whether the bytes are a surface.
@@ -48,7 +56,7 @@ pub(crate) fn read_surface(
     } else {
         quads(bytes, limits, progress)?
     };
-    shape.format = Some(Format::FreeSurfer);
+    shape.format = Some(Format::FREESURFER);
     shape.precision = Precision::F32;
     let file = name.and_then(|name| name.rsplit(['/', '\\']).next()).unwrap_or("");
     shape.structure = match file.get(..3) {
@@ -119,7 +127,7 @@ fn triangles(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Resul
         shape.extras.push("the volume that the surface is of".into());
     }
     let creator = bytes[TRIANGLES.len()..at].to_vec();
-    shape.original = Some(Arc::new(Original::FreeSurfer(FreeSurferOriginal { creator, tail })));
+    shape.set_source(FreeSurferSource { creator, tail });
     Ok(shape)
 }
 

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use adwave::Progress;
 
-use super::read::{FreeSurferOriginal, TRIANGLES};
+use super::read::{FreeSurferSource, TRIANGLES};
 use crate::model::f32_limits::{is_single, triangles};
 use crate::progress::at_row;
 use crate::{Format, Precision, ShapeFile, WriteError, WriteReport};
@@ -12,11 +12,11 @@ use crate::{Format, Precision, ShapeFile, WriteError, WriteReport};
 /// Writes a surface.
 pub(crate) fn write_surface(
     shape: &ShapeFile,
-    original: Option<&FreeSurferOriginal>,
     report: &mut WriteReport,
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
+    let original = shape.source::<FreeSurferSource>();
     let coordinates = shape.points.as_flattened();
     if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
         report.leave_out("digits of coordinates beyond 32-bit floats");
@@ -29,7 +29,7 @@ pub(crate) fn write_surface(
     let triangles = triangles(shape, report);
     let count = |n: usize| {
         i32::try_from(n).map_err(|_| WriteError::CannotHold {
-            format: Format::FreeSurfer,
+            format: Format::FREESURFER,
             what: format!("{n} vertices or triangles, which are counted in 31 bits"),
         })
     };

@@ -1,5 +1,7 @@
 //! Objects of Geomview, joined to one shape.
 
+use crate::formats::off::off_keyword;
+use crate::model::file_head::FileHead;
 use adwave::Progress;
 use adwave::shape::Polygons;
 
@@ -47,7 +49,7 @@ impl Scene {
     fn into_shape(mut self) -> ShapeFile {
         let (n, n_faces) = (self.points.len(), self.faces.len());
         let mut shape = ShapeFile::from_mesh(self.points, self.faces);
-        shape.format = Some(Format::Geomview);
+        shape.format = Some(Format::GEOMVIEW);
         for (name, list, n_channels) in [("normal", &mut self.normals, 3), ("color", &mut self.colors, 4)] {
             if !list.is_empty() {
                 list.resize(n, [f64::NAN; 4]);
@@ -69,6 +71,19 @@ impl Scene {
         }
         shape
     }
+}
+
+/// Tells if the first word is an object of Geomview, in braces or not.
+pub(crate) fn is_geomview(file: &FileHead<'_>) -> bool {
+    let Some(inside) = file.head.trim_ascii_start().strip_prefix(b"{") else {
+        return file.keyword().is_some_and(begins_object);
+    };
+    let words = crate::text::words(inside).map(|w| w.strip_prefix(b"{").unwrap_or(w));
+    words.filter(|w| !w.is_empty()).take(1).any(|w| {
+        begins_object(w)
+            || off_keyword(w).is_some()
+            || matches!(w, b"=" | b"appearance" | b"geom" | b"define" | b"INST")
+    })
 }
 
 /// Whether a word begins an object of Geomview other than OFF.
@@ -176,7 +191,7 @@ impl Reader<'_> {
                     return match found {
                         b"SKEL" | b"4SKEL" => self.skeleton(tokens),
                         b"VECT" => self.vectors(tokens),
-                        _ if crate::registry::sniff::off_keyword(found).is_some() => self.off(tokens, start),
+                        _ if off_keyword(found).is_some() => self.off(tokens, start),
                         _ => Err(wrong(format!(
                             "{} is no mesh of Geomview that can be read; save the scene as OFF",
                             show(found)

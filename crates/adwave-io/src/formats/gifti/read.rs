@@ -2,20 +2,18 @@
 //!
 //! Coordinates are taken as they stand; the transforms to other spaces that a file may name are not applied.
 
+use crate::files::read::parse_file;
 use std::ops::Range;
 use std::path::Path;
-use std::sync::Arc;
 
 use adwave::Progress;
 use adwave::shape::Polygons;
 use roxmltree::{Document, ParsingOptions};
 
 use super::array::{Array, STRUCTURE, Stop, about, array};
-use super::update::GiftiOriginal;
-use crate::limits::decompress;
-use crate::model::original::Original;
+use super::update::GiftiSource;
+use crate::model::field::unused;
 use crate::progress::{at_row, collect};
-use crate::registry::read::read_file;
 use crate::text::one_line;
 use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
@@ -59,7 +57,7 @@ pub(crate) fn read_gifti(
     let coordinates = &points.values;
     let point = |i: usize| [0, 1, 2].map(|c| coordinates.get(3 * i + c));
     let mut shape = ShapeFile::from_cloud(collect(coordinates.len() / 3, progress, point)?);
-    shape.format = Some(Format::Gifti);
+    shape.format = Some(Format::GIFTI);
     shape.structure = points.structure.or(structure);
     shape.precision =
         if points.values.value_type() == ValueType::F64 { Precision::F64 } else { Precision::F32 };
@@ -70,7 +68,7 @@ pub(crate) fn read_gifti(
     for array in arrays {
         if array.rows == shape.n_vertices && !array.values.is_empty() {
             let name = array.name.unwrap_or(array.intent);
-            let name = unused(&name, |name| shape.field(name).is_some());
+            let name = unused(&name, "", |name| shape.field(name).is_some());
             places.extend(array.place.map(|place| (name.clone(), place)));
             shape.vertex_fields.push(Field::new(name, array.columns, array.values));
         } else {
@@ -82,8 +80,8 @@ pub(crate) fn read_gifti(
         && !bytes.starts_with(MARK)
         && is_whole
     {
-        let original = GiftiOriginal { bytes, points, fields: places, count, n_arrays, end };
-        shape.original = Some(Arc::new(Original::Gifti(original)));
+        let original = GiftiSource { bytes, points, fields: places, count, n_arrays, end };
+        shape.set_source(original);
     }
     Ok(shape)
 }
@@ -109,10 +107,7 @@ pub fn read_gifti_fields_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
-    read_file(path, limits, progress)
-        .and_then(|bytes| decompress(bytes, limits, progress))
-        .and_then(|bytes| parse_fields(&bytes, path.parent(), limits, progress))
-        .map_err(|e| e.in_file(path))
+    parse_file(path, limits, progress, |bytes| parse_fields(&bytes, path.parent(), limits, progress))
 }
 
 /// As [`read_gifti_fields`], from bytes that are not compressed as a whole.
@@ -133,7 +128,7 @@ fn parse_fields(
     for array in content(bytes, folder, limits, progress)?.arrays {
         if !matches!(array.intent.as_str(), "pointset" | "triangle") && !array.values.is_empty() {
             let name = array.name.unwrap_or(array.intent);
-            let name = unused(&name, |name| fields.iter().any(|f| f.name == name));
+            let name = unused(&name, "", |name| fields.iter().any(|f| f.name == name));
             fields.push(Field::new(name, array.columns, array.values));
         }
     }
@@ -141,17 +136,6 @@ fn parse_fields(
         return Err(ReadError::Whole("this GIFTI has a surface but no values at vertices".into()));
     }
     Ok(fields)
-}
-
-/// A name that is not taken: with a number after it where it is.
-fn unused(name: &str, taken: impl Fn(&str) -> bool) -> String {
-    let mut free = name.to_string();
-    let mut k = 2;
-    while taken(&free) {
-        free = format!("{name}{k}");
-        k += 1;
-    }
-    free
 }
 
 fn faces(array: &Array, n_vertices: usize, progress: Progress<'_>) -> Result<Polygons, ReadError> {

@@ -1,5 +1,8 @@
 //! A GIFTI that is written again: the numbers that changed are replaced in its text, new fields join its arrays.
 
+use crate::model::context::WriteContext;
+use crate::model::source_document::SourceDocument;
+use crate::model::source_document::Update;
 use std::io::Write;
 use std::ops::Range;
 
@@ -15,7 +18,7 @@ type Place = (Range<usize>, Numbers);
 
 /// The text of a GIFTI and where its numbers stand.
 #[derive(Debug)]
-pub(crate) struct GiftiOriginal {
+pub(crate) struct GiftiSource {
     pub(super) bytes: Vec<u8>,
     pub(super) points: Place,
     /// The fields by name.
@@ -38,16 +41,24 @@ enum Change<'a> {
 /// Parts of the text, and what takes their place.
 type Changes<'a> = Vec<(Range<usize>, Change<'a>)>;
 
-/// Writes the original with other coordinates and fields. `None` where points or a field
-/// are no numbers of the array's kind any more.
-pub(crate) fn update_gifti(
+impl SourceDocument for GiftiSource {
+    /// Writes the original with other coordinates and fields, unless points or a field are no numbers of the array's
+    /// kind any more.
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        let changes = changes(shape, self, &mut context.report, context.progress)?;
+        let Some(changes) = changes else { return Ok(Update::DoesNotFit) };
+        write_changes(shape, self, changes, context.out, context.progress)?;
+        Ok(Update::Written)
+    }
+}
+
+fn write_changes(
     shape: &ShapeFile,
-    original: &GiftiOriginal,
+    original: &GiftiSource,
+    changes: Changes<'_>,
     out: &mut dyn Write,
     progress: Progress<'_>,
-) -> Result<Option<WriteReport>, WriteError> {
-    let mut report = WriteReport::default();
-    let Some(changes) = changes(shape, original, &mut report, progress)? else { return Ok(None) };
+) -> Result<(), WriteError> {
     let coordinates = shape.points.as_flattened();
     let mut written = 0;
     for (range, change) in changes {
@@ -63,14 +74,13 @@ pub(crate) fn update_gifti(
             }
         }
     }
-    out.write_all(&original.bytes[written..])?;
-    Ok(Some(report))
+    Ok(out.write_all(&original.bytes[written..])?)
 }
 
 /// The changes in the order of the text.
 fn changes<'a>(
     shape: &'a ShapeFile,
-    original: &'a GiftiOriginal,
+    original: &'a GiftiSource,
     report: &mut WriteReport,
     progress: Progress<'_>,
 ) -> Result<Option<Changes<'a>>, WriteError> {
@@ -82,7 +92,7 @@ fn changes<'a>(
             return Ok(None);
         }
         if numbers.kind != ValueType::F64 {
-            check_range(Format::Gifti, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
+            check_range(Format::GIFTI, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
         }
         changes.push((range.clone(), Change::Points(numbers)));
     }

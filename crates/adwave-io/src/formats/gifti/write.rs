@@ -131,7 +131,7 @@ pub(crate) fn write_gifti(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let coordinates = shape.points.as_flattened();
-    check_range(Format::Gifti, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
+    check_range(Format::GIFTI, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
     if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
         report.leave_out("digits of coordinates beyond 32-bit floats");
     }
@@ -166,7 +166,7 @@ pub(super) fn left_out(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let (n, value) = (field.values.len(), |i: usize| field.values.get(i));
-    check_range(Format::Gifti, &format!("values of `{}`", field.name), n, progress, value)?;
+    check_range(Format::GIFTI, &format!("values of `{}`", field.name), n, progress, value)?;
     // Whole numbers beyond this have more digits than even a 64-bit float.
     let has_more = |x: f64| field.values.value_type().is_integer() && x.abs() >= (1_u64 << 53) as f64;
     let keeps_all = is_single(n, progress, value)? && all(n, progress, |i| !has_more(value(i)))?;
@@ -239,7 +239,7 @@ fn write_fields(
     for field in fields {
         let value = |i: usize| field.values.get(i);
         check_range(
-            Format::Gifti,
+            Format::GIFTI,
             &format!("values of `{}`", field.name),
             field.values.len(),
             progress,

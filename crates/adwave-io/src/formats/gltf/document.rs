@@ -7,7 +7,7 @@ use adwave::Progress;
 use base64::Engine as _;
 
 use super::json::Json;
-use crate::registry::read::read_file;
+use crate::files::read::read_file;
 use crate::{ReadError, ReadLimits};
 
 const JSON_CHUNK: u32 = 0x4e4f_534a;
@@ -187,7 +187,10 @@ fn check_version(json: &Json) -> Result<(), ReadError> {
             let shown: String = version.chars().filter(|c| !c.is_control()).take(20).collect();
             Err(ReadError::Whole(format!("it is glTF {shown}; convert it to glTF 2.0")))
         }
-        None => Err(ReadError::UnknownFormat { found: "JSON without the `asset` of a glTF 2.0".into() }),
+        None => Err(ReadError::UnknownFormat {
+            found: "JSON without the `asset` of a glTF 2.0".into(),
+            readable: "glb, gltf".into(),
+        }),
     }
 }
 

@@ -11,8 +11,7 @@ use super::document::Document;
 use super::json::Json;
 use super::matrix::{IDENTITY, Matrix, determinant, normal, point, turns};
 use super::scene::{Instance, instances};
-use super::update::GltfOriginal;
-use crate::model::original::Original;
+use super::update::GltfSource;
 use crate::provenance::{NAME, Provenance};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
@@ -37,7 +36,7 @@ pub(crate) fn read_gltf(
 ) -> Result<ShapeFile, ReadError> {
     let document = Document::parse(bytes, folder, limits, progress)?;
     let mut shape = ShapeFile::empty();
-    shape.format = Some(if document.is_binary { Format::Glb } else { Format::Gltf });
+    shape.format = Some(if document.is_binary { Format::GLB } else { Format::GLTF });
     let parts = parts(&document, limits)?;
     let n_vertices: u64 = parts.iter().map(|part| part.positions.count as u64).sum();
     limits.check_points(n_vertices)?;
@@ -63,7 +62,7 @@ pub(crate) fn read_gltf(
     let made = document.json.get("asset").and_then(|asset| asset.get("extras")?.get(NAME));
     let made = made.and_then(|made| Provenance::from_json(std::str::from_utf8(&made.to_text()).ok()?));
     shape.provenance = made.map(Arc::new);
-    shape.original = Some(Arc::new(Original::Gltf(GltfOriginal { document, parts })));
+    shape.set_source(GltfSource { document, parts });
     Ok(shape)
 }
 

@@ -1,6 +1,9 @@
 //! A file that is written again: positions and fields that changed go into their places, or behind all else where others use those
 //! places too.
 
+use crate::model::context::WriteContext;
+use crate::model::source_document::SourceDocument;
+use crate::model::source_document::Update;
 use std::collections::HashMap;
 use std::io::Write;
 
@@ -16,18 +19,18 @@ use super::write::{
     Attribute, Numbers, Rows, VERTICES, attributes, finish, positions, range, report_field, rows,
     set_provenance,
 };
-use crate::{Field, Format, ReadError, ShapeFile, ValueType, WriteError, WriteReport};
+use crate::{Field, Format, ReadError, ShapeFile, ValueType, WriteError};
 
 /// What is kept of the file.
 #[derive(Debug)]
-pub(crate) struct GltfOriginal {
+pub(crate) struct GltfSource {
     pub(crate) document: Document,
     pub(crate) parts: Vec<Part>,
 }
 
 /// The file as it becomes.
 struct Changed<'a> {
-    original: &'a GltfOriginal,
+    original: &'a GltfSource,
     json: Json,
     buffers: Vec<Vec<u8>>,
     added: Numbers,
@@ -35,26 +38,36 @@ struct Changed<'a> {
     meshes: HashMap<usize, usize>,
 }
 
-/// Writes the original with what changed; `None` where a node flattens its mesh, so that no place in the file gives the new one.
-pub(crate) fn update_gltf(
+impl SourceDocument for GltfSource {
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        update_gltf(self, shape, context)
+    }
+
+    /// Text and binary glTF hold the same.
+    fn can_update(&self, read: Format, written: Format) -> bool {
+        [read, written].iter().all(|&format| format == Format::GLB || format == Format::GLTF)
+    }
+}
+
+/// Writes the original with what changed, unless a node flattens its mesh, so that no place in the file gives the new one.
+fn update_gltf(
+    original: &GltfSource,
     shape: &ShapeFile,
-    original: &GltfOriginal,
-    format: Format,
-    out: &mut dyn Write,
-    progress: Progress<'_>,
-) -> Result<Option<WriteReport>, WriteError> {
-    let (document, mut report) = (&original.document, WriteReport::default());
+    context: &mut WriteContext<'_>,
+) -> Result<Update, WriteError> {
+    let (document, report) = (&original.document, &mut context.report);
+    let (format, progress) = (context.format, context.progress);
     let is_beside = |json: &Json| json.text_of("uri").is_some_and(|uri| !uri.starts_with("data:"));
     let is_alone = !["buffers", "images"].iter().any(|key| document.json.list_of(key).iter().any(is_beside));
     if !shape.moved && shape.edited.is_empty() && shape.format == Some(format) && is_alone {
         for chunk in document.bytes.chunks(crate::progress::BYTES_PER_STEP) {
             progress.step(0, 1)?;
-            out.write_all(chunk)?;
+            context.out.write_all(chunk)?;
         }
-        return Ok(Some(report));
+        return Ok(Update::Written);
     }
     if original.parts.iter().any(|part| inverse(&part.instance.matrix).is_none()) {
-        return Ok(None);
+        return Ok(Update::DoesNotFit);
     }
     let buffers: Vec<Vec<u8>> =
         (0..document.buffers.len()).map(|k| document.buffer(k).unwrap_or_default().to_vec()).collect();
@@ -77,15 +90,15 @@ pub(crate) fn update_gltf(
     }
     for name in &shape.edited {
         let Some(field) = shape.field(name) else { continue };
-        report_field(field, format, &mut report, progress)?;
+        report_field(field, format, report, progress)?;
         for part in 0..original.parts.len() {
             changed.set_field(field, part, progress)?;
         }
     }
     changed.pack_pictures(format);
     set_provenance(&mut changed.json, shape.valid_provenance());
-    changed.finish(format, out, progress)?;
-    Ok(Some(report))
+    changed.finish(format, context.out, progress)?;
+    Ok(Update::Written)
 }
 
 fn of_reading(error: ReadError) -> WriteError {
@@ -156,7 +169,8 @@ impl Changed<'_> {
                     [*x, *y, *z] = normal(&back, [(*x).into(), (*y).into(), (*z).into()]).map(|x| x as f32);
                 }
             };
-            let rows = rows(field, &attribute, (part.first, part.positions.count), turned, progress)?;
+            let rows =
+                rows(field, &attribute, part.first..part.first + part.positions.count, turned, progress)?;
             let old = part.attributes.iter().find(|(name, _)| {
                 *name == attribute.name || (attribute.channels.0 == 0 && field_name(name) == field.name)
             });
@@ -271,7 +285,7 @@ impl Changed<'_> {
         for (k, picture) in self.original.document.pictures.iter().enumerate() {
             let Some(bytes) = picture else { continue };
             let kind = kind_of_picture(bytes);
-            let view = (format == Format::Glb).then(|| {
+            let view = (format == Format::GLB).then(|| {
                 self.added.bytes.resize(self.added.bytes.len().next_multiple_of(4), 0);
                 let at = self.added.start + self.added.bytes.len();
                 self.added.bytes.extend_from_slice(bytes);

@@ -1,6 +1,7 @@
 //! Writer of a new file: one mesh in one buffer.
 
 use std::io::Write;
+use std::ops::Range;
 
 use adwave::Progress;
 use adwave::shape::bounding_box;
@@ -151,14 +152,15 @@ pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
     }
 }
 
-/// Encodes rows `first..first + count` of a field; `turned` modifies each row of floats.
+/// Rows of a field as an attribute has them; `turned` changes each row of floats.
 pub(crate) fn rows(
     field: &Field,
     attribute: &Attribute,
-    (first, count): (usize, usize),
+    range: Range<usize>,
     turned: impl Fn(&mut [f32]) + Sync + Send,
     progress: Progress<'_>,
 ) -> Result<Rows, WriteError> {
+    let (first, count) = (range.start, range.len());
     let (from, n) = attribute.channels;
     let flips = attribute.name == "TEXCOORD_0";
     let index = |i: usize, c: usize| (first + i) * field.n_channels + from + c;
@@ -262,7 +264,7 @@ pub(crate) fn write_gltf(
     for field in &shape.vertex_fields {
         report_field(field, format, report, progress)?;
         for attribute in attributes(field) {
-            let rows = rows(field, &attribute, (0, n), |_| {}, progress)?;
+            let rows = rows(field, &attribute, 0..n, |_| {}, progress)?;
             named.set(&attribute.name, numbers.add(&rows, VERTICES, None).into());
         }
     }
@@ -335,7 +337,7 @@ pub(crate) fn finish(
             progress.check()?;
             buffer.set("byteLength", bytes.len().into());
             buffer.remove("uri");
-            if k == 0 && format == Format::Glb {
+            if k == 0 && format == Format::GLB {
                 binary = bytes;
             } else if !bytes.is_empty() {
                 let encoded = base64::engine::general_purpose::STANDARD.encode(&bytes);
@@ -344,7 +346,7 @@ pub(crate) fn finish(
         }
     }
     let text = json.to_text();
-    if format == Format::Gltf {
+    if format == Format::GLTF {
         return Ok(out.write_all(&text)?);
     }
     let Some((head, n_padding)) = glb_head(&text, binary.len()) else {
@@ -366,7 +368,7 @@ mod tests {
         let points = vec![[4_512_345.123, 5_401_234.456, 312.001], [4_512_346.125, 5_401_234.455, 312.002]];
         let shape = ShapeFile::from_cloud(points.clone());
         let mut bytes = Vec::new();
-        write_bytes(&shape, Format::Glb, &mut bytes).unwrap();
+        write_bytes(&shape, Format::GLB, &mut bytes).unwrap();
         let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
         for (a, b) in points.as_flattened().iter().zip(again.points().as_flattened()) {
             assert!((a - b).abs() < 1e-6, "{a} became {b}");
@@ -378,7 +380,7 @@ mod tests {
         let mut shape = ShapeFile::from_cloud(vec![[0.0; 3]; 3]);
         shape.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..9).collect()))).unwrap();
         let mut bytes = Vec::new();
-        write_bytes(&shape, Format::Gltf, &mut bytes).unwrap();
+        write_bytes(&shape, Format::GLTF, &mut bytes).unwrap();
         assert!(String::from_utf8_lossy(&bytes).contains("\"byteStride\":4"));
         let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
         assert_eq!(again.vertex_fields(), shape.vertex_fields());

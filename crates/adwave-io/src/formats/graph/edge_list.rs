@@ -62,7 +62,7 @@ pub(crate) fn read_edge_list(
     if has_words {
         shape.extras.push("names of vertices".into());
     }
-    shape.format = Some(Format::EdgeList);
+    shape.format = Some(Format::EDGE_LIST);
     Ok(shape)
 }
 

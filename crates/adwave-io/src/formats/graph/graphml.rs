@@ -83,7 +83,7 @@ pub(crate) fn read_graphml(
     }
     let direction = if is_directed { Direction::RowToColumn } else { Direction::Both };
     let mut shape = ShapeFile::from_graph(nodes.n, edges(pairs, weights, direction));
-    shape.format = Some(Format::GraphMl);
+    shape.format = Some(Format::GRAPHML);
     nodes.attach(&mut shape, progress)?;
     if document.descendants().any(|n| n.has_tag_name("hyperedge") || n.has_tag_name("port")) {
         shape.extras.push("hyperedges and ports".into());

@@ -1,12 +1,13 @@
 //! Graphs: TGF, lists of edges as in SNAP and NetworkX, and GraphML.
 //!
-//! TGF and lists of edges have their own readers, as a line is only a few words; GraphML is read with `roxmltree`
-//! (`petgraph` only writes it, without fields).
+//! Library: `roxmltree` for GraphML (`petgraph` only writes it, and knows no fields); TGF and lists are a few words a line.
 
 pub(crate) mod edge_list;
 pub(crate) mod graphml;
 pub(crate) mod tgf;
 pub(crate) mod write;
+
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
 
 use std::collections::HashMap;
 
@@ -52,3 +53,60 @@ pub(crate) fn check(shape: &ShapeFile, format: Format, report: &mut WriteReport)
     report.leave_face_fields(shape, &[]);
     Ok(())
 }
+
+impl Format {
+    /// Trivial graph format.
+    pub const TGF: Self = Self::new("tgf");
+    /// List of edges, as SNAP and NetworkX have it.
+    pub const EDGE_LIST: Self = Self::new("edgelist");
+    /// GraphML.
+    pub const GRAPHML: Self = Self::new("graphml");
+}
+
+pub(crate) static TGF: FormatDescriptor = FormatDescriptor {
+    format: Format::TGF,
+    title: "Trivial graph format",
+    extensions: &["tgf"],
+    reads: "graphs; labels of three numbers as points, of edges as weights",
+    writes: "points, edges with weights",
+    loses: "faces, fields, other labels",
+    content: ContentKind::Graph,
+    recognize: |file| (file.is_named(&TGF) && file.is_text()).then_some(Evidence::NameAlone),
+    has_lines: |_| true,
+    read: Some(|bytes, c| tgf::read_tgf(&bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_tgf(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.tgf", bytes: include_bytes!("samples/a.tgf") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static EDGE_LIST: FormatDescriptor = FormatDescriptor {
+    format: Format::EDGE_LIST,
+    title: "list of edges",
+    extensions: &["edgelist", "edges", "el"],
+    reads: "graphs, as SNAP and NetworkX write them; weights",
+    writes: "edges with weights",
+    loses: "points, faces, fields, names",
+    content: ContentKind::Graph,
+    recognize: |file| (file.is_named(&EDGE_LIST) && file.is_text()).then_some(Evidence::NameAlone),
+    has_lines: |_| true,
+    read: Some(|bytes, c| edge_list::read_edge_list(&bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_edge_list(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.edges", bytes: include_bytes!("samples/a.edges") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static GRAPHML: FormatDescriptor = FormatDescriptor {
+    format: Format::GRAPHML,
+    title: "GraphML",
+    extensions: &["graphml"],
+    reads: "graphs; points from `x`, `y`, `z` or `pos`, weights, numbers of nodes as fields",
+    writes: "points, edges with weights, vertex fields",
+    loses: "faces, texts of nodes, other attributes of edges",
+    content: ContentKind::Graph,
+    holds_fields: true,
+    recognize: |file| file.has_element("graphml").then_some(Evidence::Signature),
+    read: Some(|bytes, c| graphml::read_graphml(bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_graphml(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.graphml", bytes: include_bytes!("samples/a.graphml") }],
+    ..FormatDescriptor::NEW
+};

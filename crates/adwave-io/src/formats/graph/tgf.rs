@@ -82,6 +82,6 @@ pub(crate) fn read_tgf(
     if has_more {
         shape.extras.push("what follows the edges".into());
     }
-    shape.format = Some(Format::Tgf);
+    shape.format = Some(Format::TGF);
     Ok(shape)
 }

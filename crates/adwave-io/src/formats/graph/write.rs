@@ -42,7 +42,7 @@ pub(crate) fn write_tgf(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    check(shape, Format::Tgf, report)?;
+    check(shape, Format::TGF, report)?;
     report.leave_vertex_fields(shape, &[]);
     let weights = Weights::of(shape, report);
     let mut line = Vec::new();
@@ -76,7 +76,7 @@ pub(crate) fn write_edge_list(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    check(shape, Format::EdgeList, report)?;
+    check(shape, Format::EDGE_LIST, report)?;
     report.leave_vertex_fields(shape, &[]);
     if !shape.points.is_empty() {
         report.leave_out("coordinates");
@@ -137,7 +137,7 @@ pub(crate) fn write_graphml(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    check(shape, Format::GraphMl, report)?;
+    check(shape, Format::GRAPHML, report)?;
     out.write_all(
         b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\">\n",
     )?;

@@ -11,8 +11,7 @@ use adwave::Progress;
 
 use crate::formats::las::extra::ExtraBytes;
 use crate::formats::las::fields::{Records, fields, record_bytes};
-use crate::formats::las::write::{LasOriginal, provenance};
-use crate::model::original::Original;
+use crate::formats::las::write::{LasSource, provenance};
 use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
@@ -105,7 +104,7 @@ pub(crate) fn read_las(
     };
     let mut shape =
         ShapeFile::from_cloud(collect(n, progress, |i| [0, 1, 2].map(|axis| coordinate(row(i), axis)))?);
-    shape.format = Some(if header.is_compressed { Format::Laz } else { Format::Las });
+    shape.format = Some(if header.is_compressed { Format::LAZ } else { Format::LAS });
     shape.precision = Precision::F64;
     shape.vertex_fields = fields(
         header.format,
@@ -116,7 +115,7 @@ pub(crate) fn read_las(
     shape.provenance = provenance(&records).map(Arc::new);
     // A list of points that the file has not could not be written again.
     if n as u64 == header.n_points {
-        shape.original = Some(Arc::new(Original::Las(LasOriginal { bytes: Arc::new(file), kept: None })));
+        shape.set_source(LasSource { bytes: Arc::new(file), kept: None });
     }
     Ok(shape)
 }

@@ -1,5 +1,6 @@
 //! Writing a LAS or LAZ: over the records that were read, so that whatever else they hold stays, or anew as version 1.2.
 
+use crate::model::source_document::SourceDocument;
 use std::io::{Cursor, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -12,16 +13,30 @@ use crate::formats::las::places::{Place, fits};
 use crate::formats::las::read::{
     Header, LASZIP, LEAST_HEADER, RECORD_HEAD, Record, is_copc_record, parse_header, records, unpacked,
 };
-use crate::model::original::Original;
 use crate::progress::at_row;
 use crate::provenance::{NAME, Provenance};
 use crate::{Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// The bytes of a LAS or LAZ, and which of its points the shape has; all where there is no list.
 #[derive(Debug)]
-pub(crate) struct LasOriginal {
+pub(crate) struct LasSource {
     pub(crate) bytes: Arc<Vec<u8>>,
     pub(crate) kept: Option<Vec<u32>>,
+}
+
+impl SourceDocument for LasSource {
+    /// The records of a LAS stay in a LAZ, and the other way round.
+    fn keeps_extras(&self, format: Format) -> bool {
+        format == Format::LAS || format == Format::LAZ
+    }
+
+    fn subset(&self, vertices: &[u32]) -> Option<Arc<dyn SourceDocument>> {
+        let kept = match &self.kept {
+            Some(kept) => vertices.iter().map(|&v| kept[v as usize]).collect(),
+            None => vertices.to_vec(),
+        };
+        Some(Arc::new(Self { bytes: Arc::clone(&self.bytes), kept: Some(kept) }))
+    }
 }
 
 /// Points that are compressed together.
@@ -62,10 +77,7 @@ pub(crate) fn write_las(
         report.leave_out("edges");
     }
     report.leave_face_fields(shape, &[]);
-    let original = match shape.original.as_deref() {
-        Some(Original::Las(original)) => Some(original),
-        _ => None,
-    };
+    let original = shape.source::<LasSource>();
     let mut parts = match original {
         Some(original) => {
             Parts::read(original, progress).ok_or_else(|| cannot(format, "points whose file is broken"))?
@@ -88,7 +100,7 @@ pub(crate) fn write_las(
     if original.is_none_or(|original| original.kept.is_some()) {
         parts.count();
     }
-    let bytes = parts.assembled(format == Format::Laz, format, progress)?;
+    let bytes = parts.assembled(format == Format::LAZ, format, progress)?;
     out.write_all(&bytes)?;
     Ok(())
 }
@@ -103,7 +115,7 @@ pub(crate) fn put<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
 
 impl Parts {
     /// Of a file that was read before; `None` where that is not possible, which only a changed library could bring about.
-    fn read(original: &LasOriginal, progress: Progress<'_>) -> Option<Self> {
+    fn read(original: &LasSource, progress: Progress<'_>) -> Option<Self> {
         let bytes = &original.bytes[..];
         let parsed = parse_header(bytes)?;
         let all = unpacked(bytes, &parsed, progress).ok()?;

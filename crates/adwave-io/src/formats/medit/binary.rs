@@ -1,16 +1,13 @@
 //! Medit in binary, versions 1 to 4: 32-bit floats in version 1, 64-bit places from 3 on, 64-bit numbers in 4.
 
-use std::sync::Arc;
-
 use adwave::Progress;
 
 use crate::bytes::cursor::Cursor;
 use crate::formats::medit::read::{Content, Found, NONE, content_of};
-use crate::formats::medit::write::MeditOriginal;
-use crate::formats::msh::write::Rows;
+use crate::formats::medit::write::MeditSource;
+use crate::model::binary_rows::CoordinateRows;
 use crate::model::binary_rows::{BinaryRows, Run};
 use crate::model::field::{ByteOrder, Number};
-use crate::model::original::Original;
 use crate::progress::{all, extend};
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
@@ -100,10 +97,11 @@ pub(crate) fn read_meshb(
     };
     let n_axes = input.dimension;
     let is_flat = n_axes == 2;
-    let mut shape = found.into_shape(Format::MeditBinary, progress)?;
+    let mut shape = found.into_shape(Format::MEDIT_BINARY, progress)?;
     shape.precision = if version == 1 { Precision::F32 } else { Precision::F64 };
-    let rows = Rows::Binary(BinaryRows { bytes, runs: vec![run], is_double: version > 1, n_axes, order });
-    shape.original = Some(Arc::new(Original::Medit(MeditOriginal { rows, is_flat })));
+    let rows =
+        CoordinateRows::Binary(BinaryRows { bytes, runs: vec![run], is_double: version > 1, n_axes, order });
+    shape.set_source(MeditSource { rows, is_flat });
     Ok(shape)
 }
 

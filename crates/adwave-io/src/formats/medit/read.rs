@@ -1,13 +1,11 @@
 //! Medit in text: keywords, each with a count and as many rows.
 
-use std::sync::Arc;
-
 use adwave::Progress;
 use adwave::shape::Polygons;
 
-use crate::formats::medit::write::MeditOriginal;
-use crate::formats::msh::write::Rows;
-use crate::model::original::{Original, Separator, TextRows};
+use crate::formats::medit::write::MeditSource;
+use crate::model::binary_rows::CoordinateRows;
+use crate::model::text_rows::{Separator, TextRows};
 use crate::model::volume::{Cell, Cells};
 use crate::progress::{all, at_row, collect};
 use crate::text::tokens::Tokens;
@@ -194,11 +192,11 @@ pub(crate) fn read_medit(
             "there is no keyword Vertices; get the whole file",
         ));
     }
-    let mut shape = found.into_shape(Format::Medit, progress)?;
+    let mut shape = found.into_shape(Format::MEDIT, progress)?;
     let columns = if dimension == 3 { [0, 1, 2] } else { [0, 1, usize::MAX] };
     let separator = Separator::OverLines;
-    let rows = Rows::Text(TextRows { bytes, rows, columns, separator, names: None });
-    shape.original = Some(Arc::new(Original::Medit(MeditOriginal { rows, is_flat: dimension == 2 })));
+    let rows = CoordinateRows::Text(TextRows { bytes, rows, columns, separator, names: None });
+    shape.set_source(MeditSource { rows, is_flat: dimension == 2 });
     Ok(shape)
 }
 

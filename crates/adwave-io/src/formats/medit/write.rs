@@ -1,43 +1,46 @@
 //! Medit: the original with other coordinates, or a new file.
 
+use crate::model::context::WriteContext;
+use crate::model::source_document::SourceDocument;
+use crate::model::source_document::Update;
 use std::io::Write;
 
 use adwave::Progress;
 
-use crate::formats::msh::write::Rows;
-use crate::model::original::RowEdit;
+use crate::model::binary_rows::CoordinateRows;
 use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, Format, Precision, ShapeFile, WriteError, WriteReport};
 
 /// What is kept of a Medit mesh to update it.
 #[derive(Debug)]
-pub(crate) struct MeditOriginal {
-    pub(crate) rows: Rows,
+pub(crate) struct MeditSource {
+    pub(crate) rows: CoordinateRows,
     /// Whether points have two coordinates.
     pub(crate) is_flat: bool,
 }
 
-/// Writes the original with other coordinates; nothing where it does not hold what changed.
-pub(crate) fn update_medit(
-    shape: &ShapeFile,
-    original: &MeditOriginal,
-    out: &mut dyn Write,
-    progress: Progress<'_>,
-) -> Result<Option<WriteReport>, WriteError> {
-    let is_new = |name: &String| name == "reference";
-    if shape.edited.iter().any(is_new) || (original.is_flat && shape.points.iter().any(|p| p[2] != 0.0)) {
-        return Ok(None);
+impl SourceDocument for MeditSource {
+    /// Writes the original with other coordinates, if it holds what changed.
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        let is_new = |name: &String| name == "reference";
+        let left_the_plane = self.is_flat && shape.points.iter().any(|p| p[2] != 0.0);
+        if left_the_plane || shape.edited.iter().any(is_new) {
+            return Ok(Update::DoesNotFit);
+        }
+        for name in &shape.edited {
+            context.report.leave_out(format!("vertex field `{name}`"));
+        }
+        self.rows.write_all(shape, context)?;
+        Ok(Update::Written)
     }
-    let mut report = WriteReport::default();
-    for name in &shape.edited {
-        report.leave_out(format!("vertex field `{name}`"));
-    }
-    match &original.rows {
-        Rows::Text(rows) => rows.write_all(shape, &RowEdit::default(), out, progress)?,
-        Rows::Binary(rows) => rows.write_range((0, rows.bytes.len()), shape, out, progress)?,
-    }
-    Ok(Some(report))
+}
+
+/// A keyword of the text and its number in a binary file.
+#[derive(Clone, Copy)]
+struct Keyword {
+    name: &'static str,
+    number: i32,
 }
 
 /// Whole numbers of 32 bits that become references.
@@ -99,12 +102,13 @@ pub(crate) fn write_medit(
         40 * shape.points.len() + 16 * triangles.len() + 20 * quadrilaterals.len() + 12 * edges.len();
     let is_single = shape.precision == Precision::F32;
     let version = if n_bytes > 1 << 30 { 3 } else { 2 - i32::from(is_single) };
-    let mut writer = Writer { is_binary: format == Format::MeditBinary, version, position: 0, out, progress };
+    let mut writer =
+        Writer { is_binary: format == Format::MEDIT_BINARY, version, position: 0, out, progress };
     writer.head()?;
     writer.vertices(shape, |i| reference(of_points, i))?;
-    writer.elements(("Edges", 5), &edges)?;
-    writer.elements(("Triangles", 6), &triangles)?;
-    writer.elements(("Quadrilaterals", 7), &quadrilaterals)?;
+    writer.elements(Keyword { name: "Edges", number: 5 }, &edges)?;
+    writer.elements(Keyword { name: "Triangles", number: 6 }, &triangles)?;
+    writer.elements(Keyword { name: "Quadrilaterals", number: 7 }, &quadrilaterals)?;
     writer.end()
 }
 
@@ -146,19 +150,23 @@ impl Writer<'_, '_> {
     }
 
     /// Begins `n` rows of `row_bytes` each.
-    fn begin(&mut self, (name, number): (&str, i32), n: usize, row_bytes: usize) -> Result<(), WriteError> {
+    fn begin(&mut self, keyword: Keyword, n: usize, row_bytes: usize) -> Result<(), WriteError> {
         if !self.is_binary {
-            return Ok(writeln!(self.out, "\n{name}\n{n}")?);
+            return Ok(writeln!(self.out, "\n{}\n{n}", keyword.name)?);
         }
         let after = self.position + 4 + self.n_place_bytes() + 4 + (n * row_bytes) as u64;
-        self.put(&number.to_le_bytes())?;
+        self.put(&keyword.number.to_le_bytes())?;
         self.place(after)?;
         self.put(&(n as i32).to_le_bytes())
     }
 
     fn vertices(&mut self, shape: &ShapeFile, reference: impl Fn(usize) -> i32) -> Result<(), WriteError> {
         let is_single = self.version == 1;
-        self.begin(("Vertices", 4), shape.points.len(), if is_single { 16 } else { 28 })?;
+        self.begin(
+            Keyword { name: "Vertices", number: 4 },
+            shape.points.len(),
+            if is_single { 16 } else { 28 },
+        )?;
         let mut row = Vec::new();
         for (i, point) in shape.points.iter().enumerate() {
             at_row(self.progress, i as u64, shape.points.len() as u64)?;
@@ -186,7 +194,7 @@ impl Writer<'_, '_> {
 
     fn elements<const N: usize>(
         &mut self,
-        keyword: (&str, i32),
+        keyword: Keyword,
         rows: &[([u32; N], i32)],
     ) -> Result<(), WriteError> {
         if rows.is_empty() {

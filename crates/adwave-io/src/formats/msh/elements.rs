@@ -8,7 +8,7 @@ use crate::ReadError;
 use crate::formats::msh::input::Input;
 use crate::formats::msh::kinds::Kind;
 use crate::formats::msh::nodes::{NONE, Tags};
-use crate::model::field::Number;
+use crate::model::field::{ByteOrder, Number};
 use crate::model::volume::Cells;
 use crate::progress::{at_row, extend};
 
@@ -130,7 +130,7 @@ fn text_2(elements: &mut Elements, input: &mut Input<'_>, nodes: &Tags, row: u64
         }
     }
     elements.begin(kind, n_nodes, 1);
-    push(elements, input, nodes, kind, n_nodes, tag, row)?;
+    push(elements, input, nodes, Element { kind, n_nodes, tag }, row)?;
     if let Some(part) = elements.part(kind) {
         part.physical.push(tags[0]);
         part.elementary.push(tags[1]);
@@ -138,16 +138,22 @@ fn text_2(elements: &mut Elements, input: &mut Input<'_>, nodes: &Tags, row: u64
     Ok(())
 }
 
-/// Reads the nodes of one text element.
+/// An element of a text before its nodes.
+struct Element {
+    kind: Kind,
+    n_nodes: usize,
+    tag: u64,
+}
+
+/// Reads the nodes of one element of a text.
 fn push(
     elements: &mut Elements,
     input: &mut Input<'_>,
     nodes: &Tags,
-    kind: Kind,
-    n_nodes: usize,
-    tag: u64,
+    element: Element,
     row: u64,
 ) -> Result<(), ReadError> {
+    let Element { kind, tag, n_nodes } = element;
     let mut tokens = input.tokens();
     let part = elements.part(kind);
     let mut corners = [NONE; 8];
@@ -187,14 +193,16 @@ fn read_block(
         let rows = cursor.rows(block.n, (n_bytes * (1 + block.n_nodes)) as u64, "element")?;
         let start = input.position;
         input.position = cursor.position;
-        binary_rows(elements, input, nodes, block, (rows, start), (n_bytes, 1), progress)?;
+        let layout = RowLayout { rows, start, n_bytes, head: 1, order: input.order };
+        binary_rows(elements, nodes, block, &layout, progress)?;
     } else {
         input.tokens().check(block.n, 2 + 2 * block.n_nodes as u64, "element")?;
         elements.begin(block.kind, block.n_nodes, block.n);
         for row in 0..block.n {
             at_row(progress, row, block.n)?;
             let tag = input.size("element", row)?;
-            push(elements, input, nodes, block.kind, block.n_nodes, tag, row)?;
+            let element = Element { kind: block.kind, n_nodes: block.n_nodes, tag };
+            push(elements, input, nodes, element, row)?;
         }
     }
     if let Some(part) = elements.part(block.kind) {
@@ -231,7 +239,8 @@ fn binary_2(
         let start = cursor.position;
         let rows = cursor.rows(n_rows as u64, (4 * (head + n_nodes)) as u64, "element")?;
         let block = Block { kind, n_nodes, n: n_rows as u64, physical: 0, elementary: 0 };
-        binary_rows(elements, input, nodes, &block, (rows, start), (4, head), progress)?;
+        let layout = RowLayout { rows, start, n_bytes: 4, head, order: input.order };
+        binary_rows(elements, nodes, &block, &layout, progress)?;
         let order = input.order;
         if let Some(part) = elements.part(kind) {
             let stride = 4 * (head + n_nodes);
@@ -249,17 +258,26 @@ fn binary_2(
     Ok(())
 }
 
-/// Reads rows of `head` numbers, the first of which is the tag, and the nodes; each number has `n_bytes`.
+/// Rows of `head` numbers, of which the first is the tag, and the nodes, each number of `n_bytes` bytes.
+struct RowLayout<'a> {
+    rows: &'a [u8],
+    /// The byte of the file where the rows begin.
+    start: usize,
+    n_bytes: usize,
+    head: usize,
+    order: ByteOrder,
+}
+
+/// Reads the rows of a block of a binary file.
 fn binary_rows(
     elements: &mut Elements,
-    input: &Input<'_>,
     nodes: &Tags,
     block: &Block,
-    (rows, start): (&[u8], usize),
-    (n_bytes, head): (usize, usize),
+    layout: &RowLayout<'_>,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
-    let (n, n_corners, order) = (block.n as usize, block.kind.n_corners(), input.order);
+    let RowLayout { rows, start, n_bytes, head, order } = *layout;
+    let (n, n_corners) = (block.n as usize, block.kind.n_corners());
     elements.begin(block.kind, block.n_nodes, block.n);
     let Some(part) = elements.part(block.kind) else { return Ok(()) };
     let stride = n_bytes * (head + block.n_nodes);

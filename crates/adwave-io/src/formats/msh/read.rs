@@ -1,7 +1,6 @@
 //! Gmsh MSH: what the sections say, as a shape.
 
-use std::sync::Arc;
-
+use crate::model::binary_rows::CoordinateRows;
 use adwave::Progress;
 use adwave::shape::Polygons;
 
@@ -9,11 +8,11 @@ use crate::formats::msh::elements::{Elements, Groups, Part, read_elements};
 use crate::formats::msh::fields::{Values, read_values};
 use crate::formats::msh::input::{Input, Skips};
 use crate::formats::msh::nodes::{NONE, Nodes, Tags, read_nodes};
-use crate::formats::msh::write::{MshOriginal, Rows};
+use crate::formats::msh::write::MshSource;
 use crate::model::binary_rows::BinaryRows;
 use crate::model::field::ByteOrder;
 use crate::model::grouping::unique;
-use crate::model::original::{Original, Separator, TextRows};
+use crate::model::text_rows::{Separator, TextRows};
 use crate::progress::{at_row, collect};
 use crate::text::line_end;
 use crate::{Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -56,7 +55,7 @@ pub(crate) fn read_msh(
     let elements = found.elements.take().ok_or_else(|| missing("$Elements"))?;
     let tags = found.tags.take().ok_or_else(|| missing("$Nodes"))?;
     let mut shape = ShapeFile::from_cloud(nodes.points);
-    shape.format = Some(if is_binary { Format::Msh } else { Format::MshAscii });
+    shape.format = Some(if is_binary { Format::MSH } else { Format::MSH_ASCII });
     let mut budget = 1_000_000 + 8 * bytes.len();
     for values in &found.of_nodes {
         let name = unique(&shape.vertex_fields, values.name.clone());
@@ -66,14 +65,14 @@ pub(crate) fn read_msh(
     attach(&mut shape, elements, &found.of_elements, &mut budget, progress)?;
     shape.extras.extend(found.extras.iter().map(ToString::to_string));
     let rows = if is_binary {
-        Rows::Binary(BinaryRows { bytes, runs: nodes.runs, is_double: true, n_axes: 3, order })
+        CoordinateRows::Binary(BinaryRows { bytes, runs: nodes.runs, is_double: true, n_axes: 3, order })
     } else {
         let (columns, separator) = ([0, 1, 2], Separator::OverLines);
-        Rows::Text(TextRows { bytes, rows: nodes.rows, columns, separator, names: None })
+        CoordinateRows::Text(TextRows { bytes, rows: nodes.rows, columns, separator, names: None })
     };
     let tags = if matches!(tags, Tags::Run(1, _)) { Vec::new() } else { nodes.tags };
-    let original = MshOriginal { rows, tags, sections: found.sections };
-    shape.original = Some(Arc::new(Original::Msh(original)));
+    let original = MshSource { rows, tags, sections: found.sections };
+    shape.set_source(original);
     Ok(shape)
 }
 

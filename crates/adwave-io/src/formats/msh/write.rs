@@ -3,56 +3,54 @@
 //! 2.2 and not 4.1, because it has physical and elementary tags for each element, where 4.1 has them for whole entities only, and
 //! because everything that reads MSH reads it.
 
+use crate::model::binary_rows::CoordinateRows;
+use crate::model::context::WriteContext;
+use crate::model::source_document::SourceDocument;
+use crate::model::source_document::Update;
 use std::io::Write;
 
 use adwave::Progress;
 
-use crate::model::binary_rows::BinaryRows;
 use crate::model::field::ByteOrder;
-use crate::model::original::{RowEdit, TextRows};
+use crate::model::text_rows::RowEdit;
 use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, Format, ShapeFile, WriteError, WriteReport};
 
-/// A text or a binary file with its coordinates in place.
-#[derive(Debug)]
-pub(crate) enum Rows {
-    Text(TextRows),
-    Binary(BinaryRows),
-}
-
 /// What is kept of an MSH to update it.
 #[derive(Debug)]
-pub(crate) struct MshOriginal {
-    pub(crate) rows: Rows,
+pub(crate) struct MshSource {
+    pub(crate) rows: CoordinateRows,
     /// The tag of each vertex; empty where they count from 1.
     pub(crate) tags: Vec<u64>,
     /// Fields of vertices by name, and where their sections are.
     pub(crate) sections: Vec<(String, usize, usize)>,
 }
 
-/// Writes the original with other coordinates and with the fields that are new; false where it does not hold them.
-pub(crate) fn update_msh(
+/// Writes the original with other coordinates and with the fields that are new, if it holds them.
+fn update_msh(
+    original: &MshSource,
     shape: &ShapeFile,
-    original: &MshOriginal,
-    out: &mut dyn Write,
-    progress: Progress<'_>,
-) -> Result<Option<WriteReport>, WriteError> {
+    context: &mut WriteContext<'_>,
+) -> Result<Update, WriteError> {
+    let (out, progress) = (&mut *context.out, context.progress);
     if original.tags.iter().any(|&tag| tag > i32::MAX as u64) && !shape.edited.is_empty() {
-        return Ok(None);
+        return Ok(Update::DoesNotFit);
     }
     let (bytes, first) = match &original.rows {
-        Rows::Text(rows) => (&rows.bytes, rows.rows.first().map_or(rows.bytes.len(), |&row| row as usize)),
-        Rows::Binary(rows) => (&rows.bytes, rows.first()),
+        CoordinateRows::Text(rows) => {
+            (&rows.bytes, rows.rows.first().map_or(rows.bytes.len(), |&row| row as usize))
+        }
+        CoordinateRows::Binary(rows) => (&rows.bytes, rows.first()),
     };
     let mut from = 0;
     let mut piece = |to: usize, next: usize, out: &mut dyn Write| -> Result<(), WriteError> {
         if (from..to).contains(&first) {
             match &original.rows {
-                Rows::Text(rows) => {
-                    rows.write_range((from, to), shape, &RowEdit::default(), out, progress)?;
+                CoordinateRows::Text(rows) => {
+                    rows.write_range(from..to, shape, &RowEdit::default(), out, progress)?;
                 }
-                Rows::Binary(rows) => rows.write_range((from, to), shape, out, progress)?,
+                CoordinateRows::Binary(rows) => rows.write_range(from..to, shape, out, progress)?,
             }
         } else {
             out.write_all(&bytes[from..to])?;
@@ -64,18 +62,24 @@ pub(crate) fn update_msh(
         piece(*start, *end, out)?;
     }
     piece(bytes.len(), bytes.len(), out)?;
-    let (is_binary, order) = match &original.rows {
-        Rows::Text(_) => (false, ByteOrder::Little),
-        Rows::Binary(rows) => (true, rows.order),
+    let order = match &original.rows {
+        CoordinateRows::Text(_) => None,
+        CoordinateRows::Binary(rows) => Some(rows.order),
     };
     if !shape.edited.is_empty() && !bytes.ends_with(b"\n") {
         out.write_all(b"\n")?;
     }
     let tag = |i: usize| original.tags.get(i).map_or(i as u32 + 1, |&tag| tag as u32);
     for field in shape.vertex_fields.iter().filter(|f| shape.edited.contains(&f.name)) {
-        write_values("NodeData", field, &tag, (is_binary, order), out, progress)?;
+        write_values("NodeData", field, &tag, order, out, progress)?;
     }
-    Ok(Some(WriteReport::default()))
+    Ok(Update::Written)
+}
+
+impl SourceDocument for MshSource {
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        update_msh(self, shape, context)
+    }
 }
 
 /// Writes a new file.
@@ -86,7 +90,7 @@ pub(crate) fn write_msh(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let is_binary = format == Format::Msh;
+    let is_binary = format == Format::MSH;
     let n = i32::try_from(shape.n_vertices.max(shape.faces.len()).max(shape.edges.pairs.len()));
     if n.is_err() {
         return Err(WriteError::CannotHold { format, what: "2^31 vertices or faces".into() });
@@ -117,7 +121,7 @@ pub(crate) fn write_msh(
     }
     writeln!(out, "{}$EndNodes", if is_binary { "\n" } else { "" })?;
     write_elements(shape, is_binary, report, out, progress)?;
-    let encoding = (is_binary, ByteOrder::Little);
+    let encoding = is_binary.then_some(ByteOrder::Little);
     for field in &shape.vertex_fields {
         write_values("NodeData", field, &|i| i as u32 + 1, encoding, out, progress)?;
     }
@@ -220,7 +224,7 @@ impl Elements<'_> {
             self.run_size = corners.len();
         }
         // Splitting polygons may make more elements than there are numbers.
-        let beyond = || WriteError::CannotHold { format: Format::Msh, what: "2^31 elements".into() };
+        let beyond = || WriteError::CannotHold { format: Format::MSH, what: "2^31 elements".into() };
         self.n = self.n.checked_add(1).ok_or_else(beyond)?;
         self.n_run += 1;
         if self.is_binary {
@@ -256,12 +260,12 @@ fn kind(n_corners: usize) -> i32 {
     n_corners as i32 - 1
 }
 
-/// Writes a field; each row belongs to the node or element of that tag.
+/// Writes a field, as text or as binary in a byte order; a row of it belongs to the node or element of that tag.
 fn write_values(
     section: &str,
     field: &Field,
     tag: &dyn Fn(usize) -> u32,
-    (is_binary, order): (bool, ByteOrder),
+    order: Option<ByteOrder>,
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
@@ -273,7 +277,7 @@ fn write_values(
         at_row(progress, i as u64, n as u64)?;
         row.clear();
         let values = (0..field.n_channels).map(|c| field.get(i, c));
-        if is_binary {
+        if let Some(order) = order {
             crate::model::field::Number::write_bytes(tag(i), order, &mut row);
             values.for_each(|x| crate::model::field::Number::write_bytes(x, order, &mut row));
         } else {
@@ -286,6 +290,6 @@ fn write_values(
         }
         out.write_all(&row)?;
     }
-    writeln!(out, "{}$End{section}", if is_binary { "\n" } else { "" })?;
+    writeln!(out, "{}$End{section}", if order.is_some() { "\n" } else { "" })?;
     Ok(())
 }

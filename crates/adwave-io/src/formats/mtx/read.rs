@@ -79,7 +79,7 @@ pub(crate) fn read_mtx(
         }
     }
     let mut shape = ShapeFile::from_graph(n_rows as usize, edges);
-    shape.format = Some(Format::Mtx);
+    shape.format = Some(Format::MTX);
     Ok(shape)
 }
 

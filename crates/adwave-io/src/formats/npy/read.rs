@@ -2,14 +2,13 @@
 //!
 //! An own parser: the header is one line, and the libraries reserve what it promises before they look at the file.
 
+use crate::files::read::parse_file;
 use std::path::Path;
 
 use adwave::Progress;
 
-use crate::limits::decompress;
 use crate::model::field::{ByteOrder, Number, with_values};
 use crate::progress::extend;
-use crate::registry::read::read_file;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
 
 /// An array of numbers, last index fastest.
@@ -49,10 +48,7 @@ pub fn read_npy_with(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<NpyArray, ReadError> {
-    read_file(path, limits, progress)
-        .and_then(|bytes| decompress(bytes, limits, progress))
-        .and_then(|bytes| parse(&bytes, progress))
-        .map_err(|e| e.in_file(path))
+    parse_file(path, limits, progress, |bytes| parse(&bytes, progress))
 }
 
 /// As [`read_npy`], from bytes.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
 
-use crate::formats::mtx::write::{MatrixValues, SparseRows};
+use crate::model::sparse_rows::{MatrixValues, SparseRows};
 use crate::{WriteError, atomic_write};
 
 /// Whether arrays are compressed.

@@ -67,10 +67,17 @@ pub(crate) fn attach(
     tails(shape, chunks, progress)?;
     let texcoords = joined(chunks, progress, |p| &mut p.texcoords)?;
     let n_channels = chunks.iter().map(|p| p.n_texcoord_channels).max().unwrap_or(0).max(2);
-    let name = ("texcoord", "texture coordinates");
-    corner_field(shape, name, n_channels, (&texcoords, &indices.texcoords), progress)?;
+    let name = "texcoord";
+    let list = CornerValues { list: &texcoords, indices: &indices.texcoords, name, n_channels };
+    if !corner_field(shape, &list, progress)? {
+        shape.extras.push("texture coordinates of face corners".into());
+    }
     let normals = joined(chunks, progress, |p| &mut p.normals)?;
-    corner_field(shape, ("normal", "normals"), 3, (&normals, &indices.normals), progress)
+    let list = CornerValues { list: &normals, indices: &indices.normals, name: "normal", n_channels: 3 };
+    if !corner_field(shape, &list, progress)? {
+        shape.extras.push("normals of face corners".into());
+    }
+    Ok(())
 }
 
 fn joined(
@@ -114,31 +121,34 @@ fn tails(shape: &mut ShapeFile, chunks: &mut [Chunk], progress: Progress<'_>) ->
     Ok(())
 }
 
-/// Converts values at corners to a vertex field, if all corners of each vertex have the same value.
+/// Values that the corners of faces name by index.
+struct CornerValues<'a> {
+    list: &'a [[f64; 3]],
+    indices: &'a [u32],
+    name: &'a str,
+    n_channels: usize,
+}
+
+/// Adds a field from values at corners; `false` if a vertex has several values.
 fn corner_field(
     shape: &mut ShapeFile,
-    (name, what): (&str, &str),
-    n_channels: usize,
-    (list, corner_indices): (&[[f64; 3]], &[u32]),
+    values: &CornerValues<'_>,
     progress: Progress<'_>,
-) -> Result<(), Cancelled> {
+) -> Result<bool, Cancelled> {
+    let CornerValues { list, indices, name, n_channels } = *values;
     if list.is_empty() {
-        return Ok(());
+        return Ok(true);
     }
-    match one_per_vertex(shape, list, corner_indices, progress)? {
-        None => shape.extras.push(format!("{what} of face corners")),
-        Some(of_vertex) => {
-            let mut values = Vec::with_capacity(of_vertex.len() * n_channels);
-            let n = of_vertex.len() as u64;
-            for (i, index) in of_vertex.into_iter().enumerate() {
-                at_row(progress, i as u64, n)?;
-                let value = list.get(index as usize).copied().unwrap_or([f64::NAN; 3]);
-                values.extend_from_slice(&value[..n_channels]);
-            }
-            shape.vertex_fields.push(Field::new(name, n_channels, FieldValues::F64(values)));
-        }
+    let Some(of_vertex) = one_per_vertex(shape, list, indices, progress)? else { return Ok(false) };
+    let mut values = Vec::with_capacity(of_vertex.len() * n_channels);
+    let n = of_vertex.len() as u64;
+    for (i, index) in of_vertex.into_iter().enumerate() {
+        at_row(progress, i as u64, n)?;
+        let value = list.get(index as usize).copied().unwrap_or([f64::NAN; 3]);
+        values.extend_from_slice(&value[..n_channels]);
     }
-    Ok(())
+    shape.vertex_fields.push(Field::new(name, n_channels, FieldValues::F64(values)));
+    Ok(true)
 }
 
 /// Index of the single value of each vertex; `None` if a vertex has several values, or a corner has none.

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use crate::formats::obj::attributes::{CornerIndices, attach};
 use crate::formats::obj::line::{Line, parse_line};
-use crate::model::original::{Original, Separator, TextRows};
+use crate::formats::obj::source::ObjSource;
+use crate::model::text_rows::{Separator, TextRows};
 use crate::progress::all;
 use crate::provenance::in_comments;
 use crate::text::{is_blank, line_of};
@@ -168,7 +169,7 @@ fn join(
 
     let mut shape = ShapeFile::empty();
     shape.n_vertices = n_vertices;
-    shape.format = Some(Format::Obj);
+    shape.format = Some(Format::OBJ);
     let edges: Vec<u32> = chunks.iter_mut().flat_map(|p| std::mem::take(&mut p.edges)).collect();
     let (points, rows, faces) = lists(&mut chunks, [n_vertices, n_faces, n_corners], progress)?;
     (shape.points, shape.faces) = (points.into(), faces.into());
@@ -188,13 +189,13 @@ fn join(
             shape.extras.push(what.into());
         }
     }
-    shape.original = Some(Arc::new(Original::Rows(TextRows {
+    shape.set_source(ObjSource(TextRows {
         bytes,
         rows,
         columns: [0, 1, if n_flat > 0 { usize::MAX } else { 2 }],
         separator: Separator::Blanks,
         names: None,
-    })));
+    }));
     Ok(shape)
 }
 

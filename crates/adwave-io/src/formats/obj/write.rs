@@ -4,19 +4,24 @@ use std::io::Write;
 
 use adwave::Progress;
 
-use crate::model::original::{RowEdit, TextRows};
+use crate::model::context::WriteContext;
+use crate::model::source_document::Update;
+use crate::model::text_rows::{RowEdit, TextRows};
 use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
 /// Writes the original with other coordinates, and with other colors if these were replaced.
 pub(crate) fn update_obj(
-    shape: &ShapeFile,
     rows: &TextRows,
-    out: &mut dyn Write,
-    progress: Progress<'_>,
-) -> Result<WriteReport, WriteError> {
-    let mut report = WriteReport::default();
+    shape: &ShapeFile,
+    context: &mut WriteContext<'_>,
+) -> Result<Update, WriteError> {
+    // Points of the plane that left it need a z each.
+    if rows.columns[2] == usize::MAX && shape.points.iter().any(|p| p[2] != 0.0) {
+        return Ok(Update::DoesNotFit);
+    }
+    let report = &mut context.report;
     for name in &shape.edited {
         match name.as_str() {
             "color" => {}
@@ -32,8 +37,8 @@ pub(crate) fn update_obj(
     };
     // Whatever stands after z makes room for the color.
     let dropped: &[usize] = if color.is_some() { &[3, 4, 5, 6, 7] } else { &[] };
-    rows.write_all(shape, &RowEdit { dropped, append: Some(&append) }, out, progress)?;
-    Ok(report)
+    rows.write_all(shape, &RowEdit { dropped, append: Some(&append) }, context.out, context.progress)?;
+    Ok(Update::Written)
 }
 
 fn is_color(field: &Field) -> bool {

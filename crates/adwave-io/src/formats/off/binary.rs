@@ -1,7 +1,8 @@
 //! Binary OFF: `OFF BINARY`, then big-endian numbers of 32 bits, as Geomview has it.
 
+use crate::formats::off::OffSource;
+use crate::model::binary_rows::CoordinateRows;
 use std::io::Write;
-use std::sync::Arc;
 
 use adwave::Progress;
 use adwave::shape::Polygons;
@@ -10,7 +11,6 @@ use crate::bytes::cursor::Cursor;
 use crate::formats::off::read::{Layout, divide};
 use crate::model::binary_rows::{BinaryRows, Run};
 use crate::model::field::{ByteOrder, Number};
-use crate::model::original::Original;
 use crate::progress::{all, at_row, collect};
 use crate::{
     Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, WriteError, WriteReport,
@@ -20,7 +20,7 @@ use crate::{
 pub(crate) fn head(bytes: &[u8]) -> Option<(Layout, usize)> {
     let end = memchr::memchr(b'\n', &bytes[..bytes.len().min(256)])?;
     let mut words = crate::text::words(&bytes[..end]);
-    let (letters, rest) = crate::registry::sniff::off_keyword(words.next()?)?;
+    let (letters, rest) = crate::formats::off::off_keyword(words.next()?)?;
     let is_binary = rest.is_empty() && words.next() == Some(b"BINARY");
     (is_binary && !letters.contains(&b'n')).then(|| (Layout::of(letters), end + 1))
 }
@@ -63,7 +63,7 @@ pub(crate) fn read_off_binary(
     let number = |at: usize| f32::from_bytes(&rows[at..], ByteOrder::Big);
     let point = |i: usize| [0, 4, 8].map(|at| f64::from(number(stride * i + at)));
     let mut shape = ShapeFile::from_cloud(collect(n, progress, point)?);
-    shape.format = Some(Format::OffBinary);
+    shape.format = Some(Format::OFF_BINARY);
     shape.precision = Precision::F32;
     let mut offset = 12;
     for &(name, n_channels) in &parts[1..] {
@@ -80,12 +80,12 @@ pub(crate) fn read_off_binary(
             shape.points = rounded.into();
             shape.precision = Precision::F32;
         } else {
-            shape.format = Some(Format::Off);
+            shape.format = Some(Format::OFF);
         }
     } else {
         let runs = vec![Run { start: first, n, stride }];
         let rows = BinaryRows { bytes, runs, is_double: false, n_axes: 3, order: ByteOrder::Big };
-        shape.original = Some(Arc::new(Original::OffBinary(rows)));
+        shape.set_source(OffSource(CoordinateRows::Binary(rows)));
     }
     Ok(shape)
 }
@@ -176,7 +176,7 @@ pub(crate) fn write_off_binary(
     let counts = [shape.points.len(), shape.faces.len()].map(i32::try_from);
     let [Ok(n_vertices), Ok(n_faces)] = counts else {
         let what = "2^31 vertices or faces".into();
-        return Err(WriteError::CannotHold { format: Format::OffBinary, what });
+        return Err(WriteError::CannotHold { format: Format::OFF_BINARY, what });
     };
     let letter = |name: &str, letters| if names.contains(&name) { letters } else { "" };
     let letters = [letter("texcoord", "ST"), letter("color", "C"), letter("normal", "N")].concat();

@@ -5,9 +5,11 @@
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
 
-use crate::model::original::{Original, Separator, TextRows};
+use crate::formats::off::OffSource;
+use crate::formats::off::off_keyword;
+use crate::model::binary_rows::CoordinateRows;
+use crate::model::text_rows::{Separator, TextRows};
 use crate::progress::at_row;
-use crate::registry::sniff::off_keyword;
 use crate::text::lines::{Statement, Statements};
 use crate::text::{parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -113,7 +115,7 @@ pub(crate) fn finish(
 ) -> Result<ShapeFile, ReadError> {
     let Values { points, rows, tails, faces, face_tails } = values;
     let mut shape = ShapeFile::from_mesh(points, faces);
-    shape.format = Some(Format::Off);
+    shape.format = Some(Format::OFF);
     vertex_fields(&mut shape, layout, &tails, progress)?;
     match face_tails.longest {
         0 => {}
@@ -127,7 +129,7 @@ pub(crate) fn finish(
     if !divide(&mut shape) {
         let names = None;
         let rows = TextRows { bytes, rows, columns: [0, 1, 2], separator, names };
-        shape.original = Some(std::sync::Arc::new(Original::Rows(rows)));
+        shape.set_source(OffSource(CoordinateRows::Text(rows)));
     }
     Ok(shape)
 }

@@ -4,7 +4,7 @@ use adwave::Progress;
 use adwave::shape::Polygons;
 
 use crate::formats::off::read::{Layout, Tails, Values, finish, header};
-use crate::model::original::Separator;
+use crate::model::text_rows::Separator;
 use crate::progress::at_row;
 use crate::text::lines::Statements;
 use crate::text::tokens::Tokens;
@@ -63,7 +63,7 @@ pub(crate) fn read_by_tokens(
 fn after_counts(bytes: &[u8]) -> Option<usize> {
     let mut tokens = Tokens::new(bytes, if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 });
     let (start, keyword) = tokens.next()?;
-    let (letters, rest) = crate::registry::sniff::off_keyword(keyword)?;
+    let (letters, rest) = crate::formats::off::off_keyword(keyword)?;
     let end = crate::text::line_end(bytes, start);
     for _ in 0..if letters.contains(&b'n') { 4 } else { 3 } {
         tokens.count("the counts", 0).ok()?;

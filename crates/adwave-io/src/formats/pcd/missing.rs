@@ -1,12 +1,9 @@
 //! Points without a place, as depth cameras write them where they saw nothing: the shape is without them, and they come back as they
 //! were when it is written as a PCD.
 
-use std::sync::Arc;
-
 use adwave::{Cancelled, Progress};
 
 use crate::model::field::FieldValues;
-use crate::model::original::Original;
 use crate::model::subset::selected;
 use crate::progress::{all, at_row};
 use crate::{Field, ReadError, ShapeFile};
@@ -39,11 +36,11 @@ pub(crate) fn without_missing(file: ShapeFile, progress: Progress<'_>) -> Result
     shape.precision = file.precision;
     shape.vertex_fields = file.vertex_fields.iter().map(|field| selected(field, &kept)).collect();
     shape.extras.push(format!("{} points without a place", file.n_vertices - kept.len()));
-    let Some(Original::Pcd(own)) = file.original.as_deref() else { return Ok(shape) };
+    let Some(own) = file.source::<super::read::PcdSource>() else { return Ok(shape) };
     let (viewpoint, width, height) = (own.viewpoint.clone(), own.width, own.height);
     let whole = Some(Box::new(Whole { file, kept }));
-    let original = super::read::PcdOriginal { viewpoint, width, height, rows: None, whole };
-    shape.original = Some(Arc::new(Original::Pcd(original)));
+    let original = super::read::PcdSource { viewpoint, width, height, rows: None, whole };
+    shape.set_source(original);
     Ok(shape)
 }
 

@@ -1,26 +1,61 @@
 //! Point Cloud Library files: text, binary and compressed.
 
+use crate::WriteError;
+use crate::model::binary_rows::CoordinateRows;
+use crate::model::context::WriteContext;
+use crate::model::source_document::SourceDocument;
+use crate::model::source_document::Update;
 use adwave::Progress;
+use std::sync::Arc;
 
 use crate::formats::pcd::missing::{Whole, without_missing};
 use crate::model::field::ByteOrder;
 use crate::model::grouping::group;
-use crate::model::original::{Original, Separator, TextRows};
+use crate::model::text_rows::{Separator, TextRows};
 use crate::progress::{at_row, collect};
 use crate::text::{line_end, parse_f32, parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// What is kept of a PCD to update it.
 #[derive(Debug)]
-pub(crate) struct PcdOriginal {
+pub(crate) struct PcdSource {
     /// Seven numbers: position and rotation of the sensor.
     pub(crate) viewpoint: String,
     pub(crate) width: u64,
     pub(crate) height: u64,
     /// The text, for a text PCD.
-    pub(crate) rows: Option<TextRows>,
+    pub(crate) rows: Option<CoordinateRows>,
     /// The whole cloud, where it has points without a place, which the shape is without.
     pub(crate) whole: Option<Box<Whole>>,
+}
+
+impl SourceDocument for PcdSource {
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        match &self.rows {
+            Some(rows) => rows.update_coordinates(shape, context),
+            None => Ok(Update::DoesNotFit),
+        }
+    }
+
+    /// The points without a place come back in a PCD.
+    fn with_all_vertices(
+        &self,
+        shape: &ShapeFile,
+        format: Format,
+        progress: Progress<'_>,
+    ) -> Result<Option<ShapeFile>, WriteError> {
+        let whole = self
+            .whole
+            .as_ref()
+            .filter(|_| matches!(format, Format::PCD | Format::PCD_ASCII | Format::PCD_COMPRESSED));
+        Ok(whole.map(|whole| whole.with(shape, progress)).transpose()?)
+    }
+
+    /// The view point; the points are one row and no longer an image.
+    fn subset(&self, vertices: &[u32]) -> Option<Arc<dyn SourceDocument>> {
+        let (viewpoint, width) = (self.viewpoint.clone(), vertices.len() as u64);
+        Some(Arc::new(Self { viewpoint, width, height: 1, rows: None, whole: None }))
+    }
 }
 
 /// One number of a row.
@@ -78,21 +113,18 @@ pub(crate) fn read_pcd(
     }
     let mut shape = to_shape(&header, values, progress)?;
     shape.format = Some(match header.kind.as_slice() {
-        b"ascii" => Format::PcdAscii,
-        b"binary" => Format::Pcd,
-        _ => Format::PcdCompressed,
+        b"ascii" => Format::PCD_ASCII,
+        b"binary" => Format::PCD,
+        _ => Format::PCD_COMPRESSED,
     });
     let axis = |name: &str| header.columns.iter().position(|c| c.name == name).unwrap_or(usize::MAX);
-    let rows = rows.map(|rows| TextRows {
-        bytes,
-        rows,
-        columns: [axis("x"), axis("y"), axis("z")],
-        separator: Separator::Blanks,
-        names: None,
+    let rows = rows.map(|rows| {
+        let columns = [axis("x"), axis("y"), axis("z")];
+        CoordinateRows::Text(TextRows { bytes, rows, columns, separator: Separator::Blanks, names: None })
     });
     let Header { viewpoint, width, height, .. } = header;
-    let original = PcdOriginal { viewpoint, width, height, rows, whole: None };
-    shape.original = Some(std::sync::Arc::new(Original::Pcd(original)));
+    let original = PcdSource { viewpoint, width, height, rows, whole: None };
+    shape.set_source(original);
     without_missing(shape, progress)
 }
 

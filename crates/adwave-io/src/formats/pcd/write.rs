@@ -1,12 +1,12 @@
 //! Point Cloud Library files, binary or text.
 
+use crate::formats::pcd::read::PcdSource;
 use std::io::Write;
 
 use adwave::Progress;
 
 use crate::model::field::ByteOrder;
 use crate::model::grouping::one_word;
-use crate::model::original::Original;
 use crate::progress::at_row;
 use crate::text::{push_f32, push_f64};
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
@@ -64,27 +64,27 @@ pub(crate) fn write_pcd(
         _ => "U",
     };
     let n = shape.points.len() as u64;
-    let (viewpoint, width, height) = match shape.original.as_deref() {
-        Some(Original::Pcd(pcd)) => (pcd.viewpoint.as_str(), pcd.width, pcd.height),
+    let (viewpoint, width, height) = match shape.source::<PcdSource>() {
+        Some(pcd) => (pcd.viewpoint.as_str(), pcd.width, pcd.height),
         _ => ("0 0 0 1 0 0 0", n, 1),
     };
     let encoding = match format {
-        Format::Pcd => "binary",
-        Format::PcdCompressed => "binary_compressed",
+        Format::PCD => "binary",
+        Format::PCD_COMPRESSED => "binary_compressed",
         _ => "ascii",
     };
     writeln!(out, "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7")?;
     writeln!(out, "FIELDS{}\nSIZE{}", list(&|c| c.0.clone()), list(&|c| c.1.n_bytes().to_string()))?;
     writeln!(out, "TYPE{}\nCOUNT{}", list(&|c| kind(c.1).into()), list(&|c| c.2.to_string()))?;
     writeln!(out, "WIDTH {width}\nHEIGHT {height}\nVIEWPOINT {viewpoint}\nPOINTS {n}\nDATA {encoding}")?;
-    if format == Format::PcdCompressed {
+    if format == Format::PCD_COMPRESSED {
         return write_compressed(shape, &all, out, progress);
     }
     let mut row = Vec::new();
     for i in 0..shape.points.len() {
         at_row(progress, i as u64, n)?;
         row.clear();
-        if format == Format::Pcd {
+        if format == Format::PCD {
             binary_row(shape, i, &mut row);
         } else {
             text_row(shape, i, &mut row);
@@ -122,7 +122,7 @@ fn write_compressed(
     let sizes = [packed.len(), plain.len()].map(u32::try_from);
     let [Ok(n_packed), Ok(n_plain)] = sizes else {
         let what = "4 GiB of points".into();
-        return Err(WriteError::CannotHold { format: Format::PcdCompressed, what });
+        return Err(WriteError::CannotHold { format: Format::PCD_COMPRESSED, what });
     };
     out.write_all(&[n_packed.to_le_bytes(), n_plain.to_le_bytes()].concat())?;
     Ok(out.write_all(&packed)?)

@@ -48,7 +48,7 @@ pub(crate) struct Header {
 
 /// What is kept of a PLY to update it.
 #[derive(Debug)]
-pub(crate) struct PlyOriginal {
+pub(crate) struct PlySource {
     pub(crate) bytes: Vec<u8>,
     pub(crate) header: Header,
     /// Which element the vertices are, and where its rows begin and end.

@@ -5,9 +5,8 @@
 
 use crate::formats::ply::body::Body;
 use crate::formats::ply::fixed;
-use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlyOriginal, parse_header};
+use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlySource, parse_header};
 use crate::model::grouping::group;
-use crate::model::original::Original;
 use crate::progress::{at_row, collect};
 use crate::provenance::in_comments;
 use crate::text::line_of;
@@ -28,7 +27,7 @@ pub(crate) fn read_ply(
     let mut shape = ShapeFile::empty();
     shape.n_vertices = n_vertices as usize;
     shape.provenance = in_comments(&bytes, "comment adwave").map(Arc::new);
-    shape.format = Some(if header.encoding == Encoding::Ascii { Format::PlyAscii } else { Format::Ply });
+    shape.format = Some(if header.encoding == Encoding::Ascii { Format::PLY_ASCII } else { Format::PLY });
     let mut rows = (header.body, header.body);
     let mut field_properties = Vec::new();
     let mut body = Body { bytes: &bytes, position: header.body, encoding: header.encoding, progress };
@@ -61,8 +60,8 @@ pub(crate) fn read_ply(
     keep_fields_of_all_faces(&mut shape);
     name_comments(&bytes, &header, &mut shape);
     if let Some(vertex) = vertex {
-        let original = PlyOriginal { bytes, header, vertex, rows, field_properties };
-        shape.original = Some(Arc::new(Original::Ply(original)));
+        let original = PlySource { bytes, header, vertex, rows, field_properties };
+        shape.set_source(original);
     }
     Ok(shape)
 }
@@ -109,8 +108,8 @@ fn read_vertices(
     if let Some(vertices) = fixed::read_vertices(body, element)? {
         shape.precision = if vertices.is_single { Precision::F32 } else { Precision::F64 };
         shape.points = vertices.points.into();
-        let fields = (&mut shape.vertex_fields, &mut shape.extras);
-        return attach_columns(element, vertices.columns, fields, body.progress);
+        let (fields, extras) = (&mut shape.vertex_fields, &mut shape.extras);
+        return attach_columns(element, vertices.columns, fields, extras, body.progress);
     }
     for row in 0..element.n_rows {
         at_row(body.progress, row, element.n_rows)?;
@@ -130,14 +129,15 @@ fn read_vertices(
     shape.precision = if single { Precision::F32 } else { Precision::F64 };
     shape.points =
         collect(shape.n_vertices, body.progress, |i| [xyz[0].get(i), xyz[1].get(i), xyz[2].get(i)])?.into();
-    attach_columns(element, columns, (&mut shape.vertex_fields, &mut shape.extras), body.progress)
+    attach_columns(element, columns, &mut shape.vertex_fields, &mut shape.extras, body.progress)
 }
 
 /// Converts columns to fields; returns the properties that form each field.
 fn attach_columns(
     element: &Element,
     columns: Vec<Option<FieldValues>>,
-    (fields, extras): (&mut Vec<crate::Field>, &mut Vec<String>),
+    fields: &mut Vec<crate::Field>,
+    extras: &mut Vec<String>,
     progress: Progress<'_>,
 ) -> Result<Vec<(String, Vec<usize>)>, ReadError> {
     let mut positions = Vec::new();
@@ -207,7 +207,7 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
         push_face(body, shape, &face, row, start)?;
     }
     let mut fields = Vec::new();
-    attach_columns(element, columns, (&mut fields, &mut shape.extras), body.progress)?;
+    attach_columns(element, columns, &mut fields, &mut shape.extras, body.progress)?;
     shape.face_fields.append(&mut fields);
     Ok(())
 }

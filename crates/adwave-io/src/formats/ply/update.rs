@@ -6,37 +6,39 @@ use std::io::Write;
 use adwave::Progress;
 
 use crate::formats::ply::body::Body;
-use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlyOriginal};
+use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlySource};
 use crate::formats::ply::write::{Style, note_rounding, property_lines, push_fields};
+use crate::model::context::WriteContext;
+use crate::model::source_document::{SourceDocument, Update};
 use crate::progress::at_row;
 use crate::text::{is_space, parse_f32, parse_f64};
-use crate::{Field, FieldValues, ReadError, ShapeFile, ValueType, WriteError, WriteReport};
+use crate::{Field, FieldValues, ReadError, ShapeFile, ValueType, WriteError};
 
-/// Writes the original with other coordinates and fields.
-pub(crate) fn update_ply(
-    shape: &ShapeFile,
-    ply: &PlyOriginal,
-    out: &mut dyn Write,
-    progress: Progress<'_>,
-) -> Result<WriteReport, WriteError> {
-    let mut report = WriteReport::default();
-    let fields: Vec<&Field> = shape.vertex_fields.iter().filter(|f| shape.edited.contains(&f.name)).collect();
-    note_rounding(&fields, &mut report);
-    let element = &ply.header.elements[ply.vertex];
-    let replaced = |p: usize| {
-        ply.field_properties.iter().any(|(name, members)| members.contains(&p) && shape.edited.contains(name))
-    };
-    let dropped: Vec<bool> = (0..element.properties.len()).map(replaced).collect();
-    write_header((&ply.bytes, &ply.header), ply.vertex, &dropped, &fields, out)?;
-    out.write_all(&ply.bytes[ply.header.body..ply.rows.0])?;
-    write_rows(shape, ply, &dropped, &fields, out, progress)?;
-    out.write_all(&ply.bytes[ply.rows.1..])?;
-    Ok(report)
+impl SourceDocument for PlySource {
+    /// Writes the original with other coordinates and fields.
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        let is_edited = |f: &&Field| shape.edited.contains(&f.name);
+        let fields: Vec<&Field> = shape.vertex_fields.iter().filter(is_edited).collect();
+        note_rounding(&fields, &mut context.report);
+        let element = &self.header.elements[self.vertex];
+        let replaced = |p: usize| {
+            let mut members = self.field_properties.iter();
+            members.any(|(name, members)| members.contains(&p) && shape.edited.contains(name))
+        };
+        let dropped: Vec<bool> = (0..element.properties.len()).map(replaced).collect();
+        let out = &mut *context.out;
+        write_header(&self.bytes, &self.header, self.vertex, &dropped, &fields, out)?;
+        out.write_all(&self.bytes[self.header.body..self.rows.0])?;
+        write_rows(shape, self, &dropped, &fields, out, context.progress)?;
+        out.write_all(&self.bytes[self.rows.1..])?;
+        Ok(Update::Written)
+    }
 }
 
 /// The header, `bytes` being those that it was parsed from, with the properties of new fields.
 pub(crate) fn write_header(
-    (bytes, header): (&[u8], &Header),
+    bytes: &[u8],
+    header: &Header,
     vertex: usize,
     dropped: &[bool],
     fields: &[&Field],
@@ -83,14 +85,12 @@ impl<'a> RowWriter<'a> {
         Self { element, axes: axes.collect(), dropped, style }
     }
 
-    /// Appends the row at the body's position, with the index `at`, the coordinates that are not `None`, and row `i`
-    /// of the fields.
+    /// Appends the row at the body's position, its number being `at`, with the coordinates that are not `None`.
     pub(crate) fn push(
         &self,
         body: &mut Body<'_>,
         at: u64,
         point: [Option<f64>; 3],
-        (fields, i): (&[&Field], usize),
         row: &mut Vec<u8>,
     ) -> Result<(), ReadError> {
         for (p, property) in self.element.properties.iter().enumerate() {
@@ -103,14 +103,18 @@ impl<'a> RowWriter<'a> {
                 _ => row.extend_from_slice(old),
             }
         }
-        push_fields(fields, i, self.style, row);
         Ok(())
+    }
+
+    /// Appends row `i` of the fields.
+    pub(crate) fn push_fields(&self, fields: &[&Field], i: usize, row: &mut Vec<u8>) {
+        push_fields(fields, i, self.style, row);
     }
 }
 
 fn write_rows(
     shape: &ShapeFile,
-    ply: &PlyOriginal,
+    ply: &PlySource,
     dropped: &[bool],
     fields: &[&Field],
     out: &mut dyn Write,
@@ -125,7 +129,8 @@ fn write_rows(
         row.clear();
         // The same bytes were read before, so this cannot fail; otherwise the error is reported.
         let point = shape.points[i].map(Some);
-        writer.push(&mut body, i as u64, point, (fields, i), &mut row).map_err(std::io::Error::other)?;
+        writer.push(&mut body, i as u64, point, &mut row).map_err(std::io::Error::other)?;
+        writer.push_fields(fields, i, &mut row);
         out.write_all(&row)?;
     }
     Ok(())

@@ -76,8 +76,8 @@ pub(crate) fn write_ply(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let style = if format == Format::Ply { Style::Bytes(ByteOrder::Little) } else { Style::Text };
-    let encoding = if format == Format::Ply { "binary_little_endian" } else { "ascii" };
+    let style = if format == Format::PLY { Style::Bytes(ByteOrder::Little) } else { Style::Text };
+    let encoding = if format == Format::PLY { "binary_little_endian" } else { "ascii" };
     let fields: Vec<&Field> = shape.vertex_fields.iter().collect();
     let face_fields: Vec<&Field> = shape.face_fields.iter().collect();
     note_rounding(&fields, report);
@@ -107,23 +107,24 @@ pub(crate) fn write_ply(
         }
     }
     writeln!(out, "end_header")?;
-    write_body(shape, (&fields, &face_fields), count, style, out, progress)
+    write_body(shape, count, style, out, progress)
 }
 
 fn write_body(
     shape: &ShapeFile,
-    (fields, face_fields): (&[&Field], &[&Field]),
     count: ValueType,
     style: Style,
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
+    let fields: Vec<&Field> = shape.vertex_fields.iter().collect();
+    let face_fields: Vec<&Field> = shape.face_fields.iter().collect();
     let mut row = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
         at_row(progress, i as u64, shape.points.len() as u64)?;
         row.clear();
         push_point(*point, shape.precision, style, &mut row);
-        push_fields(fields, i, style, &mut row);
+        push_fields(&fields, i, style, &mut row);
         end_row(style, &mut row);
         out.write_all(&row)?;
     }
@@ -136,7 +137,7 @@ fn write_body(
             (Style::Bytes(_), _) => row.extend_from_slice(&(face.len() as u32).to_le_bytes()),
         }
         push_indices(face, style, true, &mut row)?;
-        push_fields(face_fields, f, style, &mut row);
+        push_fields(&face_fields, f, style, &mut row);
         end_row(style, &mut row);
         out.write_all(&row)?;
     }

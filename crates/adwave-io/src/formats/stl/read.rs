@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::model::original::Original;
+use crate::model::source_document::SourceDocument;
 use crate::progress::{all, at_row, collect};
 use crate::text::lines::{Statement, Statements};
 use crate::text::{parse_f64, show, words};
@@ -15,13 +15,21 @@ const RECORD: usize = 50;
 
 /// What is kept of an STL.
 #[derive(Debug)]
-pub(crate) struct StlOriginal {
+pub(crate) struct StlSource {
     /// The 80 bytes before a binary one.
     pub(crate) header: Vec<u8>,
     /// The lines that begin the solids of a text.
     pub(crate) solids: Vec<Vec<u8>>,
     /// The points as they were, which the normals belong to.
     pub(crate) points: Arc<Vec<[f64; 3]>>,
+}
+
+impl SourceDocument for StlSource {
+    /// The header and the solids; the normals of triangles are those of other vertices.
+    fn subset(&self, _: &[u32]) -> Option<Arc<dyn SourceDocument>> {
+        let (header, solids) = (self.header.clone(), self.solids.clone());
+        Some(Arc::new(Self { header, solids, points: Arc::default() }))
+    }
 }
 
 /// The number of triangles that a binary STL says it has.
@@ -74,7 +82,7 @@ pub(crate) fn read_stl(
     let points = collect(3 * n, progress, |v| triple(v / 3, 1 + v % 3).map(f64::from))?;
     let normals = collect(n, progress, |f| triple(f, 0))?.into_flattened();
     let mut shape = soup(points, progress)?;
-    shape.format = Some(Format::Stl);
+    shape.format = Some(Format::STL);
     shape.precision = Precision::F32;
     shape.face_fields.push(Field::new("normal", 3, FieldValues::F32(normals)));
     if !all(n, progress, |f| attribute(f) == 0)? {
@@ -85,7 +93,7 @@ pub(crate) fn read_stl(
         shape.extras.push("bytes after the last triangle".into());
     }
     let (header, points) = (bytes[..80].to_vec(), shape.shared_points());
-    shape.original = Some(Arc::new(Original::Stl(StlOriginal { header, solids: Vec::new(), points })));
+    shape.set_source(StlSource { header, solids: Vec::new(), points });
     Ok(shape)
 }
 
@@ -149,14 +157,14 @@ pub(crate) fn read_stl_ascii(
     }
     limits.check_points(points.len() as u64)?;
     let mut shape = soup(points, progress)?;
-    shape.format = Some(Format::StlAscii);
+    shape.format = Some(Format::STL_ASCII);
     shape.face_fields.push(Field::new("normal", 3, FieldValues::F64(normals)));
     if n_solids > 1 {
         shape.face_fields.push(Field::new("solid", 1, FieldValues::U32(solids)));
         shape.extras.push("names of solids".into());
     }
     let points = shape.shared_points();
-    shape.original = Some(Arc::new(Original::Stl(StlOriginal { header: Vec::new(), solids: names, points })));
+    shape.set_source(StlSource { header: Vec::new(), solids: names, points });
     Ok(shape)
 }
 

@@ -4,9 +4,8 @@ use std::io::Write;
 
 use adwave::Progress;
 
-use crate::formats::stl::read::StlOriginal;
+use crate::formats::stl::read::StlSource;
 use crate::model::f32_limits::{is_single, triangles_with_faces};
-use crate::model::original::Original;
 use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
@@ -24,21 +23,18 @@ pub(crate) fn write_stl(
         return Err(WriteError::CannotHold { format, what: "points without faces".into() });
     }
     report.leave_vertex_fields(shape, &[]);
-    let original = match shape.original.as_deref() {
-        Some(Original::Stl(original)) => Some(original),
-        _ => None,
-    };
+    let original = shape.source::<StlSource>();
     let normal = shape.face_fields.iter().find(|f| f.name == "normal" && f.n_channels == 3);
     let normals = Normals { shape, normal, original };
     let attribute = shape.face_fields.iter().find_map(|f| match &f.values {
-        FieldValues::U16(values) if f.name == "attribute" && format == Format::Stl => Some(values),
+        FieldValues::U16(values) if f.name == "attribute" && format == Format::STL => Some(values),
         _ => None,
     });
-    let solids = solids(shape).filter(|_| format == Format::StlAscii);
+    let solids = solids(shape).filter(|_| format == Format::STL_ASCII);
     let held = [Some("normal"), attribute.map(|_| "attribute"), solids.as_ref().map(|_| "solid")];
     report.leave_face_fields(shape, &held.into_iter().flatten().collect::<Vec<_>>());
     let triangles = triangles_with_faces(shape, report);
-    if format == Format::StlAscii {
+    if format == Format::STL_ASCII {
         return write_ascii(&normals, &triangles, solids.as_deref(), out, progress);
     }
     let coordinates = shape.points.as_flattened();
@@ -71,7 +67,7 @@ pub(crate) fn write_stl(
 struct Normals<'a> {
     shape: &'a ShapeFile,
     normal: Option<&'a Field>,
-    original: Option<&'a StlOriginal>,
+    original: Option<&'a StlSource>,
 }
 
 impl Normals<'_> {

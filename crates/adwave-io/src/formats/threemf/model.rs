@@ -51,6 +51,13 @@ pub(crate) struct Model {
 /// Colors by group and index.
 type Groups = HashMap<u32, Vec<Option<Color>>>;
 
+/// The property that an object gives its triangles.
+#[derive(Clone, Copy)]
+struct Property {
+    group: Option<u32>,
+    index: Option<u32>,
+}
+
 impl Model {
     pub(crate) fn parse(text: &str, progress: Progress<'_>) -> Result<Self, ReadError> {
         let document = parse(text)?;
@@ -127,7 +134,7 @@ impl Model {
                 at_row(progress, row as u64, 0)?;
                 object.points.push([number(vertex, "x")?, number(vertex, "y")?, number(vertex, "z")?]);
             }
-            let own: (Option<u32>, Option<u32>) = (whole(node, "pid")?, whole(node, "pindex")?);
+            let own = Property { group: whole(node, "pid")?, index: whole(node, "pindex")? };
             for (row, face) in
                 child(mesh, "triangles").iter().flat_map(|t| children(*t, "triangle")).enumerate()
             {
@@ -150,7 +157,7 @@ impl Model {
         node: Node<'_, '_>,
         row: usize,
         object: &mut Object,
-        (pid, pindex): (Option<u32>, Option<u32>),
+        own: Property,
         groups: &Groups,
     ) -> Result<(), ReadError> {
         let mut corners = [0; 3];
@@ -165,7 +172,7 @@ impl Model {
             })?;
         }
         object.triangles.push(corners);
-        let group = whole(node, "pid")?.or(pid).and_then(|pid: u32| groups.get(&pid));
+        let group = whole(node, "pid")?.or(own.group).and_then(|pid: u32| groups.get(&pid));
         let Some(group) = group else {
             if !object.colors.is_empty() {
                 object.colors.push([None; 3]);
@@ -176,7 +183,7 @@ impl Model {
         let others = [whole::<u32>(node, "p2")?, whole::<u32>(node, "p3")?];
         self.has_corners |= others.iter().any(Option::is_some);
         let color = |index: Option<u32>| index.and_then(|k| group.get(k as usize).copied().flatten());
-        let first = first.or(pindex);
+        let first = first.or(own.index);
         object.colors.resize(row, [None; 3]);
         object.colors.push([color(first), color(others[0].or(first)), color(others[1].or(first))]);
         Ok(())

@@ -17,9 +17,8 @@ const DEEPEST: usize = 64;
 /// Parts in use, and the shape built from them.
 struct Assembly<'a> {
     models: HashMap<String, Model>,
-    joined: Joined,
+    joined: Joined<'a>,
     colors: Vec<[Option<Color>; 3]>,
-    limits: &'a ReadLimits,
     n_bytes: usize,
     n_visits: u64,
     progress: Progress<'a>,
@@ -67,8 +66,8 @@ pub(crate) fn read_3mf(
     } else {
         main.built.iter().map(|c| (c.path.clone(), c.id, c.transform)).collect()
     };
-    let (joined, colors) = (Joined::default(), Vec::new());
-    let mut assembly = Assembly { models, joined, colors, limits, n_bytes, n_visits: 0, progress };
+    let (joined, colors) = (Joined::new(limits, n_bytes), Vec::new());
+    let mut assembly = Assembly { models, joined, colors, n_bytes, n_visits: 0, progress };
     let unit = assembly.models[&root].unit;
     for (path, id, transform) in built {
         let path = path.as_deref().map_or_else(|| root.clone(), plain);
@@ -137,8 +136,7 @@ impl Assembly<'_> {
             let transform =
                 if own_unit == unit { *transform } else { Transform::scale(own_unit / unit).then(transform) };
             let (before, n) = (self.joined.triangles.len(), object.triangles.len());
-            let bounds = (self.limits, self.n_bytes);
-            self.joined.add(&object.points, &object.triangles, &transform, bounds, self.progress)?;
+            self.joined.add(&object.points, &object.triangles, &transform, self.progress)?;
             if !object.colors.is_empty() {
                 self.colors.resize(before, [None; 3]);
                 self.colors.extend_from_slice(&object.colors);
@@ -160,7 +158,7 @@ impl Assembly<'_> {
         let has_corners = self.models.values().any(|m| m.has_corners);
         let n_channels = if self.models.values().any(|m| m.has_alpha) { 4 } else { 3 };
         let mut shape = self.joined.into_shape(self.progress)?;
-        shape.format = Some(Format::ThreeMf);
+        shape.format = Some(Format::THREE_MF);
         let n = shape.faces.len();
         if self.colors.iter().flatten().any(Option::is_some) {
             self.colors.resize(n, [None; 3]);

@@ -1,7 +1,7 @@
 //! Values at points and cells.
 
 use super::scanner::{ArrayType, Scanner};
-use crate::formats::vtk_xml::read::unused;
+use crate::model::field::unused;
 use crate::text::words;
 use crate::{Field, FieldValues, ReadError, ValueType};
 
@@ -29,7 +29,7 @@ impl Values<'_> {
     }
 
     fn push(&mut self, name: &str, n_channels: usize, values: FieldValues) {
-        let name = unused(name, |name| self.fields.iter().any(|f| f.name == name));
+        let name = unused(name, "_", |name| self.fields.iter().any(|f| f.name == name));
         self.fields.push(Field::new(name, n_channels, values));
     }
 

@@ -215,7 +215,7 @@ impl Content {
     ) -> Result<ShapeFile, ReadError> {
         let precision = if self.is_single { Precision::F32 } else { Precision::F64 };
         if !matches!(self.kind.as_slice(), b"POLYDATA" | b"UNSTRUCTURED_GRID") {
-            return self.into_grid(file, precision)?.into_shape(Format::Vtk, limits, progress);
+            return self.into_grid(file, precision)?.into_shape(Format::VTK, limits, progress);
         }
         let Some(points) = self.points.take() else {
             return Err(file.error(file.at, "there are no POINTS; get the whole file"));
@@ -253,7 +253,7 @@ impl Content {
             cell_fields: self.cell_fields,
             extras: self.extras,
         }
-        .into_shape(Format::Vtk, progress)
+        .into_shape(Format::VTK, progress)
     }
 
     fn into_grid(self, file: &Scanner<'_>, precision: Precision) -> Result<Grid, ReadError> {

@@ -5,8 +5,8 @@ use std::io::Write;
 use adwave::Progress;
 
 use super::scanner::encoded;
-use crate::formats::vtk_xml::write::cell_fields;
 use crate::model::field::ByteOrder;
+use crate::model::numbers::cell_fields;
 use crate::progress::at_row;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
 
@@ -89,7 +89,7 @@ fn write_cells(
 ) -> Result<(), WriteError> {
     if i32::try_from(n + n_corners).is_err() {
         let what = format!("{n_corners} corners of cells, which are counted in 31 bits");
-        return Err(WriteError::CannotHold { format: Format::Vtk, what });
+        return Err(WriteError::CannotHold { format: Format::VTK, what });
     }
     writeln!(out, "{keyword} {n} {}", n + n_corners)?;
     let mut bytes = Vec::new();

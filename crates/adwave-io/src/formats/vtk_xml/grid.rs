@@ -38,7 +38,8 @@ pub(super) fn read_grid<'n: 'a, 'a>(
     // The existing part is the grid, even if it was cut from a larger one.
     let extent = extent(*piece, if piece.has_attribute("Extent") { "Extent" } else { "WholeExtent" })?;
     let lattice = lattice(*piece, &extent)?;
-    let (points, precision) = grid_points(frame, data, *piece, &extent, lattice, format, progress)?;
+    let located = LocatedPiece { node: *piece, extent, lattice };
+    let (points, precision) = grid_points(frame, data, &located, format, progress)?;
     Ok(Grid {
         lattice,
         points,
@@ -51,21 +52,27 @@ pub(super) fn read_grid<'n: 'a, 'a>(
     })
 }
 
-/// Positions of the points of a piece.
+/// A piece, the part of the whole grid that it is, and its points.
+struct LocatedPiece<'n, 'i> {
+    node: Node<'n, 'i>,
+    extent: Extent,
+    lattice: Lattice,
+}
+
+/// The places of the points of a piece.
 fn grid_points<'n: 'a, 'a>(
     frame: &Frame<'a>,
     data: Node<'n, '_>,
-    piece: Node<'n, '_>,
-    extent: &Extent,
-    lattice: Lattice,
+    piece: &LocatedPiece<'n, '_>,
     format: Format,
     progress: Progress<'_>,
 ) -> Result<(GridPoints, Precision), ReadError> {
+    let LocatedPiece { node: piece, extent, lattice } = *piece;
     let precision = |kinds: &[ValueType]| {
         if kinds.iter().all(|kind| *kind == ValueType::F32) { Precision::F32 } else { Precision::F64 }
     };
     match format {
-        Format::Vti => {
+        Format::VTI => {
             let three =
                 |name, other| Ok::<_, ReadError>(numbers::<f64, 3>(data, name)?.unwrap_or([other; 3]));
             let (origin, spacing) = (three("Origin", 0.0)?, three("Spacing", 1.0)?);
@@ -75,7 +82,7 @@ fn grid_points<'n: 'a, 'a>(
             let first = extent.map(|[first, _]| first);
             Ok((GridPoints::Image { origin, matrix, first }, Precision::F64))
         }
-        Format::Vtr => {
+        Format::VTR => {
             let Some(section) = piece.children().find(|node| node.has_tag_name("Coordinates")) else {
                 return Err(at(piece, "the grid has no coordinates; save the file again"));
             };
@@ -143,7 +150,8 @@ fn joined<'n: 'a, 'a>(
             return Err(at(piece, "the piece must lie within the whole extent; save the file again"));
         }
         let offset = [0, 1, 2].map(|a| (extent[a][0] - whole[a][0]) as usize);
-        let (points, of_piece) = grid_points(frame, data, piece, &extent, lattice, format, progress)?;
+        let located = LocatedPiece { node: piece, extent, lattice };
+        let (points, of_piece) = grid_points(frame, data, &located, format, progress)?;
         if of_piece == Precision::F64 {
             precision = of_piece;
         }
@@ -172,8 +180,8 @@ fn joined<'n: 'a, 'a>(
         all.check_without_values()?;
     }
     let points = match format {
-        Format::Vti => image.ok_or_else(missing)?,
-        Format::Vtr => GridPoints::Axes(axes(&parts, all).ok_or_else(missing)?),
+        Format::VTI => image.ok_or_else(missing)?,
+        Format::VTR => GridPoints::Axes(axes(&parts, all).ok_or_else(missing)?),
         _ => GridPoints::Listed(listed),
     };
     let is_flatter = |part: &Part| (0..3).any(|a| part.lattice.dims()[a] == 1 && all.dims()[a] > 1);

@@ -9,6 +9,7 @@ use super::array::{arrays, no_index};
 use super::document::{Frame, at, count, parse, split};
 use super::grid::read_grid;
 use crate::model::cells::{CellKind, Cells, Dataset, Polyhedra};
+use crate::model::field::unused;
 use crate::model::numbers::{Numbers, append};
 use crate::progress::{all, collect};
 use crate::provenance::{NAME, Provenance};
@@ -25,11 +26,11 @@ pub(crate) fn kind_of(head: &[u8]) -> Option<Result<Format, &'static str>> {
     let kind = memchr::memmem::find_iter(tag, b"type=").find(is_own).and_then(|at| tag.get(at + 6..))?;
     let end = kind.iter().position(|b| matches!(b, b'"' | b'\'')).unwrap_or(kind.len());
     Some(match &kind[..end] {
-        b"PolyData" => Ok(Format::Vtp),
-        b"UnstructuredGrid" => Ok(Format::Vtu),
-        b"ImageData" | b"UniformGrid" => Ok(Format::Vti),
-        b"RectilinearGrid" => Ok(Format::Vtr),
-        b"StructuredGrid" => Ok(Format::Vts),
+        b"PolyData" => Ok(Format::VTP),
+        b"UnstructuredGrid" => Ok(Format::VTU),
+        b"ImageData" | b"UniformGrid" => Ok(Format::VTI),
+        b"RectilinearGrid" => Ok(Format::VTR),
+        b"StructuredGrid" => Ok(Format::VTS),
         other if other.starts_with(b"P") || other == b"Collection" || other.starts_with(b"vtkMulti") => {
             Err("VTK XML that only names other files: give one of those")
         }
@@ -73,7 +74,7 @@ pub(crate) fn read_vtk_xml(
     if pieces.is_empty() {
         return Err(at(data, "there is no piece; save the file again"));
     }
-    if matches!(format, Format::Vtp | Format::Vtu) {
+    if matches!(format, Format::VTP | Format::VTU) {
         let mut shape = read_cells(&frame, &pieces, format, extras, progress)?;
         shape.provenance = made;
         return Ok(shape);
@@ -144,7 +145,7 @@ pub(super) fn fields<'n: 'a, 'a>(
     for node in piece.children().filter(|node| node.has_tag_name(section)).flat_map(arrays) {
         match frame.field(node, n_rows, of, progress)? {
             Some(mut field) => {
-                field.name = unused(&field.name, |name| fields.iter().any(|f| f.name == name));
+                field.name = unused(&field.name, "_", |name| fields.iter().any(|f| f.name == name));
                 fields.push(field);
             }
             None => extras
@@ -152,17 +153,6 @@ pub(super) fn fields<'n: 'a, 'a>(
         }
     }
     Ok(fields)
-}
-
-/// A name that is not taken: with a number after it where it is.
-pub(crate) fn unused(name: &str, taken: impl Fn(&str) -> bool) -> String {
-    let mut free = name.to_string();
-    let mut k = 2;
-    while taken(&free) {
-        free = format!("{name}_{k}");
-        k += 1;
-    }
-    free
 }
 
 /// The points of a piece, and their type.
@@ -219,7 +209,7 @@ fn read_cells<'n: 'a, 'a>(
         if n > 0 && kind != ValueType::F32 {
             precision = Precision::F64;
         }
-        let mut of_piece = if format == Format::Vtp {
+        let mut of_piece = if format == Format::VTP {
             polydata_cells(frame, piece, n, progress)?
         } else {
             unstructured_cells(frame, piece, n, progress)?

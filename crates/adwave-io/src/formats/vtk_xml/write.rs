@@ -6,7 +6,7 @@ use std::io::Write;
 use adwave::Progress;
 
 use crate::model::field::ByteOrder;
-use crate::model::numbers::filled;
+use crate::model::numbers::cell_fields;
 use crate::progress::{at_row, collect};
 use crate::provenance::NAME;
 use crate::text::escape_xml;
@@ -143,13 +143,6 @@ impl WrittenCells {
     }
 }
 
-/// Fields of faces as those of cells. Edges come before faces among the cells and have none of the faces' values: no number
-/// stands there, or zero among whole numbers.
-pub(crate) fn cell_fields(shape: &ShapeFile) -> Vec<Field> {
-    let n_lines = shape.edges.pairs.len();
-    shape.face_fields.iter().map(|field| filled(field, n_lines)).collect()
-}
-
 /// Writes a VTP.
 pub(crate) fn write_vtp(
     shape: &ShapeFile,
@@ -172,7 +165,7 @@ pub(crate) fn write_vtp(
         "NumberOfPoints=\"{n}\" NumberOfVerts=\"{n_vertices}\" NumberOfLines=\"{n_lines}\" NumberOfStrips=\"0\" \
          NumberOfPolys=\"{n_faces}\""
     );
-    write_file(Format::Vtp, shape, &piece, &body, &appended.bytes, out)
+    write_file(Format::VTP, shape, &piece, &body, &appended.bytes, out)
 }
 
 /// Writes a VTU.
@@ -207,7 +200,7 @@ pub(crate) fn write_vtu(
     appended.add_cells(&mut body, "Cells", corners, ends, Some(types))?;
     let n = shape.points.len();
     let piece = format!("NumberOfPoints=\"{n}\" NumberOfCells=\"{n_cells}\"");
-    write_file(Format::Vtu, shape, &piece, &body, &appended.bytes, out)
+    write_file(Format::VTU, shape, &piece, &body, &appended.bytes, out)
 }
 
 /// What stands before the cells in both formats.
@@ -242,11 +235,11 @@ fn write_file(
     appended: &[u8],
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
-    let element = if format == Format::Vtu { "UnstructuredGrid" } else { "PolyData" };
+    let element = if format == Format::VTU { "UnstructuredGrid" } else { "PolyData" };
     let made = shape.valid_provenance().map_or(String::new(), |made| {
         let mut letters = made.to_json().into_bytes();
         // ParaView shows texts, which end with a zero; other readers of unstructured grids know numbers alone.
-        let head = if format == Format::Vtu {
+        let head = if format == Format::VTU {
             format!("DataArray type=\"UInt8\" Name=\"{NAME}\" NumberOfTuples=\"{}\"", letters.len())
         } else {
             letters.push(0);

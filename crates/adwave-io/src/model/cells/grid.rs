@@ -310,7 +310,7 @@ mod tests {
             cell_rows: None,
             extras: Vec::new(),
         };
-        grid.into_shape(Format::Vti, &ReadLimits::default(), Progress::none()).unwrap()
+        grid.into_shape(Format::VTI, &ReadLimits::default(), Progress::none()).unwrap()
     }
 
     #[test]

@@ -5,13 +5,19 @@
 //! the surface.
 
 mod boundary;
+#[cfg(feature = "vtk")]
 mod dataset;
+#[cfg(feature = "vtk")]
 mod grid;
+#[cfg(feature = "vtk")]
 mod kinds;
+#[cfg(feature = "vtk")]
 mod surface;
 
 pub(crate) use boundary::VolumeFaces;
+#[cfg(feature = "vtk")]
 pub(crate) use dataset::Dataset;
+#[cfg(feature = "vtk")]
 pub(crate) use grid::{Grid, GridPoints, Lattice};
 
 use adwave::shape::Polygons;

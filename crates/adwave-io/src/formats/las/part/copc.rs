@@ -111,7 +111,7 @@ pub(super) fn read(
     if image.is_empty() {
         return Err(selection.empty(reader.layout().bounds.or(Some((info.root.low, info.root.high)))));
     }
-    image.into_shape(Format::Laz, limits, progress)
+    image.into_shape(Format::LAZ, limits, progress)
 }
 
 /// The chosen nodes, in their order.

@@ -11,11 +11,11 @@ use adwave::Progress;
 use rayon::prelude::*;
 use serde_json::Value;
 
+use crate::files::read::read_file;
 use crate::formats::las::part::image::Image;
 use crate::formats::las::part::octree::{Entry, Key, Node, Root, chosen, runs, wrong};
 use crate::formats::las::part::selection::Selection;
 use crate::formats::las::stream::{LasLayout, LasReader};
-use crate::registry::read::read_file;
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
 /// The file that says what the tiles are.
@@ -144,7 +144,7 @@ pub(crate) fn read_tiles(
     if image.is_empty() {
         return Err(empty());
     }
-    image.into_shape(Format::Ept, limits, progress)
+    image.into_shape(Format::EPT, limits, progress)
 }
 
 /// The LAZ of a node.

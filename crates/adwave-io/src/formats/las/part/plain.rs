@@ -46,5 +46,5 @@ pub(super) fn read(
     }
     let is_compressed = reader.head().1.is_compressed;
     drop(reader);
-    image.into_shape(if is_compressed { Format::Laz } else { Format::Las }, limits, progress)
+    image.into_shape(if is_compressed { Format::LAZ } else { Format::LAS }, limits, progress)
 }

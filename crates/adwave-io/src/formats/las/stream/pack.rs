@@ -117,5 +117,5 @@ fn packed(items: &Vec<LazItem>, rows: &[u8], record_bytes: usize) -> laz::Result
 }
 
 fn cannot(what: impl Into<String>) -> WriteError {
-    WriteError::CannotHold { format: Format::Laz, what: what.into() }
+    WriteError::CannotHold { format: Format::LAZ, what: what.into() }
 }

@@ -1,5 +1,7 @@
 //! Writing of LAS and LAZ points in blocks.
 
+use crate::formats::las::{LAS, LAZ};
+use crate::model::format_descriptor::FormatDescriptor;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -132,7 +134,7 @@ impl LasWriter {
                 provenance,
             )
         } else {
-            Err(WriteError::CannotHold { format: Format::Las, what: what() })
+            Err(WriteError::CannotHold { format: Format::LAS, what: what() })
         };
         begun.map_err(|e| e.in_file(path))
     }
@@ -144,9 +146,10 @@ impl LasWriter {
         fields: &[String],
         provenance: Option<&Provenance>,
     ) -> Result<Self, WriteError> {
-        let format = match Format::from_path(path) {
-            Some(format @ (Format::Las | Format::Laz)) if !is_gzip(path) => format,
-            _ => return Err(WriteError::UnknownFormat),
+        let is_named = |descriptor: &&&FormatDescriptor| descriptor.matches_name(path);
+        let format = [&LAS, &LAZ].iter().find(is_named).map(|descriptor| descriptor.format);
+        let Some(format) = format.filter(|_| !is_gzip(path)) else {
+            return Err(WriteError::UnknownFormat { writable: ".las, .laz".into() });
         };
         let mut layout = LasLayout { n_points: 0, bounds: None, ..layout.clone() };
         let mut list = ExtraList::read(&head.records, layout.format, layout.record_bytes);
@@ -168,7 +171,7 @@ impl LasWriter {
         put(&mut head.header, 105, (list.record_bytes as u16).to_le_bytes());
         head.records.extend(provenance.and_then(provenance_record));
         let packer = match format {
-            Format::Laz => Some(Packer::new(layout.format, layout.record_bytes)?),
+            Format::LAZ => Some(Packer::new(layout.format, layout.record_bytes)?),
             _ => None,
         };
         if let Some(packer) = &packer {

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use adwave::Progress;
 
-use crate::formats::freesurfer::overlay::{
-    is_annotation, is_curv, is_mgh, read_annotation, read_curv, read_mgh,
-};
-use crate::limits::decompress;
-use crate::registry::read::read_file;
+use crate::files::read::parse_file;
+use crate::formats::TABLE;
+use crate::model::context::ReadContext;
+use crate::model::file_head::FileHead;
+use crate::model::format_descriptor::SurfaceSize;
 use crate::{Field, ReadError, ReadLimits};
 
 /// Reads the values that a file has for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as whole numbers
@@ -24,10 +24,22 @@ pub fn read_surface_values(
     limits: &ReadLimits,
 ) -> Result<Vec<Field>, ReadError> {
     let progress = Progress::none();
-    read_file(path, limits, progress)
-        .and_then(|bytes| decompress(bytes, limits, progress))
-        .and_then(|bytes| parse(&bytes, structure, n_vertices, limits, progress))
-        .map_err(|e| e.in_file(path))
+    let size = SurfaceSize { structure, n_vertices };
+    parse_file(path, limits, progress, |bytes| parse(&bytes, &size, limits, progress))
+}
+
+/// Reads the fields of a file, by the ending of its name if a format of fields has it, else as
+/// [`read_surface_values`].
+pub(crate) fn read_value_file(
+    path: &Path,
+    size: &SurfaceSize<'_>,
+    limits: &ReadLimits,
+) -> Result<Vec<Field>, ReadError> {
+    let named = TABLE.iter().filter(|format| format.matches_name(path)).find_map(|format| format.read_fields);
+    match named {
+        Some(read) => read(path, limits),
+        None => read_surface_values(path, size.structure, size.n_vertices, limits),
+    }
 }
 
 /// As [`read_surface_values`], from bytes that are not compressed as a whole.
@@ -40,45 +52,27 @@ pub fn parse_surface_values(
     n_vertices: usize,
     limits: &ReadLimits,
 ) -> Result<Vec<Field>, ReadError> {
-    parse(bytes, structure, n_vertices, limits, Progress::none())
+    parse(bytes, &SurfaceSize { structure, n_vertices }, limits, Progress::none())
 }
 
 fn parse(
     bytes: &[u8],
-    structure: Option<&str>,
-    n_vertices: usize,
+    size: &SurfaceSize<'_>,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
     if bytes.is_empty() {
         return Err(ReadError::Empty);
     }
-    if crate::formats::cifti::read::is_nifti(bytes) {
-        return crate::formats::cifti::read::read_cifti(bytes, structure, n_vertices, limits, progress);
-    }
-    let field = if is_curv(bytes) {
-        read_curv(bytes, progress)
-    } else if is_mgh(bytes) {
-        read_mgh(bytes, progress)
-    } else if is_annotation(bytes) {
-        read_annotation(bytes, progress)
-    } else {
-        Err(ReadError::Whole(
+    let file = FileHead::new(bytes, None);
+    let readers = TABLE.iter().filter_map(|format| Some(((format.recognize)(&file)?, format.read_values?)));
+    // The first of the most certain ones.
+    let best = readers.reduce(|best, other| if other.0 > best.0 { other } else { best });
+    let Some((_, read)) = best else {
+        return Err(ReadError::Whole(
             "is no file of values that can be read; give NPY, CSV, GIFTI, CIFTI, MGH, or FreeSurfer's curv or annot"
                 .into(),
-        ))
-    }?;
-    Ok(vec![field])
-}
-
-/// What a file of values is called where a shape was asked for.
-pub(crate) fn kind_of(bytes: &[u8]) -> Option<&'static str> {
-    if is_curv(bytes) {
-        return Some("FreeSurfer's values at vertices: give it as a field of a surface");
-    }
-    if is_mgh(bytes) {
-        return Some("an MGH volume or overlay: give it as a field of a surface");
-    }
-    crate::formats::cifti::read::is_nifti(bytes)
-        .then_some("NIfTI or CIFTI: give a CIFTI as a field of a surface")
+        ));
+    };
+    read(bytes, size, &ReadContext { limits, progress, name: None, folder: None })
 }

@@ -1,34 +1,32 @@
 //! The pictures of a glTF at its vertices.
 
-use super::TextureError;
-use super::picture::Picture;
 use crate::formats::gltf::document::Document;
 use crate::formats::gltf::json::Json;
 use crate::formats::gltf::read::{Part, field_name};
-use crate::formats::gltf::update::GltfOriginal;
+use crate::formats::gltf::update::GltfSource;
+use crate::model::texture::{TextureError, TextureRequest};
+use crate::texture::picture::Picture;
 use crate::{Field, FieldValues, ShapeFile};
 
 /// The base colors: those of pictures where a part has texture coordinates, else of the material alone; NaN without a material.
 /// `given` takes the place of all pictures. Factors of the material multiply, as the format has it.
-pub(super) fn colors(
-    shape: &ShapeFile,
-    original: &GltfOriginal,
-    given: Option<&Picture>,
-    name: &str,
-) -> Result<Field, TextureError> {
+pub(crate) fn colors(shape: &ShapeFile, request: &TextureRequest<'_>) -> Result<Field, TextureError> {
+    let Some(original) = shape.source::<GltfSource>() else { return Err(request.missing(shape)) };
+    let given = request.image.map(Picture::open).transpose()?;
+    let name = request.name();
     let mut colors = vec![f64::NAN; 3 * shape.n_vertices()];
     let mut found = Found::Nothing;
     for part in &original.parts {
         for &k in &part.primitives {
-            let painted = Painted::of(&original.document, part, k, given, name)?;
+            let painted = Painted::of(&original.document, part, k, given.as_ref(), &name)?;
             found = found.max(painted.found());
             painted.paint(shape, part, &mut colors[3 * part.first..][..3 * part.positions.count]);
         }
     }
     match found {
         Found::Picture => Ok(Field::new("texture", 3, FieldValues::F64(colors))),
-        Found::Coordinates => Err(TextureError::NoTexture { shape: name.to_owned() }),
-        Found::Nothing => Err(TextureError::NoCoordinates { shape: name.to_owned() }),
+        Found::Coordinates => Err(TextureError::NoTexture { shape: name }),
+        Found::Nothing => Err(TextureError::NoCoordinates { shape: name }),
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use adwave::Progress;
 
-use crate::registry::read::read_file;
+use crate::files::read::read_file;
 use crate::text::{line_end, parse_f64, words};
 use crate::{ReadError, ReadLimits};
 

@@ -1,8 +1,8 @@
 //! The lines of an OBJ for some of its vertices, and what its corners carry.
 
-use super::{Subset, distinct};
 use crate::formats::obj::line::words;
 use crate::formats::obj::read::{NONE, logical_end};
+use crate::model::subset::{Subset, distinct};
 use crate::text::parse_f64;
 
 /// What the faces of an OBJ refer to.

@@ -1,15 +1,9 @@
 //! A file with fewer vertices: what vertices and faces carry is kept for those that stay.
 
-mod obj;
-
 use adwave::shape::Polygons;
 use std::sync::Arc;
 
-use crate::formats::las::write::LasOriginal;
-use crate::formats::pcd::read::PcdOriginal;
-use crate::formats::stl::read::StlOriginal;
-use crate::model::original::Original;
-use crate::{Field, Format, ReadLimits, ShapeFile, ShapeFileError};
+use crate::{Field, ShapeFile, ShapeFileError};
 
 /// Which part of a file stays.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +39,8 @@ impl ShapeFile {
     /// [`ShapeFileError::Subset`] when a list names what the file does not have, or is not one per triangle.
     pub fn subset(&self, subset: &Subset<'_>) -> Result<Self, ShapeFileError> {
         self.check_subset(subset)?;
-        if let Some(file) = self.obj_subset(subset) {
+        let source = self.original.as_deref();
+        if let Some(file) = source.and_then(|source| source.subset_shape(self, subset)) {
             return Ok(file);
         }
         let rows = |field: &Field, rows: &[u32]| selected(field, rows);
@@ -61,13 +56,15 @@ impl ShapeFile {
             face_fields: self.face_fields.iter().map(|field| rows(field, subset.faces)).collect(),
             format: self.format,
             precision: self.precision,
-            original: self.original_header(subset.vertices),
+            original: source.and_then(|source| source.subset(subset.vertices)),
             // The normals of an STL are those of its triangles.
             moved: true,
             ..Self::empty()
         };
         file.edges.direction = self.edges.direction;
-        if let Some(Original::Las(_)) = file.original.as_deref() {
+        let keeps_extras =
+            |format| file.original.as_deref().is_some_and(|source| source.keeps_extras(format));
+        if self.format.is_some_and(keeps_extras) {
             file.extras.clone_from(&self.extras);
         }
         for (k, pair) in self.edges.pairs.iter().enumerate() {
@@ -83,43 +80,6 @@ impl ShapeFile {
         Ok(file)
     }
 
-    /// What of the original holds for any vertices: the header of an STL, the view point of a PCD, the records of a LAS.
-    fn original_header(&self, vertices: &[u32]) -> Option<Arc<Original>> {
-        match self.original.as_deref()? {
-            Original::Stl(stl) => Some(Arc::new(Original::Stl(StlOriginal {
-                header: stl.header.clone(),
-                solids: stl.solids.clone(),
-                points: Arc::default(),
-            }))),
-            Original::Pcd(pcd) => Some(Arc::new(Original::Pcd(PcdOriginal {
-                viewpoint: pcd.viewpoint.clone(),
-                // Not an image any more: one row of points.
-                width: vertices.len() as u64,
-                height: 1,
-                rows: None,
-                whole: None,
-            }))),
-            Original::Las(las) => Some(Arc::new(Original::Las(LasOriginal {
-                bytes: Arc::clone(&las.bytes),
-                kept: Some(match &las.kept {
-                    Some(kept) => vertices.iter().map(|&v| kept[v as usize]).collect(),
-                    None => vertices.to_vec(),
-                }),
-            }))),
-            _ => None,
-        }
-    }
-
-    /// An OBJ made of the lines of the original.
-    fn obj_subset(&self, subset: &Subset<'_>) -> Option<Self> {
-        let Some(Original::Rows(rows)) = self.original.as_deref() else { return None };
-        if self.format != Some(Format::Obj) || self.moved || !self.edited.is_empty() {
-            return None;
-        }
-        let text = obj::text(&rows.bytes, &rows.rows, self.faces.corners().len(), subset);
-        crate::read_bytes(text, Some("subset.obj"), &ReadLimits::default()).ok()
-    }
-
     /// For each corner of the faces a number that is equal where texture coordinate, material and group are, for
     /// simplification: where they differ at one vertex there is a seam. `None` where nothing differs that way.
     ///
@@ -132,19 +92,19 @@ impl ShapeFile {
     /// assert_eq!(file.corner_labels().unwrap(), [0, 0, 0, 1, 1, 1]);
     /// ```
     pub fn corner_labels(&self) -> Option<Vec<u32>> {
-        let by_vertex = || {
-            let field = self.field("texcoord")?;
-            let of_vertex = distinct(field.len(), |x| {
-                (0..field.n_channels).map(|c| (field.get(x, c) + 0.0).to_bits()).collect::<Vec<_>>()
-            });
-            Some(self.faces.corners().iter().map(|&x| of_vertex[x as usize]).collect())
-        };
         match self.original.as_deref() {
-            Some(Original::Rows(rows)) if self.format == Some(Format::Obj) => {
-                obj::labels(&rows.bytes, self.faces.corners().len())
-            }
-            _ => by_vertex(),
+            Some(source) => source.corner_labels(self),
+            None => self.labels_by_texcoord(),
         }
+    }
+
+    /// [`corner_labels`](Self::corner_labels) by the field `texcoord`.
+    pub(crate) fn labels_by_texcoord(&self) -> Option<Vec<u32>> {
+        let field = self.field("texcoord")?;
+        let of_vertex = distinct(field.len(), |x| {
+            (0..field.n_channels).map(|c| (field.get(x, c) + 0.0).to_bits()).collect::<Vec<_>>()
+        });
+        Some(self.faces.corners().iter().map(|&x| of_vertex[x as usize]).collect())
     }
 
     fn check_subset(&self, subset: &Subset<'_>) -> Result<(), ShapeFileError> {
@@ -190,7 +150,7 @@ pub(crate) fn selected(field: &Field, rows: &[u32]) -> Field {
 }
 
 /// Numbers from 0, equal where the keys are, in the order in which keys first appear.
-fn distinct<K: std::hash::Hash + Eq>(n: usize, key: impl Fn(usize) -> K) -> Vec<u32> {
+pub(crate) fn distinct<K: std::hash::Hash + Eq>(n: usize, key: impl Fn(usize) -> K) -> Vec<u32> {
     let mut known = std::collections::HashMap::new();
     (0..n)
         .map(|k| {

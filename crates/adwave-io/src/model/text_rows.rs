@@ -1,39 +1,13 @@
-//! The bytes of the file that a shape came from, kept so that it can be written again with nothing lost: only the
-//! coordinates that changed are replaced, everything else is copied.
+//! Texts with one row of values per vertex, kept so that they can be written again: only the coordinates that changed
+//! are replaced, everything else is copied.
 
-use crate::formats::ply::header::PlyOriginal;
+use std::ops::Range;
+
 use crate::progress::at_row;
 use crate::text::tokens::Tokens;
 use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
 use crate::{Precision, ShapeFile, WriteError};
 use adwave::Progress;
-
-/// What is kept of the original, by format.
-#[derive(Debug)]
-pub(crate) enum Original {
-    /// A text with one row per vertex.
-    Rows(TextRows),
-    /// A PLY, text or binary.
-    Ply(PlyOriginal),
-    /// A binary OFF.
-    OffBinary(crate::model::binary_rows::BinaryRows),
-    /// The header, names and points of an STL.
-    Stl(crate::formats::stl::read::StlOriginal),
-    /// A Gmsh mesh.
-    Msh(crate::formats::msh::write::MshOriginal),
-    /// A Medit mesh.
-    Medit(crate::formats::medit::write::MeditOriginal),
-    /// A GIFTI.
-    Gifti(crate::formats::gifti::update::GiftiOriginal),
-    /// A glTF or GLB.
-    Gltf(crate::formats::gltf::update::GltfOriginal),
-    /// A FreeSurfer surface.
-    FreeSurfer(crate::formats::freesurfer::read::FreeSurferOriginal),
-    /// A LAS or LAZ.
-    Las(crate::formats::las::write::LasOriginal),
-    /// The `VIEWPOINT` line and the width and height of a PCD.
-    Pcd(crate::formats::pcd::read::PcdOriginal),
-}
 
 /// What separates the values of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,13 +72,13 @@ impl TextRows {
         out: &mut dyn std::io::Write,
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
-        self.write_range((0, self.bytes.len()), shape, edit, out, progress)
+        self.write_range(0..self.bytes.len(), shape, edit, out, progress)
     }
 
-    /// Writes bytes `from..to` of the original with changed rows.
+    /// Writes these bytes of the original with the rows in it changed.
     pub(crate) fn write_range(
         &self,
-        (from, to): (usize, usize),
+        range: Range<usize>,
         shape: &ShapeFile,
         edit: &RowEdit<'_>,
         out: &mut dyn std::io::Write,
@@ -112,7 +86,7 @@ impl TextRows {
     ) -> Result<(), WriteError> {
         const FLUSH: usize = 1 << 18;
         let mut buffer = Vec::with_capacity(FLUSH + 1024);
-        let mut copied = from;
+        let mut copied = range.start;
         for (i, &row) in self.rows.iter().enumerate() {
             at_row(progress, i as u64, self.rows.len() as u64)?;
             let row = row as usize;
@@ -123,7 +97,7 @@ impl TextRows {
                 buffer.clear();
             }
         }
-        self.copy(copied, to, &mut buffer, out)?;
+        self.copy(copied, range.end, &mut buffer, out)?;
         Ok(out.write_all(&buffer)?)
     }
 
