@@ -37,8 +37,8 @@ class StudioResult(NamedTuple):
 def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> StudioResult:
     """Open an equalizer for a shape in the browser, and wait until the edit is done.
 
-    A slider for each band, a brush that paints gains, layers, undo. *Quit studio* in the page's file menu, or Ctrl-C here (in a notebook its stop button), ends
-    it, and gives the edit either way.
+    The page has a slider for each band, a brush that paints gains, layers and undo. *Quit studio* in its file menu ends the
+    call, and so does Ctrl-C here (in a notebook the stop button); either way the edit is returned.
 
     Parameters
     ----------
