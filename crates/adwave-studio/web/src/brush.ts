@@ -91,6 +91,32 @@ export function lastStamps(region: Region): number[] {
   return 'vertices' in inner ? inner.vertices.indices : [];
 }
 
+/** Creates the buttons that pick detail and apply it to a layer. */
+function matchButtons(studio: Studio): HTMLElement {
+  return h(
+    'div',
+    { class: 'row' },
+    h(
+      'button',
+      {
+        type: 'button',
+        title: text.pickDetailHint,
+        onclick: () => {
+          studio.showMessage(text.pickDetailClick);
+          studio.onPickVertex = (vertex) =>
+            studio.detail.pickFrom(vertex, (brush.radius / 100) * studio.shape!.diagonal);
+        },
+      },
+      text.pickDetail,
+    ),
+    h(
+      'button',
+      { type: 'button', title: text.applyDetailHint, onclick: () => studio.detail.applyToLayer() },
+      text.applyDetail,
+    ),
+  );
+}
+
 export function brushPanel(studio: Studio): HTMLElement {
   const toggle = h(
     'button',
@@ -122,27 +148,6 @@ export function brushPanel(studio: Studio): HTMLElement {
       brush.mode = m;
       mode.set(m);
     },
-  );
-  const match = h('div', { class: 'row' });
-  match.append(
-    h(
-      'button',
-      {
-        type: 'button',
-        title: text.pickDetailHint,
-        onclick: () => {
-          studio.showMessage(text.pickDetailClick);
-          studio.onPickVertex = (vertex) =>
-            studio.detail.pickFrom(vertex, (brush.radius / 100) * studio.shape!.diagonal);
-        },
-      },
-      text.pickDetail,
-    ),
-    h(
-      'button',
-      { type: 'button', title: text.applyDetailHint, onclick: () => studio.detail.applyToLayer() },
-      text.applyDetail,
-    ),
   );
   studio.on('tool', () => {
     toggle.setAttribute('aria-pressed', String(studio.isBrushOn));
@@ -184,6 +189,6 @@ export function brushPanel(studio: Studio): HTMLElement {
       brush.symmetric = on;
     }),
     front,
-    h('details', {}, h('summary', {}, text.matching), match),
+    h('details', {}, h('summary', {}, text.matching), matchButtons(studio)),
   );
 }

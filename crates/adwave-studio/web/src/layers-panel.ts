@@ -7,80 +7,80 @@ import { type DocLayer, newKey } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
-export function layersPanel(studio: Studio): HTMLElement {
-  const list = h('ul', { class: 'layers', 'aria-label': text.layers });
-  const detail = h('div', { class: 'detail' });
-  const rules = h('details', { class: 'rules' }, h('summary', {}, text.rules));
+function removeLayer(studio: Studio, key: number): void {
+  if (studio.doc.layers.length === 1) {
+    studio.showMessage(text.lastLayer);
+    return;
+  }
+  studio.history.commit({ ...studio.doc, layers: studio.doc.layers.filter((l) => l.key !== key) });
+}
 
-  const remove = (key: number) => {
-    if (studio.doc.layers.length === 1) {
-      studio.showMessage(text.lastLayer);
-      return;
+function duplicateLayer(studio: Studio, layer: DocLayer): void {
+  const i = studio.doc.layers.indexOf(layer);
+  const copy = { ...layer, key: newKey(), name: text.copyName(layer.name || text.layerName(i + 1)) };
+  studio.history.commit({ ...studio.doc, layers: studio.doc.layers.toSpliced(i + 1, 0, copy) });
+  studio.select(copy.key);
+}
+
+/** Creates the list item of a layer; `rename` is called with its displayed name on a double click. */
+function layerItem(studio: Studio, layer: DocLayer, i: number, rename: (name: string) => void): HTMLElement {
+  const name = layer.name || text.layerName(i + 1);
+  const selected = layer.key === studio.layer.key;
+  const choose = h(
+    'button',
+    {
+      type: 'button',
+      class: 'name',
+      'aria-pressed': String(selected),
+      title: text.renameHint,
+      onclick: () => studio.select(layer.key),
+      ondblclick: () => rename(name),
+    },
+    h('span', {}, name),
+    h('small', {}, describeRegion(layer.region)),
+  );
+  return h(
+    'li',
+    { class: selected ? 'selected' : '', 'data-key': String(layer.key) },
+    iconButton(
+      layer.on ? 'eye' : 'off',
+      layer.on ? text.layerOff(name) : text.layerOn(name),
+      () => studio.changeLayer({ on: !layer.on }, true, layer.key),
+      { 'aria-pressed': String(layer.on) },
+    ),
+    choose,
+    iconButton('copy', text.duplicate(name), () => duplicateLayer(studio, layer)),
+    iconButton('bin', text.remove(name), () => removeLayer(studio, layer.key)),
+  );
+}
+
+/** Replaces the name of a layer by an input; `done` is called when the input is left. */
+function renameLayer(
+  studio: Studio,
+  list: HTMLElement,
+  layer: DocLayer,
+  name: string,
+  done: () => void,
+): void {
+  const input = h('input', { type: 'text', value: name, 'aria-label': text.layerRename });
+  const item = list.querySelector(`[data-key="${layer.key}"] .name`);
+  item?.replaceWith(input);
+  input.select();
+  input.addEventListener('blur', () => {
+    studio.changeLayer({ name: input.value.trim() }, true, layer.key);
+    done();
+  });
+  input.addEventListener('keydown', (event) => {
+    if (event.key === 'Enter') input.blur();
+    if (event.key === 'Escape') {
+      input.value = layer.name;
+      input.blur();
     }
-    studio.history.commit({ ...studio.doc, layers: studio.doc.layers.filter((l) => l.key !== key) });
-  };
+  });
+}
 
-  const duplicate = (layer: DocLayer) => {
-    const i = studio.doc.layers.indexOf(layer);
-    const copy = { ...layer, key: newKey(), name: text.copyName(layer.name || text.layerName(i + 1)) };
-    studio.history.commit({ ...studio.doc, layers: studio.doc.layers.toSpliced(i + 1, 0, copy) });
-    studio.select(copy.key);
-  };
-
-  function rebuild(): void {
-    list.replaceChildren(
-      ...studio.doc.layers.map((layer, i) => {
-        const name = layer.name || text.layerName(i + 1);
-        const selected = layer.key === studio.layer.key;
-        const choose = h(
-          'button',
-          {
-            type: 'button',
-            class: 'name',
-            'aria-pressed': String(selected),
-            title: text.renameHint,
-            onclick: () => studio.select(layer.key),
-            ondblclick: () => rename(layer, name),
-          },
-          h('span', {}, name),
-          h('small', {}, describeRegion(layer.region)),
-        );
-        return h(
-          'li',
-          { class: selected ? 'selected' : '', 'data-key': String(layer.key) },
-          iconButton(
-            layer.on ? 'eye' : 'off',
-            layer.on ? text.layerOff(name) : text.layerOn(name),
-            () => studio.changeLayer({ on: !layer.on }, true, layer.key),
-            { 'aria-pressed': String(layer.on) },
-          ),
-          choose,
-          iconButton('copy', text.duplicate(name), () => duplicate(layer)),
-          iconButton('bin', text.remove(name), () => remove(layer.key)),
-        );
-      }),
-    );
-    showDetail();
-  }
-
-  function rename(layer: DocLayer, name: string): void {
-    const input = h('input', { type: 'text', value: name, 'aria-label': text.layerRename });
-    const item = list.querySelector(`[data-key="${layer.key}"] .name`);
-    item?.replaceWith(input);
-    input.select();
-    input.addEventListener('blur', () => {
-      studio.changeLayer({ name: input.value.trim() }, true, layer.key);
-      rebuild();
-    });
-    input.addEventListener('keydown', (event) => {
-      if (event.key === 'Enter') input.blur();
-      if (event.key === 'Escape') {
-        input.value = layer.name;
-        input.blur();
-      }
-    });
-  }
-
+/** Creates the settings of the selected layer; `show` updates them, `reset` forces new region controls. */
+function layerSettings(studio: Studio) {
   const opacity = slider(
     text.opacity,
     { min: 0, max: 100, step: 1, value: 100 },
@@ -96,11 +96,9 @@ export function layersPanel(studio: Studio): HTMLElement {
     studio.updateTint();
   });
   const where = h('div', { class: 'where' });
-  detail.append(opacity, where, tint);
-
   let shown: Region | null | undefined;
   let shownKey = -1;
-  function showDetail(): void {
+  const show = () => {
     const { layer } = studio;
     opacity.set(Math.round(100 * layer.opacity));
     tint.hidden = layer.region === null;
@@ -108,12 +106,20 @@ export function layersPanel(studio: Studio): HTMLElement {
     shown = layer.region;
     shownKey = layer.key;
     where.replaceChildren(regionChooser(studio));
-  }
+  };
+  const reset = () => {
+    shownKey = -1;
+  };
+  return { element: h('div', { class: 'detail' }, opacity, where, tint), show, reset };
+}
 
-  function showRules(): void {
+/** Creates the constraints on new positions. */
+function constraints(studio: Studio): HTMLElement {
+  const element = h('details', { class: 'rules' });
+  const show = () => {
     const { doc } = studio;
     const set = (change: object) => studio.history.commit({ ...studio.doc, ...change });
-    rules.replaceChildren(
+    element.replaceChildren(
       h('summary', {}, text.rules),
       select<Along>(text.along, text.alongChoices, doc.along ?? 'free', (along) =>
         set({ along: along === 'free' ? null : along }),
@@ -123,21 +129,34 @@ export function layersPanel(studio: Studio): HTMLElement {
         set({ volume }),
       ),
     );
-  }
+  };
+  studio.on('shape', show);
+  let shown = '';
+  studio.on('doc', () => {
+    const now = `${studio.doc.along} ${studio.doc.border} ${studio.doc.volume}`;
+    if (now !== shown) show();
+    shown = now;
+  });
+  return element;
+}
 
+export function layersPanel(studio: Studio): HTMLElement {
+  const list = h('ul', { class: 'layers', 'aria-label': text.layers });
+  const settings = layerSettings(studio);
+  const rebuild = () => {
+    list.replaceChildren(
+      ...studio.doc.layers.map((layer, i) =>
+        layerItem(studio, layer, i, (name) => renameLayer(studio, list, layer, name, rebuild)),
+      ),
+    );
+    settings.show();
+  };
   studio.on('drawing', () => {
-    shownKey = -1;
+    settings.reset();
     rebuild();
   });
   studio.on(['doc', 'selected', 'shape'], rebuild);
-  studio.on('shape', showRules);
-  let rulesOf = '';
-  studio.on('doc', () => {
-    const now = `${studio.doc.along} ${studio.doc.border} ${studio.doc.volume}`;
-    if (now !== rulesOf) showRules();
-    rulesOf = now;
-  });
-
+  const rules = constraints(studio);
   return h(
     'section',
     { class: 'layers-panel', id: 'layers', 'aria-label': text.layers },
@@ -151,7 +170,7 @@ export function layersPanel(studio: Studio): HTMLElement {
       }),
     ),
     list,
-    detail,
+    settings.element,
     rules,
   );
 }

@@ -10,6 +10,56 @@ import { viewerText as text } from '../text';
 import { unpack, type ViewerContent } from './content';
 import { Picture } from './picture';
 
+/** Dragging and arrow keys rotate; the wheel and pinching zoom. */
+function enableGestures(canvas: HTMLCanvasElement, picture: Picture, redraw: () => void): void {
+  const pointers = new Map<number, { x: number; y: number }>();
+  const turn = (dx: number, dy: number) => {
+    picture.yaw += dx * 0.008;
+    picture.pitch = Math.max(-1.55, Math.min(1.55, picture.pitch + dy * 0.008));
+    redraw();
+  };
+  const zoom = (factor: number) => {
+    picture.distance = Math.max(0.15, Math.min(6, picture.distance * factor));
+    redraw();
+  };
+  const spread = () => {
+    const [a, b] = [...pointers.values()];
+    return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
+  };
+  canvas.addEventListener('pointerdown', (e) => {
+    canvas.setPointerCapture(e.pointerId);
+    pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
+  });
+  canvas.addEventListener('pointermove', (e) => {
+    const last = pointers.get(e.pointerId);
+    if (!last) return;
+    const before = spread();
+    pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
+    const now = spread();
+    if (before > 0 && now > 0) zoom(before / now);
+    else turn(e.clientX - last.x, e.clientY - last.y);
+  });
+  for (const end of ['pointerup', 'pointercancel'] as const) {
+    canvas.addEventListener(end, (e) => pointers.delete(e.pointerId));
+  }
+  canvas.addEventListener(
+    'wheel',
+    (e) => {
+      e.preventDefault();
+      zoom(Math.exp(e.deltaY * 0.001));
+    },
+    { passive: false },
+  );
+  canvas.addEventListener('keydown', (e) => {
+    const by = { ArrowLeft: [-20, 0], ArrowRight: [20, 0], ArrowUp: [0, -20], ArrowDown: [0, 20] }[e.key];
+    if (by) turn(by[0]!, by[1]!);
+    else if (e.key === '+' || e.key === '=') zoom(0.87);
+    else if (e.key === '-') zoom(1.15);
+    else return;
+    e.preventDefault();
+  });
+}
+
 async function start(): Promise<void> {
   const app = document.getElementById('viewer')!;
   const canvas = h('canvas', { tabIndex: 0, 'aria-label': text.stage });
@@ -144,53 +194,7 @@ async function start(): Promise<void> {
   );
   show();
 
-  // Dragging and arrow keys rotate; the wheel and pinching zoom.
-  const pointers = new Map<number, { x: number; y: number }>();
-  const turn = (dx: number, dy: number) => {
-    picture.yaw += dx * 0.008;
-    picture.pitch = Math.max(-1.55, Math.min(1.55, picture.pitch + dy * 0.008));
-    request(false);
-  };
-  const zoom = (factor: number) => {
-    picture.distance = Math.max(0.15, Math.min(6, picture.distance * factor));
-    request(false);
-  };
-  const spread = () => {
-    const [a, b] = [...pointers.values()];
-    return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
-  };
-  canvas.addEventListener('pointerdown', (e) => {
-    canvas.setPointerCapture(e.pointerId);
-    pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
-  });
-  canvas.addEventListener('pointermove', (e) => {
-    const last = pointers.get(e.pointerId);
-    if (!last) return;
-    const before = spread();
-    pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
-    const now = spread();
-    if (before > 0 && now > 0) zoom(before / now);
-    else turn(e.clientX - last.x, e.clientY - last.y);
-  });
-  for (const end of ['pointerup', 'pointercancel'] as const) {
-    canvas.addEventListener(end, (e) => pointers.delete(e.pointerId));
-  }
-  canvas.addEventListener(
-    'wheel',
-    (e) => {
-      e.preventDefault();
-      zoom(Math.exp(e.deltaY * 0.001));
-    },
-    { passive: false },
-  );
-  canvas.addEventListener('keydown', (e) => {
-    const by = { ArrowLeft: [-20, 0], ArrowRight: [20, 0], ArrowUp: [0, -20], ArrowDown: [0, 20] }[e.key];
-    if (by) turn(by[0]!, by[1]!);
-    else if (e.key === '+' || e.key === '=') zoom(0.87);
-    else if (e.key === '-') zoom(1.15);
-    else return;
-    e.preventDefault();
-  });
+  enableGestures(canvas, picture, () => request(false));
   new ResizeObserver(() => request(false)).observe(canvas);
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => request(false));
   draw();
