@@ -36,6 +36,8 @@
 #![allow(clippy::format_push_string, clippy::format_collect)]
 // Counts are below 2^32 where they become signed.
 #![allow(clippy::cast_possible_wrap)]
+// Builds without some formats leave the helpers of those unused.
+#![cfg_attr(not(feature = "default"), allow(dead_code))]
 
 mod bytes;
 #[cfg(feature = "las")]

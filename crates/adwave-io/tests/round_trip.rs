@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 fn both_ways() -> Vec<Format> {
     // Coordinates of LAS are whole numbers of steps: `las_write.rs`.
-    let is_las = |f: &Format| matches!(f, Format::LAS | Format::LAZ);
+    let is_las = |f: &Format| matches!(*f, Format::LAS | Format::LAZ);
     Format::all().filter(|f| f.can_read() && f.can_write() && !f.holds_graphs() && !is_las(f)).collect()
 }
 
@@ -240,7 +240,7 @@ proptest! {
 
     #[test]
     fn an_added_field_joins_the_original(shape in shape(), extra in any::<u16>()) {
-        for format in both_ways().into_iter().filter(|f| !matches!(f, Format::STL | Format::STL_ASCII)) {
+        for format in both_ways().into_iter().filter(|f| !matches!(*f, Format::STL | Format::STL_ASCII)) {
             let Some(mut read) = there_and_back(&shape, format) else { continue };
             let n = read.n_vertices();
             read.add_vertex_field(Field::new("added", 1, FieldValues::U16(vec![extra; n]))).unwrap();
