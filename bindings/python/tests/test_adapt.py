@@ -231,14 +231,14 @@ VALUE_ERRORS: dict[str, Callable[[], Any]] = {
     "faces: row 0 has corner -1, but corners count from 0": lambda: parts_of(POINTS, TRIANGLES - 1),
     "faces: row 0 has corner 9223372036854775813, but there are 6": lambda: parts_of(POINTS, HUGE),
     "faces: row 0 has corner 4294967296, but there are": lambda: parts_of(POINTS, [[0, 1, 2**32]]),
-    "faces: row 0 has corner 1.5, which is no index": lambda: parts_of(POINTS, [[0, 1, 1.5]]),
-    "faces: row 0 has corner nan, which is no index": lambda: parts_of(POINTS, [[0, 1, np.nan]]),
-    "faces: row 0 has corner 1e+300, which is no index": lambda: parts_of(POINTS, [[0, 1, 1e300]]),
+    "faces: row 0 has corner 1.5, which is not an index": lambda: parts_of(POINTS, [[0, 1, 1.5]]),
+    "faces: row 0 has corner nan, which is not an index": lambda: parts_of(POINTS, [[0, 1, np.nan]]),
+    "faces: row 0 has corner 1e+300, which is not an index": lambda: parts_of(POINTS, [[0, 1, 1e300]]),
     "faces: shape (3, 5) looks transposed": lambda: parts_of(POINTS, FAN.T),
     "faces: shape (3, 2) holds edges, not faces": lambda: parts_of(POINTS, TRIANGLES[:, :2]),
     "faces: shape (2, 3, 3) is not one row": lambda: parts_of(POINTS, np.zeros((2, 3, 3), int)),
-    "faces: entry 0 is 0, which is no number of corners": lambda: parts_of(POINTS, TRIANGLES.ravel()),
-    "faces: entry 4 is 3, which is no number of corners": lambda: parts_of(POINTS, [3, 0, 1, 2, 3, 0]),
+    "faces: entry 0 is 0, which is not the number of corners": lambda: parts_of(POINTS, TRIANGLES.ravel()),
+    "faces: entry 4 is 3, which is not the number of corners": lambda: parts_of(POINTS, [3, 0, 1, 2, 3, 0]),
     "faces: row 1 has length 2, but at least 3 corn": lambda: parts_of(POINTS, [[0, 1, 2], [3, 4]]),
     "from [0] to [3], but must go": lambda: parts_of(POINTS, (TRIANGLES.ravel(), np.array([0, 3]))),
     "faces: row 1 has length -3": lambda: parts_of(POINTS, (TRIANGLES.ravel(), np.array([0, 6, 3, 9]))),
@@ -252,24 +252,24 @@ VALUE_ERRORS: dict[str, Callable[[], Any]] = {
     "edges: shape (2, 9), but each row must hold two": lambda: graph_parts(9, np.zeros((2, 9), int)),
     "weights: shape (2,) is not one per edge, (1,)": lambda: graph_parts(3, [[0, 1]], [1, 2]),
     "points: row 2 has 2 entries, but row 0 has 3": lambda: parts_of(([*POINTS[:2], [0, 0]], TRIANGLES)),
-    "n_vertices: -1 is negative": lambda: graph_parts(-1, []),
+    "n_vertices must not be negative, got -1": lambda: graph_parts(-1, []),
     "points: 4 rows, but the faces are": lambda: with_results((POINTS, TRIANGLES), points=POINTS[:4]),
 }
 TYPE_ERRORS: dict[str, Callable[[], Any]] = {
-    "points: dtype complex128 holds no real numbers": lambda: parts_of(POINTS * 1j),
-    "points: dtype bool holds no coordinates": lambda: parts_of(POINTS > 0),
-    "points: dtype object holds no real numbers": lambda: parts_of(POINTS.astype(object)),
-    "points: dtype <U1 holds no real numbers": lambda: parts_of([["a", "b", "c"]]),
-    "faces: dtype object holds no real numbers": lambda: parts_of(POINTS, [[2**70, 0, 0]]),
-    "is not in the processor's memory; call .cpu() on it": lambda: parts_of(WithDlpack(POINTS, 2)),
+    "points: dtype complex128 is not a type of real numbers": lambda: parts_of(POINTS * 1j),
+    "points: coordinates cannot be bool": lambda: parts_of(POINTS > 0),
+    "points: dtype object is not a type of real numbers": lambda: parts_of(POINTS.astype(object)),
+    "points: dtype <U1 is not a type of real numbers": lambda: parts_of([["a", "b", "c"]]),
+    "faces: dtype object is not a type of real numbers": lambda: parts_of(POINTS, [[2**70, 0, 0]]),
+    "is not in CPU memory; call .cpu() on it": lambda: parts_of(WithDlpack(POINTS, 2)),
     "shape: 'bunny.obj' is a path; read it first": lambda: parts_of("bunny.obj"),
     "shape: cannot read an object of type NoneType; pass points, (points, faces)": lambda: parts_of(None),
     "shape: cannot read an object of type dict": lambda: parts_of({"points": POINTS}),
-    "faces: dtype bool holds no indices": lambda: parts_of(POINTS, TRIANGLES > 0),
-    "faces: dtype complex128 holds no real numbers": lambda: parts_of(POINTS, TRIANGLES * 1j),
+    "faces: indices cannot be bool": lambda: parts_of(POINTS, TRIANGLES > 0),
+    "faces: dtype complex128 is not a type of real numbers": lambda: parts_of(POINTS, TRIANGLES * 1j),
     "faces: offsets of dtype float64": lambda: parts_of(POINTS, (TRIANGLES.ravel(), HEIGHT)),
     "has its own; pass its p": lambda: parts_of(SimpleNamespace(vertices=POINTS, faces=QUADS), QUADS),
-    "fields['h']: dtype <U1 holds no real numbers": lambda: parts_of(POINTS, fields={"h": ["a"] * 6}),
+    "fields['h']: dtype <U1 is not a type of real numbers": lambda: parts_of(POINTS, fields={"h": ["a"] * 6}),
     "like: 'a.ply' is a path; ask for arrays": lambda: with_results("a.ply", points=POINTS),
     "like: results cannot be put into an object of type int; ask for arrays": lambda: with_results(3, points=POINTS),
     "plain arrays have no place for fields (h)": lambda: with_results(POINTS, fields={"h": HEIGHT}),
@@ -544,7 +544,7 @@ def test_scipy_sparse() -> None:
         np.testing.assert_array_equal(back, matrix.toarray())
     with pytest.raises(ValueError, match=r"has shape \(2, 3\), but must be square"):
         parts_of(sparse.csr_array(dense[:2]))
-    with pytest.raises(TypeError, match="weights: dtype complex128 holds no real numbers"):
+    with pytest.raises(TypeError, match="weights: dtype complex128 is not a type of real numbers"):
         parts_of(sparse.csr_array(dense * 1j))
     with pytest.raises(TypeError, match="a sparse matrix has no place for points or values per node; ask for arr"):
         with_results(sparse.csr_array(dense), fields={"h": HEIGHT[:3]})
