@@ -167,7 +167,7 @@ fn flags_that_cannot_be_parsed_say_what_they_want() {
         ("--size", "0x10", "without pixels"),
         ("--size", "wide", "WIDTHxHEIGHT"),
         ("--view", "sideways", "three-quarter"),
-        ("--view", "10,100", "-90 to 90"),
+        ("--view", "10,100", "-90..=90"),
         ("--range", "3,1", "LOW,HIGH"),
         ("--up", "w", "x, y or z"),
         ("--focus", "1,2", "vertex=N"),

@@ -100,7 +100,7 @@ fn what_is_wrong_with_a_gifti_is_said_in_one_line() {
         (points("GZipBase64Binary", &base64(b"not zlib at all")), "compressed"),
         (points("GZipBase64Binary", &base64(&zlib(&vec![0; 1 << 16]))), "more than"),
         (points("Base64Binary", &base64(&[0; 35])), "fewer than"),
-        (points("ExternalFileBinary", ""), "give the GIFTI by its path"),
+        (points("ExternalFileBinary", ""), "open the GIFTI by its path"),
         (points("Base128", ""), "Base128"),
         (whole().array(bad_triangle, "0 1 3"), "names vertex 3"),
         (whole().array(bad_triangle, "0 1 -1"), "names vertex -1"),

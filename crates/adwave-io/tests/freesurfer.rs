@@ -228,8 +228,8 @@ fn dense_values_lie_at_the_vertices_of_the_surface() {
     }
     let error = |structure, n| values(&cifti(false), structure, n).unwrap_err().to_string();
     assert!(error(Some("CortexLeft"), 5).contains("for 4 vertices of CORTEX_LEFT, but the surface has 5"));
-    assert!(error(Some("Cerebellum"), 4).contains("but for CORTEX_LEFT, CORTEX_RIGHT"));
-    assert!(error(None, 6).contains("no values for 6 vertices"));
+    assert!(error(Some("Cerebellum"), 4).contains("has values for CORTEX_LEFT, CORTEX_RIGHT"));
+    assert!(error(None, 6).contains("not for a surface of 6 vertices"));
 }
 
 #[test]

@@ -228,8 +228,8 @@ fn arrays_in_files_of_their_own_lie_beside_the_surface() {
     for name in ["../a.data", "/etc/hostname", "..", ""] {
         std::fs::write(&path, text(name)).unwrap();
         let error = read_path(&path, &limits()).unwrap_err().to_string();
-        assert!(error.contains("put it beside the GIFTI"), "{error}");
+        assert!(error.contains("move it next to the GIFTI"), "{error}");
     }
     let error = read_bytes(text("a.data").into_bytes(), None, &limits()).unwrap_err().to_string();
-    assert!(error.contains("give the GIFTI by its path"), "{error}");
+    assert!(error.contains("open the GIFTI by its path"), "{error}");
 }

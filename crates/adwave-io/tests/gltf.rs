@@ -153,13 +153,13 @@ fn what_cannot_be_read_is_said_in_one_line() {
         ("5126", "5125", "no error"),
         ("5126", "7", "no known type of component"),
         ("\"VEC3\"", "\"VEC2\"", "2 numbers for a position"),
-        ("[{\"mesh\":0}]", "[{\"mesh\":0,\"children\":[0]}]", "itself below it"),
+        ("[{\"mesh\":0}]", "[{\"mesh\":0,\"children\":[0]}]", "its own ancestor"),
         ("[{\"mesh\":0}]", "[{\"mesh\":3}]", "mesh 3"),
         ("\"nodes\":[0]", "\"nodes\":[5]", "node 5"),
         ("\"asset\":", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"asset\":", "Draco"),
-        ("data:application/octet-stream;base64,", "../secret", "not in its own folder"),
-        ("data:application/octet-stream;base64,", "file:///etc/passwd", "not in its own folder"),
-        ("data:application/octet-stream;base64,", "beside", "open it by its path"),
+        ("data:application/octet-stream;base64,", "../secret", "must be in the folder of the file"),
+        ("data:application/octet-stream;base64,", "file:///etc/passwd", "must be in the folder of the file"),
+        ("data:application/octet-stream;base64,", "beside", "open the file by its path"),
         ("data:application/octet-stream;base64,", "data:;base64,?", "base64"),
     ] {
         assert!(text.contains(from), "{from}");

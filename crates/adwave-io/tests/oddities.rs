@@ -223,9 +223,9 @@ fn rows_of_numbers_are_understood() {
     assert_eq!(remark.field("color").unwrap().values, FieldValues::U8(vec![1, 2, 3]));
     assert_eq!(
         error("1 2 3\n4 5\n", "a.xyz"),
-        "line 2: a row has 2 values, the first row has 3; make them alike"
+        "line 2: all rows must have the same number of values, got 2 after 3; make them equal"
     );
-    assert!(error("5\n1 2 3\n4 5 6\n", "a.pts").contains("the count says 5 points, but there are 2 rows"));
+    assert!(error("5\n1 2 3\n4 5 6\n", "a.pts").contains("the count is 5, but there are 2 rows"));
 }
 
 #[test]

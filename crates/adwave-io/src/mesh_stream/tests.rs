@@ -104,14 +104,14 @@ fn what_is_cut_or_wrong_is_an_error_in_one_line_as_it_is_for_the_whole() {
     }
     for (name, from, to, what) in [
         ("text.ply", "4 0 1 2 3", "4 0 1 2 9", "line 30: face 1 names vertex 9, but there are 5"),
-        ("text.ply", "3 1 1.000", "3 x 1.000", "line 26: \"x\" is no float"),
+        ("text.ply", "3 1 1.000", "3 x 1.000", "line 26: expected a float, got \"x\""),
         ("text.ply", "7 0 1 2 3", "7 0 1 2 6", "line 34: face 0 names vertex 6"),
         ("text.ply", "0.25 4 0", "0.25 -4 0", "line 30: the length of a list is invalid: -4"),
         ("text.ply", "0.25 4 0", "0.25 2000000 0", "get the whole file"),
         ("a.obj", "f 5 1 2", "f 8 1 2", "line 17: face 2 names vertex 8, but there are 5"),
         ("a.obj", "f 5 1 2", "f -9 1 2", "line 17: face 2 names vertex -9"),
         ("a.obj", "v 9 9 9", "v 9 9", "line 19: a vertex needs 3 numbers, got 2"),
-        ("a.obj", "v 0 1 .5", "v 0 a .5", "line 13: a vertex has \"a\""),
+        ("a.obj", "v 0 1 .5", "v 0 a .5", "line 13: a vertex must have numbers, got \"a\""),
     ] {
         let text = if name == "a.obj" { OBJ } else { TEXT };
         let path = folder.path().join(name);
@@ -179,7 +179,7 @@ fn other_files_and_fields_of_an_obj_are_refused() {
     assert!(refused.unwrap_err().to_string().contains("cannot store"));
     let path = folder.path().join("a.off");
     std::fs::write(&path, "OFF\n0 0 0\n").unwrap();
-    assert!(MeshReader::open(&path).err().unwrap().to_string().contains("is no PLY or OBJ"));
+    assert!(MeshReader::open(&path).err().unwrap().to_string().contains("must be a PLY"));
     std::fs::write(&path, "").unwrap();
     assert!(MeshReader::open(&path).err().unwrap().to_string().contains("empty"));
     std::fs::write(&path, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n")

@@ -80,16 +80,16 @@ fn what_is_wrong_with_tiles_is_said_in_one_line() {
         assert!(error.contains(words) && !error.contains('\n'), "{error}");
     };
     let root = "ept-hierarchy/0-0-0-0.json";
-    replaced("ept.json", "laszip", "zstandard", "tiles are of type `zstandard`");
+    replaced("ept.json", "laszip", "zstandard", "must be of type `laszip`, got `zstandard`");
     replaced("ept.json", "\"span\": 5", "\"span\": 0", "must describe an octree");
-    replaced("ept.json", "\"points\": 600", "\"points\": 6", "more points than the 6 of the cloud");
-    replaced("ept.json", "{\"bounds\"", "\"bounds\"", "is no JSON");
+    replaced("ept.json", "\"points\": 600", "\"points\": 6", "exceed the 6 points of the cloud");
+    replaced("ept.json", "{\"bounds\"", "\"bounds\"", "must be JSON");
     replaced(root, "\"0-0-0-0\": 75", "\"0-0-0-0\": 74", "has 75 points, but the hierarchy states 74");
-    replaced(root, "0-0-0-0", "../../0-0-0-0", "names no node");
-    replaced(root, "0-0-0-0", "0-0-0-0-../a", "names no node");
+    replaced(root, "0-0-0-0", "../../0-0-0-0", "must name a node");
+    replaced(root, "0-0-0-0", "0-0-0-0-../a", "must name a node");
     replaced(root, "0-0-0-0\": 75", "0-0-0-0\": -1", "refers back to itself");
     replaced(root, "0-0-0-0\": 75", "2-0-0-0\": -1", "cannot be read");
-    replaced(root, "0-0-0-0\": 75", "0-0-0-0\": 7.5", "no whole number of points");
+    replaced(root, "0-0-0-0\": 75", "0-0-0-0\": 7.5", "must have an integer number of points");
 }
 
 #[test]
@@ -104,5 +104,5 @@ fn tiles_of_other_steps_and_missing_tiles_are_refused() {
     assert!(error.contains("in format, scale or offset"), "{error}");
     fs::remove_file(&tile).unwrap();
     let error = read_path(folder.path(), &ReadLimits::default()).unwrap_err().to_string();
-    assert!(error.contains("0-0-0-0.laz: cannot be read"), "{error}");
+    assert!(error.contains("0-0-0-0.laz: the file cannot be read"), "{error}");
 }

@@ -41,8 +41,8 @@ fn boxes_and_resolutions_that_are_none() {
     let path = folder.path().join("a.copc.laz");
     fs::write(&path, copc(N, true).bytes).unwrap();
     let of = |low, high| CloudPart::default().with_bounds(low, high);
-    says(&path, &of([0.0, 2.0, 0.0], [1.0, 1.0, 1.0]), "from 2.0 to 1.0 along y");
-    says(&path, &of([0.0; 3], [1.0, 1.0, f64::NAN]), "from 0.0 to NaN along z");
+    says(&path, &of([0.0, 2.0, 0.0], [1.0, 1.0, 1.0]), "along y, got 2.0 to 1.0");
+    says(&path, &of([0.0; 3], [1.0, 1.0, f64::NAN]), "along z, got 0.0 to NaN");
     for resolution in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         says(&path, &boxed().with_resolution(resolution), "must be a length above 0");
     }
@@ -73,16 +73,16 @@ fn a_broken_hierarchy_is_an_error() {
     refused(&root(n - 1, 100, 75), "outside the file");
     refused(&root(u64::MAX - 5, 100, 75), "outside the file");
     refused(&root(100, 100, 75), "outside the file");
-    refused(&root(3000, 100, 601), "more points than the 600 of the cloud");
-    refused(&with_entry(&paged, 0, &entry([2, 4, 0, 0], 0, 0, 1)), "names node 2 4 0 0");
-    refused(&with_entry(&paged, 0, &entry([u32::MAX, 0, 0, 0], 0, 0, 1)), "names node -1 0 0 0");
-    refused(&with_entry(&paged, 0, &entry([31, 0, 0, 0], 0, 0, 1)), "names node 31 0 0 0");
+    refused(&root(3000, 100, 601), "exceed the 600 points of the cloud");
+    refused(&with_entry(&paged, 0, &entry([2, 4, 0, 0], 0, 0, 1)), "invalid node 2 4 0 0");
+    refused(&with_entry(&paged, 0, &entry([u32::MAX, 0, 0, 0], 0, 0, 1)), "invalid node -1 0 0 0");
+    refused(&with_entry(&paged, 0, &entry([31, 0, 0, 0], 0, 0, 1)), "invalid node 31 0 0 0");
     // A page that is listed for a second node, and one that refers to itself.
     let second = paged.bytes[paged.hierarchy + 32..][..32].to_vec();
     refused(&with_entry(&paged, 0, &second), "has two lists");
     let copied = flat.bytes[flat.hierarchy + 32..][..32].to_vec();
     refused(&with_entry(&flat, 2, &copied), "is listed twice");
-    for (at, words) in [(469, "outside the file"), (477, "which cannot be")] {
+    for (at, words) in [(469, "outside the file"), (477, "which is invalid")] {
         let mut bytes = paged.bytes.clone();
         bytes[at..at + 8].copy_from_slice(&u64::MAX.to_le_bytes());
         refused(&bytes, words);
@@ -91,7 +91,7 @@ fn a_broken_hierarchy_is_an_error() {
         for number in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
             let mut bytes = paged.bytes.clone();
             bytes[at..at + 8].copy_from_slice(&number.to_le_bytes());
-            refused(&bytes, "or its spacing");
+            refused(&bytes, "or spacing");
         }
     }
 }
@@ -104,7 +104,7 @@ fn numbers_of_points_that_lie_are_found() {
     let (n_bytes, n_points) = (number(file.hierarchy + 24), number(file.hierarchy + 28));
     let lying = |n_bytes, n_points| with_entry(&file, 0, &entry([0; 4], offset, n_bytes, n_points));
     refused(&lying(n_bytes, n_points - 1), "it has 75 points, but the hierarchy states 74");
-    refused(&lying(n_bytes - 20, n_points), "node 0-0-0-0 cannot be unpacked");
+    refused(&lying(n_bytes - 20, n_points), "node 0-0-0-0 cannot be decompressed");
     refused(&lying(10, n_points), "it has 0 points");
     // Header, hierarchy and chunk agree on more points than fit into memory.
     let mut bytes = lying(n_bytes, i32::MAX);

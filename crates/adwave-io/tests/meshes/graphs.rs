@@ -38,10 +38,10 @@ fn a_tgf_has_places_or_labels_and_weights() {
         (0, 0, &["labels of vertices".to_owned()][..])
     );
     assert!(
-        error(b"1\n2\n#\n1 3\n", "a.tgf").contains("line 4: an edge names vertex \"3\", which is not there")
+        error(b"1\n2\n#\n1 3\n", "a.tgf").contains("line 4: an edge names vertex \"3\", which does not exist")
     );
-    assert!(error(b"1\n1\n#\n", "a.tgf").contains("line 2: vertex \"1\" is there twice"));
-    assert!(error(b"1\n2\n", "a.tgf").contains("the line of # between vertices and edges is missing"));
+    assert!(error(b"1\n1\n#\n", "a.tgf").contains("line 2: vertex \"1\" occurs twice"));
+    assert!(error(b"1\n2\n", "a.tgf").contains("the line with # between vertices and edges is missing"));
     survives(&written(&file, Format::TGF), "a.tgf", |_, _| {});
 }
 
@@ -64,7 +64,7 @@ fn lists_of_edges_as_programs_write_them() {
     let sparse = read(b"100 7\n7 50\n", "a.edges");
     assert_eq!(sparse.field("id").unwrap().values, FieldValues::U64(vec![7, 50, 100]));
     assert_eq!(sparse.edges().pairs, [[2, 0], [0, 1]]);
-    assert!(error(b"1 2\n3\n", "a.edges").contains("line 2: \"3\" is no edge of two vertices"));
+    assert!(error(b"1 2\n3\n", "a.edges").contains("line 2: an edge needs two vertices, got \"3\""));
     // A count of vertices without bytes in the file must not allocate memory.
     assert_eq!(edges("# Nodes: 4000000000\n0 1\n").0, 2);
     survives(snap.as_bytes(), "a.edges", |_, _| {});

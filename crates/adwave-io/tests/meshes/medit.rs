@@ -124,7 +124,7 @@ fn broken_files_are_errors_of_one_line() {
     for (from, to, said) in [
         ("1 2 5 7", "1 2 6 7", "line 17: face 0 names vertex 6, but there are 5"),
         ("Vertices\n5", "Vertices\n5000000000", "exceeds the limit"),
-        ("Vertices\n5", "Vertices\n4", "line 12: \"0\" stands where a keyword belongs"),
+        ("Vertices\n5", "Vertices\n4", "line 12: expected a keyword, got \"0\""),
         ("Dimension\n3", "Dimension\n4", "line 3: points must have dimension 2 or 3, got 4"),
     ] {
         let bytes = TEXT.replacen(from, to, 1).into_bytes();

@@ -261,7 +261,7 @@ mod tests {
     fn broken_and_deep_texts_are_errors() {
         for text in [&b""[..], b"{", b"[1,]", b"{}x", b"{\"a\" 1}", &vec![b'['; 100_000]] {
             let said = Json::parse(text).unwrap_err().to_string();
-            assert!(said.contains("JSON is broken") && !said.contains('\n'), "{said}");
+            assert!(said.contains("JSON is damaged") && !said.contains('\n'), "{said}");
         }
     }
 }
