@@ -82,7 +82,7 @@ fn what_cannot_be_read_in_part_is_refused_in_one_line() {
     files(path);
     run(path, "convert a.copc.laz -o g.ply");
     for (line, words) in [
-        ("info g.ply --box 0,0,1,1", "g.ply: is no LAS, LAZ, COPC or EPT"),
+        ("info g.ply --box 0,0,1,1", "g.ply: parts can be read of LAS, LAZ, COPC and EPT only"),
         ("info sample:sphere --resolution 1", "--box and --resolution are for files"),
         ("info - --resolution 1", "--box and --resolution are for files"),
         ("info b.laz --resolution 1", "b.laz: has no levels"),

@@ -7,20 +7,22 @@ use adwave::Progress;
 use crate::formats::las::part::read_cloud_part as read_part;
 use crate::{CloudPart, ReadError, ReadLimits, ShapeFile, read_path_with};
 
-/// Reads a part of a cloud: of a COPC 1.0 (found by what is in the file), of an EPT (its folder, or the `ept.json` in it; local files,
-/// LAZ tiles), and of a LAS or LAZ what lies in a box.
+/// Reads a part of a cloud: of a COPC 1.0 (identified by its content), of an EPT (its folder, or the `ept.json` in
+/// it; local files with LAZ tiles), or the points of a LAS or LAZ in a box.
 ///
-/// A resolution r takes the levels 0 to d, where d is the first with spacing / 2ᵈ ≤ r, or the last that there is. Points of COPC
-/// and EPT come by level, then by the x, y and z of their node; those of a LAS or LAZ in the order of the file. All that the points
-/// carry, the coordinate system and other records are kept, so that the shape is written as LAS or LAZ like one that was
-/// read whole (wave packets of LAS 1.3 are left out). A part that is whole is [`read_path`](crate::read_path).
+/// A resolution r selects the levels 0 to d, where d is the first level with spacing / 2ᵈ ≤ r, or the last level.
+/// Points of COPC and EPT are ordered by level, then by the x, y and z of their node; those of a LAS or LAZ keep the
+/// order of the file. All point attributes, the coordinate system and other records are kept, so that the shape can
+/// be written as LAS or LAZ like one that was read completely (wave packets of LAS 1.3 are dropped). Without a
+/// selection this is [`read_path`](crate::read_path).
 ///
-/// Of COPC and EPT the hierarchy and the chosen nodes are read; of a LAS or LAZ all, with no more in memory than what is kept and
-/// some 64 MiB.
+/// For COPC and EPT only the hierarchy and the selected nodes are read; a LAS or LAZ is read completely, with memory
+/// for the selected points and about 64 MiB.
 ///
 /// # Errors
-/// One line that begins with a file's name: it is none of these, or broken; a box with NaN or with its corners the wrong way round; a
-/// resolution of a file without levels, or one that is not above 0; no point in the box (the bounds are named); more than the limits.
+/// The file has none of these formats or is damaged; the box contains NaN or has its corners reversed; the resolution
+/// is not above 0, or the file has no levels; the box contains no point (the message has the bounds); the limits are
+/// exceeded. The message is one line that begins with the file's name.
 ///
 /// ```
 /// use adwave_io::{CloudPart, ReadLimits, ShapeFile, read_cloud_part, write_path};
@@ -36,10 +38,10 @@ pub fn read_cloud_part(path: &Path, part: &CloudPart, limits: &ReadLimits) -> Re
     read_cloud_part_with(path, part, limits, Progress::none())
 }
 
-/// [`read_cloud_part`] that says how many nodes, or points of a LAS or LAZ, are read, and can be stopped.
+/// [`read_cloud_part`] with cancellation and progress in nodes, or in points of a LAS or LAZ.
 ///
 /// # Errors
-/// As [`read_cloud_part`], and [`ReadError::Cancelled`] soon after it is told to stop.
+/// The errors of [`read_cloud_part`], and [`ReadError::Cancelled`] soon after the cancellation.
 pub fn read_cloud_part_with(
     path: &Path,
     part: &CloudPart,

@@ -19,12 +19,12 @@ pub enum ReadError {
     #[error("the file cannot be read ({0}); check that it exists and is readable")]
     Io(#[from] io::Error),
     /// The file has no bytes.
-    #[error("is empty; give a file that holds vertices")]
+    #[error("the file is empty; it must contain vertices")]
     Empty,
-    /// Neither content nor name tells a format that can be read.
+    /// Neither content nor name identifies a format that can be read.
     #[error("is of an unknown format ({found}); formats that can be read: {readable}")]
     UnknownFormat {
-        /// What it looks like.
+        /// Description of the content.
         found: String,
         /// Names of the formats that can be read.
         readable: String,
@@ -158,16 +158,16 @@ pub enum WriteError {
         /// Path of the folder.
         folder: String,
     },
-    /// The name has no ending that tells a format.
+    /// The extension of the name identifies no format.
     #[error("the name tells no format that can be written; use one of the endings {writable}")]
     UnknownFormat {
         /// Endings that can be written.
         writable: String,
     },
-    /// The shape has nothing that the format can hold.
+    /// The format cannot store any of the content.
     #[error("{format} cannot store {what}; choose another format")]
     CannotHold {
-        /// The format.
+        /// Format of the file.
         format: crate::Format,
         /// Content that cannot be stored.
         what: String,

@@ -14,7 +14,7 @@ impl Format {
         Self(name)
     }
 
-    /// The name on the command line and in messages: `ply-ascii`.
+    /// Name on the command line and in messages, such as `ply-ascii`.
     pub fn name(self) -> &'static str {
         self.0
     }

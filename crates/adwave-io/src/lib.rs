@@ -34,7 +34,7 @@
 
 // Headers are a few lines of text; `write!` into a string would return an error that cannot occur.
 #![allow(clippy::format_push_string, clippy::format_collect)]
-// Counts are below 2^32 where they become signed.
+// Counts are below 2^32 before they become signed.
 #![allow(clippy::cast_possible_wrap)]
 // Builds without some formats leave the helpers of those unused.
 #![cfg_attr(not(feature = "default"), allow(dead_code))]

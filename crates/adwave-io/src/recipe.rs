@@ -34,7 +34,7 @@ pub enum Levels {
     /// Default levels for the shape.
     #[default]
     Default,
-    /// That many dyadic levels.
+    /// Number of dyadic levels.
     Dyadic(usize),
     /// Levels with these numbers of steps.
     Steps(Vec<f64>),

@@ -103,7 +103,7 @@ fn same_points(a: &ShapeFile, b: &ShapeFile) -> bool {
         && a.points().as_flattened().iter().zip(b.points().as_flattened()).all(|(&a, &b)| same_bits(a, b))
 }
 
-/// The corners of each face; an STL has its own three vertices for each triangle.
+/// Corners of each face; an STL has three vertices of its own for each triangle.
 fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
     let what = format!("{} as {format}", name.display());
     if matches!(format, Format::STL | Format::STL_ASCII) {
@@ -124,7 +124,8 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         return;
     }
     if matches!(format, Format::GLB | Format::GLTF) {
-        // Far from the origin they are about their center, with more digits than 32-bit floats have there.
+        // Far from the origin the coordinates are relative to their center, with more digits than 32-bit floats have
+        // there.
         let reach =
             a.points().as_flattened().iter().filter(|x| x.is_finite()).fold(0.0_f64, |r, x| r.max(x.abs()));
         let near = |x: f64, y: f64| (x - y).abs() <= 1e-7 * reach;
@@ -248,7 +249,7 @@ fn moved_points_keep_everything_else() {
         assert_eq!(again.format(), Some(format), "{}", name.display());
         for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
             let x = if shape.precision() == Precision::F32 { f64::from(*x as f32) } else { *x };
-            // Those of a LAS are whole numbers of its steps.
+            // The coordinates of a LAS are integers in its steps.
             let is_near = format == Format::LAS && (x - y).abs() <= 0.005 * (1.0 + 1e-6);
             assert!(same_bits(x, *y) || is_near, "{}: {x} became {y}", name.display());
         }

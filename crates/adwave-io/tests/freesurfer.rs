@@ -48,9 +48,9 @@ fn a_surface_keeps_its_creator_and_its_volume() {
     let at = 3 + CREATOR.len() + 8;
     assert_eq!(moved[at..at + 12], floats(&[7.0, 8.0, 9.0]));
     assert_eq!((&moved[..at], &moved[at + 12..]), (&bytes[..at], &bytes[at + 12..]));
-    // Another format says what it leaves out.
+    // Another format reports its losses.
     let report = write_bytes(&shape, Format::PLY, &mut Vec::new()).unwrap();
-    assert_eq!(report.not_written, ["the volume that the surface is of"]);
+    assert_eq!(report.not_written, ["the source volume of the surface"]);
 }
 
 #[test]
@@ -246,5 +246,5 @@ fn fields_are_named_by_files_without_endings() {
     assert_eq!(named(path("lh.thickness")).unwrap().values[2], 2.5);
     assert_eq!(named(format!("{}:curv", path("maps.dscalar.nii"))).unwrap().values[3], 5.0);
     let error = named(path("lh.notes")).unwrap_err().to_string();
-    assert!(error.contains("is no file of values that can be read"), "{error}");
+    assert!(error.contains("has no supported values"), "{error}");
 }

@@ -132,7 +132,7 @@ fn sparse_and_quantized_positions() {
     let mut shape = read(&text);
     assert_eq!(shape.points(), [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     assert_eq!(written(&shape, Format::GLTF), text.as_bytes());
-    // What has moved has no place among the bytes, and gets one behind them.
+    // Moved points have no representation as bytes, so they are appended.
     let points = vec![[0.0, 0.0, 0.25], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     shape.set_points(points.clone()).unwrap();
     assert_eq!(
@@ -180,7 +180,7 @@ fn what_cannot_be_read_is_said_in_one_line() {
 fn every_cut_and_many_changed_bytes_give_a_line_or_a_shape() {
     let shape = read(&triangle(r#"[{"mesh":0},{"mesh":0,"translation":[0,0,4]}]"#, "[0,1]"));
     let whole = written(&shape, Format::GLB);
-    // Fewer bytes than its name may be those of a text.
+    // Fewer bytes than the magic number could be text.
     for end in 4..whole.len() {
         let error = read_bytes(whole[..end].to_vec(), Some("a.glb"), &ReadLimits::default()).unwrap_err();
         assert!(!error.to_string().contains('\n'), "{error}");

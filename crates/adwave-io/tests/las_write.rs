@@ -165,7 +165,7 @@ fn what_a_record_has_no_place_for_becomes_extra_bytes() {
 fn coordinates_beyond_all_steps_are_refused() {
     let far = ShapeFile::from_cloud(vec![[-1.7e308, 0.0, 0.0], [1.7e308, 0.0, 0.0]]);
     let error = write_bytes(&far, Format::LAS, &mut Vec::new()).unwrap_err().to_string();
-    assert!(error.contains("cannot hold"), "{error}");
+    assert!(error.contains("cannot store"), "{error}");
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn parts_that_lie_over_each_other_are_one_line() {
     };
     assert!(refusal(94, &99_u16.to_le_bytes()).contains("a header of 99 bytes is too short"));
     assert!(refusal(96, &83_u32.to_le_bytes()).contains("inside the header of 227 bytes"));
-    // More records than there is room for before the points: none of these is made of points.
+    // More records than fit before the points; none of them describes points.
     let mut counted = las.clone();
     counted[100..104].copy_from_slice(&1_u32.to_le_bytes());
     let again = written(&read(&counted, "a.las"), Format::LAS);

@@ -246,12 +246,12 @@ fn what_a_format_cannot_hold_is_reported() {
     let report = write_bytes(&shape, Format::OBJ, &mut bytes).unwrap();
     assert_eq!(report.not_written, ["vertex field `gaze`"]);
     let cloud = ShapeFile::from_cloud(vec![[0.0; 3]]);
-    assert!(write_bytes(&cloud, Format::STL, &mut bytes).unwrap_err().to_string().contains("cannot hold"));
+    assert!(write_bytes(&cloud, Format::STL, &mut bytes).unwrap_err().to_string().contains("cannot store"));
     let report = write_bytes(&shape, Format::LAS, &mut bytes).unwrap();
     assert!(report.not_written.iter().any(|l| l == "faces"), "{:?}", report.not_written);
 }
 
-/// Reads, writes without a change, and gives what was written.
+/// Reads and writes without a change, and returns the written bytes.
 fn unchanged(bytes: &[u8], name: &str) -> Vec<u8> {
     let shape = read_bytes(bytes.to_vec(), Some(name), &ReadLimits::default()).unwrap();
     let mut out = Vec::new();
@@ -288,7 +288,7 @@ fn an_xml_error_is_one_line() {
 
 #[test]
 fn faces_that_are_not_convex_are_cut_inside() {
-    // An arrow head of area 1.5 whose fan round its first corner would leave it.
+    // An arrowhead of area 1.5; a fan around its first corner would extend beyond it.
     let off = b"OFF\n5 2 0\n-1 0 0\n0 .5 0\n1 0 0\n0 2 0\n0 0 1\n4 0 1 2 3\n3 0 3 4\n";
     let shape = read_bytes(off.to_vec(), None, &ReadLimits::default()).unwrap();
     for format in [Format::STL, Format::STL_ASCII, Format::AMF, Format::THREE_MF, Format::GLB] {

@@ -236,7 +236,7 @@ fn of_volumes_the_boundary_is_taken_and_of_curved_cells_the_corners() {
     );
     let shape = read(w.file("UnstructuredGrid", "", &piece)).unwrap();
     assert_eq!(shape.format(), Some(Format::VTU));
-    // The three middles are gone, what no cell names stays.
+    // The three midpoints are dropped; points that no cell names stay.
     assert_eq!((shape.n_vertices(), shape.points()[12]), (13, [9.0; 3]));
     assert_eq!(shape.faces().len(), 1 + 5 + 5);
     assert_eq!(shape.faces().get(0), [0, 1, 2]);

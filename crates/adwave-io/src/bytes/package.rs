@@ -10,7 +10,7 @@ use crate::progress::BYTES_PER_STEP;
 use crate::text::one_line;
 use crate::{ReadError, ReadLimits};
 
-/// An archive, and how many bytes may still come out of it.
+/// Archive, and the number of bytes that may still be decompressed.
 pub(crate) struct Package<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
     /// Name of each file, by the normalized name.

@@ -11,7 +11,7 @@ use crate::limits::decompress;
 use crate::progress::BYTES_PER_STEP;
 use crate::{ReadError, ReadLimits};
 
-/// What a parser makes of the bytes of a file, decompressed; errors begin with the file's name.
+/// Parses the decompressed bytes of a file; errors begin with the file's name.
 pub(crate) fn parse_file<T>(
     path: &Path,
     limits: &ReadLimits,
@@ -24,7 +24,7 @@ pub(crate) fn parse_file<T>(
         .map_err(|e| e.in_file(path))
 }
 
-/// The bytes of a file, no more than the limit. A pipe is read to its end.
+/// Reads the bytes of a file, up to the limit. A pipe is read to its end.
 pub(crate) fn read_file(
     path: &Path,
     limits: &ReadLimits,
@@ -33,7 +33,7 @@ pub(crate) fn read_file(
     let mut file = File::open(path)?;
     let metadata = file.metadata()?;
     if metadata.is_dir() {
-        return Err(ReadError::Whole("is a folder; give a file".into()));
+        return Err(ReadError::Whole("the path is a folder; give a file".into()));
     }
     limits.check_bytes(metadata.len())?;
     let total = metadata.len();
@@ -43,7 +43,7 @@ pub(crate) fn read_file(
     } else {
         io::Seek::seek(&mut file, io::SeekFrom::Start(total))?;
     }
-    // What is left: all of it, or what was added since its length was asked for.
+    // The remaining bytes: all of them, or those appended since the length was determined.
     let most = limits.max_bytes.saturating_add(1);
     loop {
         let before = bytes.len();
@@ -58,11 +58,11 @@ pub(crate) fn read_file(
     Ok(bytes)
 }
 
-/// Shorter files are read by one thread.
+/// Size in bytes below which a file is read by one thread.
 const LARGE: u64 = 1 << 22;
 
-/// The first `n` bytes of a large regular file, by all threads: making room for fresh memory takes longer than copying into
-/// it. Nothing where the file is small, has become shorter, or the system has no reads at a position.
+/// Reads the first `n` bytes of a large regular file in parallel, because page faults in fresh memory take longer
+/// than copying. The result is empty if the file is small, has become shorter, or the system has no positioned reads.
 fn read_at_once(file: &File, n: u64, progress: Progress<'_>) -> Result<Vec<u8>, ReadError> {
     if n < LARGE {
         return Ok(Vec::new());
@@ -75,7 +75,7 @@ fn read_at_once(file: &File, n: u64, progress: Progress<'_>) -> Result<Vec<u8>, 
     match read {
         Ok(()) => Ok(bytes),
         Err(ReadError::Cancelled(_)) => Err(Cancelled.into()),
-        // The plain way meets the same error again if it is one.
+        // The sequential read meets the same error again if there is one.
         Err(_) => Ok(Vec::new()),
     }
 }

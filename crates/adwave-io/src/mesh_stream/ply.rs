@@ -148,7 +148,7 @@ impl PlyStream {
         Ok(true)
     }
 
-    /// The coordinates of rows of vertices.
+    /// Reads the coordinates of vertex rows.
     fn points(&self, rows: RowSpan, points: &mut Vec<[f64; 3]>) -> Result<(), ReadError> {
         let RowSpan { n, n_bytes } = rows;
         let element = &self.header.elements[self.element];
@@ -200,7 +200,7 @@ impl PlyStream {
         Ok(true)
     }
 
-    /// The corners of rows of faces or strips.
+    /// Reads the corners of rows of faces or strips.
     fn corners(&self, rows: RowSpan, n_vertices: u64, faces: &mut Polygons) -> Result<(), ReadError> {
         let RowSpan { n, n_bytes } = rows;
         let element = &self.header.elements[self.element];

@@ -14,7 +14,7 @@ use crate::formats::ply::update::{RowWriter, write_header};
 use crate::model::text_rows::{RowEdit, Separator, TextRows};
 use crate::{Field, FieldValues, Format, ReadError, ShapeFile, WriteError};
 
-/// What [`rewrite_mesh`] asks for: the new coordinates of the next vertices, and their values of each new field.
+/// Callback of [`rewrite_mesh`]: sets the new coordinates of the next vertices, and their values of each new field.
 pub type VertexEdit<'a, E> = dyn FnMut(&mut [[f64; 3]], &mut [Vec<f32>]) -> Result<(), E> + 'a;
 
 /// Writes a PLY or OBJ again in its own format. Coordinates are replaced in their own type, `fields` become the last

@@ -37,7 +37,7 @@ pub(crate) struct BinaryRows {
     pub(crate) order: ByteOrder,
 }
 
-/// A text or a binary file with its coordinates in place.
+/// Text or binary file with the positions of its coordinates.
 #[derive(Debug)]
 pub(crate) enum CoordinateRows {
     Text(TextRows),
@@ -72,7 +72,7 @@ impl CoordinateRows {
 }
 
 impl BinaryRows {
-    /// Where the rows begin.
+    /// Byte offset of the first row.
     pub(crate) fn first(&self) -> usize {
         self.runs.first().map_or(self.bytes.len(), |run| run.start)
     }

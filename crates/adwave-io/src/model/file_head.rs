@@ -6,7 +6,7 @@ use crate::model::format_descriptor::FormatDescriptor;
 use crate::text;
 use crate::text::line_end;
 
-/// How many bytes are looked at.
+/// Number of bytes examined.
 const LOOK: usize = 1 << 16;
 /// Bytes that some editors put before a text in UTF-8.
 const MARK: &[u8] = b"\xef\xbb\xbf";
@@ -62,7 +62,7 @@ impl<'a> FileHead<'a> {
         first(self.text)
     }
 
-    /// Lines that are neither blank nor a comment, without the blanks before them.
+    /// Lines that are neither blank nor a comment, without leading blanks.
     pub(crate) fn statements(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let text = self.head;
         let mut position = if text.starts_with(MARK) { MARK.len() } else { 0 };

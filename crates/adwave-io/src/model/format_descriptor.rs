@@ -92,13 +92,13 @@ pub(crate) struct FormatDescriptor {
     /// The format whose ending this one shares, if it is the second form of it.
     pub(crate) form_of: Option<Format>,
     pub(crate) content: ContentKind,
-    /// What is read, in words; empty if nothing is.
+    /// Description of the content that is read; empty if the format cannot be read.
     pub(crate) reads: &'static str,
-    /// What is written, in words; empty if nothing is.
+    /// Description of the content that is written; empty if the format cannot be written.
     pub(crate) writes: &'static str,
-    /// What stays as it was when a file is written in the format that it was read from, in words.
+    /// Description of the content that stays unchanged when a file is written in its own format.
     pub(crate) keeps: &'static str,
-    /// What the format cannot hold, or what is not read of it, in words.
+    /// Description of the content that the format cannot store or that is not read.
     pub(crate) loses: &'static str,
     /// A file has a shape together with any fields of its vertices, by their names.
     pub(crate) holds_fields: bool,

@@ -48,7 +48,7 @@ impl Transform {
     }
 }
 
-/// The objects that are placed, one after the other.
+/// Placed objects, one after the other.
 pub(crate) struct Joined<'a> {
     limits: &'a ReadLimits,
     /// Length of the file.
@@ -65,8 +65,8 @@ impl<'a> Joined<'a> {
         Self { limits, n_bytes, points: Vec::new(), triangles: Vec::new(), ends: Vec::new() }
     }
 
-    /// Adds an object. Objects that name others many times over make much of little: at most as much as a file of that many
-    /// bytes is worth.
+    /// Adds an object. Nested references could multiply a small file: the total is limited by what a file of that
+    /// size could contain.
     pub(crate) fn add(
         &mut self,
         points: &[[f64; 3]],

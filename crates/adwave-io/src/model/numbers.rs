@@ -1,4 +1,4 @@
-//! Arrays of numbers as files hold them: bytes in some order, or decimals.
+//! Arrays of numbers in files: bytes in a byte order, or decimals.
 
 use crate::ShapeFile;
 use std::borrow::Cow;
@@ -348,8 +348,8 @@ impl TextNumber for f64 {
     }
 }
 
-/// Fields of faces as those of cells. Edges come before faces among the cells and have none of the faces' values: no number
-/// stands there, or zero among whole numbers.
+/// Converts face fields to cell fields. Edges precede faces among the cells and have no values: NaN, or zero for
+/// integers.
 pub(crate) fn cell_fields(shape: &ShapeFile) -> Vec<Field> {
     let n_lines = shape.edges.pairs.len();
     shape.face_fields.iter().map(|field| filled(field, n_lines)).collect()

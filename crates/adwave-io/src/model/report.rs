@@ -1,12 +1,12 @@
-//! What a written file is without.
+//! Report of the content that a written file does not have.
 
 use crate::ShapeFile;
 
-/// What is not in the written file because the format cannot hold it.
+/// Content that is missing in a written file because the format cannot store it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WriteReport {
-    /// What the shape has and the format cannot hold, so that the file is without it: one phrase each, such as
-    /// ``vertex field `gaze` ``; empty where all was written.
+    /// Descriptions of the content that the format cannot store and the file does not have, such as ``vertex field
+    /// `gaze` ``; empty if everything was written.
     pub not_written: Vec<String>,
 }
 
@@ -18,14 +18,14 @@ impl WriteReport {
         }
     }
 
-    /// Names all vertex fields but those that are held.
+    /// Reports all vertex fields except `held`.
     pub(crate) fn leave_vertex_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
         for field in shape.vertex_fields.iter().filter(|f| !held.contains(&f.name.as_str())) {
             self.leave_out(format!("vertex field `{}`", field.name));
         }
     }
 
-    /// Names all face fields but those that are held.
+    /// Reports all face fields except `held`.
     pub(crate) fn leave_face_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
         for field in shape.face_fields.iter().filter(|f| !held.contains(&f.name.as_str())) {
             self.leave_out(format!("face field `{}`", field.name));

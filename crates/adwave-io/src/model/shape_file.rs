@@ -8,7 +8,7 @@ use crate::model::source_document::SourceDocument;
 use crate::provenance::Provenance;
 use crate::{Field, Format, ShapeFileError};
 
-/// The number type of the coordinates in the file.
+/// Number type of the coordinates in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     /// 32-bit floating point.
@@ -68,12 +68,12 @@ pub struct ShapeFile {
     pub(crate) precision: Precision,
     /// Anatomical structure, if the file states it.
     pub(crate) structure: Option<String>,
-    /// What only the original bytes hold, named for the report of what another format leaves out.
+    /// Content that only the original bytes have, named in the report of losses in other formats.
     pub(crate) extras: Vec<String>,
     pub(crate) original: Option<Arc<dyn SourceDocument>>,
-    /// How many vertex fields the original has.
+    /// Number of vertex fields of the original.
     pub(crate) n_original_fields: usize,
-    /// Vertex fields that are not as in the original.
+    /// Names of vertex fields that differ from the original.
     pub(crate) edited: Vec<String>,
     /// True if the points differ from the original.
     pub(crate) moved: bool,
@@ -314,7 +314,7 @@ impl ShapeFile {
         self
     }
 
-    /// Forgets the original bytes: frees their memory, and writing makes a plain new file.
+    /// Drops the original bytes: frees their memory, and writing creates a plain new file.
     pub fn forget_original(&mut self) {
         self.original = None;
     }

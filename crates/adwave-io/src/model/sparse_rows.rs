@@ -4,20 +4,20 @@ use crate::WriteError;
 use crate::text::push_f32;
 use crate::text::push_f64;
 
-/// A sparse matrix to be written, borrowed as three lists: row `i` has the columns `indices[offsets[i]..offsets[i + 1]]`.
+/// Borrowed sparse matrix in compressed rows: row `i` has the columns `indices[offsets[i]..offsets[i + 1]]`.
 #[derive(Clone, Copy, Debug)]
 pub struct SparseRows<'a> {
     /// Number of columns.
     pub n_columns: usize,
-    /// Where each row begins, and the end of the last.
+    /// Start of each row, and the end of the last.
     pub offsets: &'a [usize],
-    /// The column of each entry.
+    /// Column of each entry.
     pub indices: &'a [u32],
-    /// The value of each entry.
+    /// Value of each entry.
     pub values: MatrixValues<'a>,
 }
 
-/// The values of a matrix, borrowed.
+/// Borrowed values of a matrix.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // the names are the types
 pub enum MatrixValues<'a> {
@@ -26,7 +26,7 @@ pub enum MatrixValues<'a> {
 }
 
 impl MatrixValues<'_> {
-    /// How many values there are.
+    /// Number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::F32(v) => v.len(),
@@ -34,7 +34,7 @@ impl MatrixValues<'_> {
         }
     }
 
-    /// Whether there is none.
+    /// True if there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -54,7 +54,7 @@ impl SparseRows<'_> {
         self.offsets.len().saturating_sub(1)
     }
 
-    /// The lists may come from anyone: an error where they contradict each other.
+    /// Checks that the lists are consistent.
     pub(crate) fn check(&self) -> Result<(), WriteError> {
         let n = self.values.len();
         let is_sound = self.indices.len() == n

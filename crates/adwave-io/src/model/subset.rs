@@ -1,11 +1,11 @@
-//! A file with fewer vertices: what vertices and faces carry is kept for those that stay.
+//! Subsets of a file: the attributes of the remaining vertices and faces are kept.
 
 use adwave::shape::Polygons;
 use std::sync::Arc;
 
 use crate::{Field, ShapeFile, ShapeFileError};
 
-/// Which part of a file stays.
+/// Part of a file to keep.
 #[derive(Clone, Debug, Default)]
 pub struct Subset<'a> {
     /// Vertices to keep, in ascending order.
@@ -20,10 +20,10 @@ pub struct Subset<'a> {
 }
 
 impl ShapeFile {
-    /// The same file with fewer vertices and other triangles: attributes of vertices and faces in their own type of numbers, and
-    /// of an OBJ its lines as they are, with texture coordinates and normals of corners, materials and groups. Edges and lines
-    /// stay where both ends do. What else was among the [`extras`](Self::extras) (comments of a PLY) is not kept and no
-    /// longer among them; of a LAS it is. O(vertices + faces).
+    /// Creates a file with fewer vertices and other triangles. Fields keep their type of numbers; an OBJ keeps its
+    /// lines, with texture coordinates and normals of corners, materials and groups. Edges and lines stay if both
+    /// ends do. Other [`extras`](Self::extras), such as comments of a PLY, are dropped, except those of a LAS.
+    /// O(vertices + faces).
     ///
     /// ```
     /// use adwave_io::{Field, FieldValues, ShapeFile, Subset};
@@ -36,7 +36,8 @@ impl ShapeFile {
     /// ```
     ///
     /// # Errors
-    /// [`ShapeFileError::Subset`] when a list names what the file does not have, or is not one per triangle.
+    /// [`ShapeFileError::Subset`] if a list refers to items that do not exist, or does not have one item per
+    /// triangle.
     pub fn subset(&self, subset: &Subset<'_>) -> Result<Self, ShapeFileError> {
         self.check_subset(subset)?;
         let source = self.original.as_deref();
@@ -57,7 +58,7 @@ impl ShapeFile {
             format: self.format,
             precision: self.precision,
             original: source.and_then(|source| source.subset(subset.vertices)),
-            // The normals of an STL are those of its triangles.
+            // The normals of an STL belong to its triangles.
             moved: true,
             ..Self::empty()
         };
@@ -80,10 +81,11 @@ impl ShapeFile {
         Ok(file)
     }
 
-    /// For each corner of the faces a number that is equal where texture coordinate, material and group are, for
-    /// simplification: where they differ at one vertex there is a seam. `None` where nothing differs that way.
+    /// Labels the corners of the faces for simplification: labels are equal if texture coordinate, material and group
+    /// are. Different labels at one vertex mark a seam. `None` if all labels are equal.
     ///
-    /// Of an OBJ from its text; of other files from the field `texcoord`, which tells vertices at one position apart.
+    /// For an OBJ the labels come from its text, for other files from the field `texcoord`, which distinguishes
+    /// vertices at one position.
     ///
     /// ```
     /// use adwave_io::{ReadLimits, read_bytes};
@@ -149,7 +151,7 @@ pub(crate) fn selected(field: &Field, rows: &[u32]) -> Field {
     Field { name: field.name.clone(), n_channels: n, values }
 }
 
-/// Numbers from 0, equal where the keys are, in the order in which keys first appear.
+/// Numbers equal keys equally, from 0 in the order of their first occurrence.
 pub(crate) fn distinct<K: std::hash::Hash + Eq>(n: usize, key: impl Fn(usize) -> K) -> Vec<u32> {
     let mut known = std::collections::HashMap::new();
     (0..n)

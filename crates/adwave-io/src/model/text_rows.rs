@@ -9,10 +9,10 @@ use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
 use crate::{Precision, ShapeFile, WriteError};
 use adwave::Progress;
 
-/// What separates the values of a row.
+/// Separator of the values in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Separator {
-    /// Blanks, any number of them.
+    /// Any number of blanks.
     Blanks,
     /// Blanks; a `#` ends the row even directly after a value.
     BlanksUntilRemark,

@@ -34,34 +34,35 @@ impl TextureRequest<'_> {
     }
 }
 
-/// Why there are no colors.
+/// Reasons for which there are no colors.
 #[derive(Debug, thiserror::Error)]
 pub enum TextureError {
     /// The file of the shape, or of its materials, cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// No vertex says where in the picture it is.
-    #[error("{shape} has no texture coordinates (UVs), so no texture can be sampled; export it with them")]
+    /// The shape has no texture coordinates.
+    #[error("{shape} has no texture coordinates (UVs), which a texture needs; export the shape with UVs")]
     NoCoordinates {
-        /// The shape's file.
+        /// File of the shape.
         shape: String,
     },
-    /// Nothing names a picture.
+    /// No picture is named.
     #[error(
-        "{shape} names no texture (no map_Kd or baseColorTexture in its materials); name one with --texture FILE.png"
+        "{shape} names no texture (no map_Kd or baseColorTexture in its materials); choose one with \
+        --texture FILE.png"
     )]
     NoTexture {
-        /// The shape's file.
+        /// File of the shape.
         shape: String,
     },
-    /// A picture is not there or is no picture.
+    /// A picture does not exist or is invalid.
     #[error("the texture {path} cannot be read ({cause}); check the name, or convert it to PNG or JPEG")]
     Picture {
-        /// The picture's file.
+        /// File of the picture.
         path: String,
-        /// Why.
+        /// Cause of the failure.
         cause: String,
-        /// Whether the picture or the machine is to blame.
+        /// Kind of the error: the input or the machine.
         kind: ErrorKind,
     },
 }

@@ -19,32 +19,32 @@ impl Format {
         self.descriptor().title
     }
 
-    /// The file endings, without the dot, that mean this format; empty for the second form of an ending.
+    /// File extensions, without the dot, that select this format; empty for the second form of an extension.
     pub fn extensions(self) -> &'static [&'static str] {
         self.descriptor().extensions
     }
 
-    /// The file endings that such files have, also those of another form of the format.
+    /// File extensions of such files, including those of another form of the format.
     pub fn endings(self) -> &'static [&'static str] {
         self.family().extensions()
     }
 
-    /// What is read of such a file, in words; empty if nothing is.
+    /// Description of the content that is read; empty if the format cannot be read.
     pub fn reads(self) -> &'static str {
         self.descriptor().reads
     }
 
-    /// What is written into such a file, in words; empty if nothing is.
+    /// Description of the content that is written; empty if the format cannot be written.
     pub fn writes(self) -> &'static str {
         self.descriptor().writes
     }
 
-    /// What of such a file stays as it was when the shape is written in the same format, in words.
+    /// Description of the content that stays unchanged when the shape is written in the same format.
     pub fn keeps(self) -> &'static str {
         self.descriptor().keeps
     }
 
-    /// What such a file cannot hold, or what is not read of it, in words.
+    /// Description of the content that the format cannot store or that is not read.
     pub fn loses(self) -> &'static str {
         self.descriptor().loses
     }
@@ -84,7 +84,7 @@ impl Format {
         self.descriptor().content == ContentKind::Graph
     }
 
-    /// The binary or text form that stands for both: `ply` for `ply-ascii`.
+    /// Form that represents both the binary and the text form: `ply` for `ply-ascii`.
     pub(crate) fn family(self) -> Self {
         self.descriptor().form_of.unwrap_or(self)
     }
@@ -101,17 +101,17 @@ impl Format {
         shapes.map(|descriptor| descriptor.format)
     }
 
-    /// The format of that name.
+    /// Finds a format by its name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::all().find(|format| format.name().eq_ignore_ascii_case(name))
     }
 
-    /// The format that the file's ending means, with or without `.gz` after it.
+    /// Finds the format by the file's extension, with or without a following `.gz`.
     pub fn from_path(path: &Path) -> Option<Self> {
         Self::all().find(|format| format.descriptor().matches_name(path))
     }
 
-    /// The table of all formats in Markdown, as it stands in the documents.
+    /// Table of all formats in Markdown, as shown in the documentation.
     ///
     /// ```
     /// let table = adwave_io::Format::table();

@@ -1,4 +1,4 @@
-//! Reading a shape from a file or from bytes.
+//! Reading of shapes from files or bytes.
 
 use std::path::Path;
 
@@ -13,13 +13,13 @@ use crate::registry::names::unknown_content;
 use crate::registry::sniff::sniff;
 use crate::{ReadError, ReadLimits, ShapeFile};
 
-/// Reads the shape in a file, compressed by gzip or not. The content decides the format, the name only where the
-/// content leaves it open. A folder with an `ept.json`, or that file, is read as an EPT; for a part of one see
+/// Reads the shape in a file, compressed by gzip or not. The content determines the format; the name counts only if
+/// the content is ambiguous. A folder with an `ept.json`, or that file, is read as an EPT; for a part of one see
 /// [`read_cloud_part`](crate::read_cloud_part).
 ///
 /// # Errors
-/// One line that begins with the file's name: the file cannot be read, its format is unknown, it is malformed (with
-/// line or byte), or it is larger than the limits.
+/// The file cannot be read, its format is unknown, it is malformed (with line or byte), or it exceeds the limits. The
+/// message is one line that begins with the file's name.
 pub fn read_path(path: &Path, limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
     read_path_with(path, limits, Progress::none())
 }
@@ -43,10 +43,10 @@ pub fn read_path_with(
         .map_err(|e| e.in_file(path))
 }
 
-/// Reads the shape in bytes, compressed by gzip or not. `name_hint` is a file name that the content overrules.
+/// Reads the shape in bytes, compressed by gzip or not. `name_hint` is a file name; the content takes precedence.
 ///
 /// # Errors
-/// As [`read_path`], without the file's name.
+/// The errors of [`read_path`], without the file's name.
 pub fn read_bytes(
     bytes: Vec<u8>,
     name_hint: Option<&str>,
@@ -84,17 +84,18 @@ fn read_named(
     }
     let mut format = sniff(&bytes, name_hint)?;
     if (format.descriptor().has_lines)(&bytes) && old_line_ends(&mut bytes, progress)? {
-        // What was one long remark may be rows now.
+        // Content that was one long comment may be rows now.
         format = sniff(&bytes, name_hint)?;
     }
     let Some(read) = format.descriptor().read else {
-        return Err(unknown_content(format!("{format} is written only")));
+        return Err(unknown_content(format!("{format} is write-only")));
     };
     let context = ReadContext { limits, progress, name: name_hint, folder };
     read(bytes, &context).map(ShapeFile::with_original_fields)
 }
 
-/// Lines that end with a carriage return alone (before 2001 on the Macintosh) get line feeds instead; whether there were any.
+/// Replaces line ends that are a carriage return alone (Macintosh before 2001) by line feeds; returns true if there
+/// were any.
 fn old_line_ends(bytes: &mut [u8], progress: Progress<'_>) -> Result<bool, Cancelled> {
     for chunk in bytes.chunks(BYTES_PER_STEP) {
         progress.check()?;

@@ -12,13 +12,13 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"\xff\xd8\xff", "a JPEG picture"),
     (b"PK\x03\x04", "a ZIP archive"),
     (b"MATLAB 5.0", "a MATLAB file"),
-    (b"\x93NUMPY", "a NumPy array: give it as a field of a shape"),
+    (b"\x93NUMPY", "a NumPy array: use it as a field of a shape"),
     (b"<", "XML or HTML"),
     (b"{", "JSON"),
     (b"\x89HDF", "HDF5"),
 ];
 
-/// The format of the bytes. `name` is a file name that the content overrules.
+/// Format of the bytes. `name` is a file name; the content takes precedence.
 pub(crate) fn sniff(bytes: &[u8], name: Option<&str>) -> Result<Format, ReadError> {
     if bytes.is_empty() {
         return Err(ReadError::Empty);
@@ -40,11 +40,11 @@ pub(crate) fn sniff(bytes: &[u8], name: Option<&str>) -> Result<Format, ReadErro
     }
     match (best, name.and_then(|name| Format::from_path(name.as_ref()))) {
         (Some((_, format)), _) => Ok(format),
-        (None, _) if !file.is_text() => Err(unknown_content("binary of another kind")),
+        (None, _) if !file.is_text() => Err(unknown_content("binary of an unknown kind")),
         (None, Some(format)) => {
-            Err(unknown_content(format!("named as {format}, but it does not begin as such a file")))
+            Err(unknown_content(format!("named as {format}, but with another beginning")))
         }
-        (None, None) => Err(unknown_content("text of another kind")),
+        (None, None) => Err(unknown_content("text of an unknown kind")),
     }
 }
 

@@ -11,12 +11,13 @@ use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::SurfaceSize;
 use crate::{Field, ReadError, ReadLimits};
 
-/// Reads the values that a file has for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as whole numbers
-/// (−1 where there is no label), MGH and MGZ with a channel for each frame, and CIFTI-2, of which `structure` (`CortexLeft`) and
-/// the number of vertices choose the part. Vertices without a value are NaN.
+/// Reads values for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as integers (−1 without a
+/// label), MGH and MGZ with a channel per frame, and CIFTI-2, where `structure` (`CortexLeft`) and the number of
+/// vertices select the part. Vertices without a value are NaN.
 ///
 /// # Errors
-/// One line with the file's name: it cannot be read, is of another kind, is malformed, or has no values for the surface.
+/// The file cannot be read, is of another kind, is malformed, or has no values for the surface. The message is one
+/// line with the file's name.
 pub fn read_surface_values(
     path: &Path,
     structure: Option<&str>,
@@ -42,10 +43,10 @@ pub(crate) fn read_value_file(
     }
 }
 
-/// As [`read_surface_values`], from bytes that are not compressed as a whole.
+/// [`read_surface_values`] from bytes that are not compressed as a whole.
 ///
 /// # Errors
-/// As [`read_surface_values`], without the file's name.
+/// The errors of [`read_surface_values`], without the file's name.
 pub fn parse_surface_values(
     bytes: &[u8],
     structure: Option<&str>,
@@ -70,7 +71,7 @@ fn parse(
     let best = readers.reduce(|best, other| if other.0 > best.0 { other } else { best });
     let Some((_, read)) = best else {
         return Err(ReadError::Whole(
-            "is no file of values that can be read; give NPY, CSV, GIFTI, CIFTI, MGH, or FreeSurfer's curv or annot"
+            "the file has no supported values; use NPY, CSV, GIFTI, CIFTI, MGH, or FreeSurfer's curv or annot"
                 .into(),
         ));
     };

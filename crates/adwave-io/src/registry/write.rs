@@ -14,13 +14,15 @@ use crate::provenance::{NAME, Provenance, WithComment};
 use crate::registry::names::unknown_ending;
 use crate::{Format, Precision, ShapeFile, WriteError, WriteReport};
 
-/// Writes the shape as a whole file (see [`atomic_write`](crate::atomic_write)). Without a format the name's ending decides; a shape read
-/// from the text (or binary) form of that ending is written in the same form. `.gz` after the ending compresses.
+/// Writes the shape to a file atomically (see [`atomic_write`](crate::atomic_write)). Without a format the extension
+/// decides; a shape read from the text (or binary) form of that extension is written in the same form. `.gz` after
+/// the extension compresses.
 ///
-/// A shape that is written in the format that it was read from keeps everything else that the file had.
+/// A shape written in the format it was read from keeps all other content of the file.
 ///
 /// # Errors
-/// One line that begins with the file's name; an older file of that name is unchanged then.
+/// Writing fails, or the format cannot store the shape; an older file of that name is unchanged then. The message is
+/// one line that begins with the file's name.
 pub fn write_path(shape: &ShapeFile, path: &Path, format: Option<Format>) -> Result<WriteReport, WriteError> {
     write_path_with(shape, path, format, Progress::none())
 }
@@ -127,7 +129,7 @@ fn write_shape(
     Ok(context.report)
 }
 
-/// A shape that comes from no file may name vertices that it does not have.
+/// Checks indices, because a shape without an original file may name vertices that it does not have.
 fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
     let (corners, n) = (shape.faces.corners(), shape.n_vertices);
     if !all(corners.len(), progress, |k| (corners[k] as usize) < n)? {
@@ -138,7 +140,7 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
     Ok(())
 }
 
-/// Coordinates that are written in single precision must not become infinite.
+/// Checks that coordinates written in single precision do not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
     let is_single = format.descriptor().is_single_precision;
     if shape.precision == Precision::F64 && !is_single {

@@ -2,8 +2,8 @@
 
 use super::push_f64;
 
-/// Adds a row to a CSV text as RFC 4180 has it: cells with commas, quotes or line breaks stand in quotes; the row ends in a
-/// line feed.
+/// Appends a row to a CSV text according to RFC 4180: cells with commas, quotes or line breaks are quoted; the row
+/// ends in a line feed.
 ///
 /// ```
 /// let mut text = String::new();
@@ -28,7 +28,8 @@ pub fn push_csv_row<C: AsRef<str>>(text: &mut String, cells: impl IntoIterator<I
     text.push('\n');
 }
 
-/// A number as the cell of a table: the shortest decimal that reads back to the same value; `nan` and `inf` in small letters.
+/// Formats a number as the cell of a table: the shortest decimal that reads back to the same value; `nan` and `inf`
+/// in lower case.
 pub fn csv_number(x: f64) -> String {
     let mut text = Vec::new();
     push_f64(&mut text, x);

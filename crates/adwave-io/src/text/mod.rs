@@ -7,7 +7,7 @@ pub(crate) mod tokens;
 #[cfg(any(feature = "vtk", feature = "neuro", feature = "graph", feature = "print3d"))]
 pub(crate) mod xml;
 
-/// Whether the byte separates words on a line.
+/// True if the byte separates words on a line.
 pub(crate) fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\r' | 0x0b | 0x0c)
 }

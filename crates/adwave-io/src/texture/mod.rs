@@ -8,11 +8,13 @@ use crate::model::texture::{TextureError, TextureRequest};
 use crate::{Field, FieldValues, ReadLimits, ShapeFile};
 use picture::Picture;
 
-/// The colors of a texture at the vertices: the field `texture`, red, green and blue in [0, 1] as the picture has them.
+/// Samples the colors of a texture at the vertices: the field `texture` with the red, green and blue of the picture
+/// in [0, 1].
 ///
-/// `image` is the picture; without it an OBJ's materials name one for each part (`map_Kd`), and a glTF's (`baseColorTexture`). Sampled between pixels, repeated
-/// beyond the picture's edges, the first row of pixels at v = 1. A vertex on a seam gets the mean of its places in the
-/// picture; one without a place NaN.
+/// `image` is the picture; without it the materials of an OBJ (`map_Kd`) or a glTF (`baseColorTexture`) name one for
+/// each part. Colors are interpolated between pixels and repeated beyond the edges of the picture; the first row of
+/// pixels is at v = 1. A vertex on a seam gets the mean over its texture coordinates; a vertex without texture
+/// coordinates gets NaN.
 ///
 /// # Errors
 /// [`TextureError`]: no UVs, no picture, or a file that cannot be read.

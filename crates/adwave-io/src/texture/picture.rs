@@ -30,7 +30,7 @@ impl Picture {
         Self::of_bytes(&bytes, &name)
     }
 
-    /// A picture in memory, called so in errors.
+    /// Decodes a picture in memory; `name` is its name in errors.
     pub(crate) fn of_bytes(bytes: &[u8], name: &str) -> Result<Self, TextureError> {
         let wrong = |kind, cause: String| TextureError::Picture { path: name.to_owned(), cause, kind };
         let mut reader = ImageReader::new(Cursor::new(bytes))
@@ -47,7 +47,7 @@ impl Picture {
         Ok(Self { pixels })
     }
 
-    /// The color at (u, v), channels in [0, 1]; NaN where u or v is not finite.
+    /// Color at (u, v), channels in [0, 1]; NaN if u or v is not finite.
     pub(crate) fn sample(&self, u: f64, v: f64) -> [f64; 3] {
         if !(u.is_finite() && v.is_finite()) {
             return [f64::NAN; 3];

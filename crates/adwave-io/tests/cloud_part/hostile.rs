@@ -56,9 +56,13 @@ fn boxes_and_resolutions_that_are_none() {
     let mesh = folder.path().join("b.ply");
     write_path(&ShapeFile::from_cloud(vec![[0.0; 3]]), &mesh, None).unwrap();
     let error = read(&mesh, &boxed()).unwrap_err();
-    assert!(error.contains("is no LAS, LAZ, COPC or EPT"), "{error}");
+    assert!(error.contains("parts can be read of LAS, LAZ, COPC and EPT only"), "{error}");
     assert!(read(&folder.path().join("c.laz"), &boxed()).unwrap_err().contains("cannot be read"));
-    assert!(read(folder.path(), &boxed()).unwrap_err().contains("is no LAS, LAZ, COPC or EPT"));
+    assert!(
+        read(folder.path(), &boxed())
+            .unwrap_err()
+            .contains("parts can be read of LAS, LAZ, COPC and EPT only")
+    );
 }
 
 #[test]

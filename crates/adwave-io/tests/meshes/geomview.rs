@@ -40,7 +40,7 @@ fn lists_hold_several_objects() {
     assert_eq!(file.faces().get(1), [3, 4, 5, 6]);
     assert_eq!(file.edges().pairs, [[7, 8], [8, 9], [10, 11], [11, 10]]);
     assert_eq!(file.extras(), ["appearance"]);
-    assert!(error(b"{ INST geom { : a } }", "a.list").contains("no mesh of Geomview that can be read"));
+    assert!(error(b"{ INST geom { : a } }", "a.list").contains("not a supported mesh of Geomview"));
     assert!(error(b"{ LIST { MESH 1 1 0 0 0 }", "a.list").contains("is missing"));
 }
 
@@ -104,7 +104,7 @@ fn binary_off_is_kept() {
     survives(&bytes, "a.off", |end, _| panic!("cut at {end}"));
 }
 
-/// Points and faces as the heads of the files say; a grid that is wrapped has as many faces as points.
+/// Points and faces according to the heads of the files; a wrapped grid has as many faces as points.
 #[data_test]
 fn real_files() {
     let folder = common::test_inputs().join("formats/messy/geomview/spherical");

@@ -20,7 +20,7 @@ fn a_matrix_of_three_columns_is_a_cloud() {
         let field = parse_dmat_field(bytes, "a").unwrap();
         assert_eq!((field.n_channels, field.to_f64()), (3, cloud.points().as_flattened().to_vec()));
     }
-    assert!(error(b"2 2\n1\n2\n3\n4\n", "a.dmat").contains("give it as a field of a shape"));
+    assert!(error(b"2 2\n1\n2\n3\n4\n", "a.dmat").contains("use the matrix as a field of a shape"));
     assert!(error(b"3 1000000000\n1\n", "a.dmat").contains("get the whole file"));
     survives(&text, "a.dmat", |end, _| assert!(end + 6 >= text.len(), "{end}"));
     survives(&binary, "a.dmat", |end, _| panic!("cut at {end}"));
@@ -38,7 +38,8 @@ fn a_tgf_has_places_or_labels_and_weights() {
         (0, 0, &["labels of vertices".to_owned()][..])
     );
     assert!(
-        error(b"1\n2\n#\n1 3\n", "a.tgf").contains("line 4: an edge names vertex \"3\", which does not exist")
+        error(b"1\n2\n#\n1 3\n", "a.tgf")
+            .contains("line 4: an edge names vertex \"3\", which does not exist")
     );
     assert!(error(b"1\n1\n#\n", "a.tgf").contains("line 2: vertex \"1\" occurs twice"));
     assert!(error(b"1\n2\n", "a.tgf").contains("the line with # between vertices and edges is missing"));

@@ -49,7 +49,7 @@ fn a_3mf_places_objects_of_all_parts_in_its_unit() {
     ]);
     let file = read(&bytes, "a.3mf");
     assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (9, 3, Some(Format::THREE_MF)));
-    // Turned by a quarter about z, lifted, then moved along x; the other part is ten times as large.
+    // Rotated by a quarter turn about z, lifted, then moved along x; the other part is ten times as large.
     assert_eq!(file.points()[4], [10.0, 1.0, 5.0]);
     assert_eq!(file.points()[5], [9.0, 0.0, 5.0]);
     assert_eq!(file.points()[7], [20.0, 0.0, 0.0]);
@@ -167,7 +167,7 @@ fn colors_are_written_and_other_fields_named() {
     assert!(written(&mesh, Format::THREE_MF).starts_with(b"PK"));
 }
 
-/// Vertices and triangles as `trimesh` counts them in the first, in the others as the elements of the XML are counted.
+/// Vertices and triangles as counted by `trimesh` in the first file, and by XML elements in the others.
 #[data_test]
 fn real_files() {
     let folder = common::test_inputs().join("formats/messy/assimp/models");

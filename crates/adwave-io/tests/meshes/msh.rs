@@ -48,14 +48,14 @@ fn version_2_as_text() {
     file.set_points(points).unwrap();
     let moved = TEXT_2.replace("1000000 1 1 0.5", "1000000 1 -2 0.5");
     assert_eq!(String::from_utf8(written(&file, Format::MSH_ASCII)).unwrap(), moved);
-    // A field that is new is added, one that is changed takes the place of the old.
+    // A new field is added, a changed one replaces the old one.
     file.add_vertex_field(Field::new("new", 1, FieldValues::U8(vec![5; 5]))).unwrap();
     file.add_vertex_field(Field::new("a b", 1, FieldValues::U8(vec![1, 2, 3, 4, 5]))).unwrap();
     let again = read(&written(&file, Format::MSH_ASCII));
     assert_eq!(again.field("new").unwrap().to_f64(), [5.0; 5]);
     assert_eq!(again.field("a b").unwrap().to_f64(), [1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(again.vertex_fields().len(), 2);
-    // With NaN in it, which is not itself.
+    // With NaN, which differs from itself.
     assert_eq!(format!("{:?}", again.face_fields()), format!("{:?}", file.face_fields()));
 }
 
@@ -74,7 +74,7 @@ fn version_4_as_text_with_the_boundary_of_cells() {
     assert_eq!((field("physical"), field("elementary")), (vec![42.0; 6], vec![5.0; 6]));
     assert_eq!(field("heat"), [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]);
     assert_eq!(written(&file, Format::MSH_ASCII), TEXT_41.as_bytes());
-    // 4.0 has tag before dimension, boxes for points, and tags beside coordinates.
+    // Version 4.0 has tag before dimension, boxes for points, and tags next to coordinates.
     let old = "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n3 0 0 0 1 1 1 1 6 0\n$EndEntities\n\
         $Nodes\n1 3\n3 2 0 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1 1\n3 2 2 1\n1 1 2 3\n$EndElements\n";
     let file = read(old.as_bytes());

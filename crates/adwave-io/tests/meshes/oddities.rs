@@ -18,7 +18,7 @@ fn points_without_a_place_are_left_out_and_come_back() {
         String::from_utf8(written(&file, Format::PCD_ASCII)).unwrap(),
         text.replace("1 0 0 3", "9 0 0 3")
     );
-    // A new field is 0, or no number, where there is no place; other formats are without those points.
+    // A new field is 0 or NaN at points without a position; other formats do not store these points.
     file.add_vertex_field(Field::new("new", 1, FieldValues::F32(vec![5.0, 6.0]))).unwrap();
     for format in [Format::PCD, Format::PCD_COMPRESSED, Format::PCD_ASCII] {
         let bytes = written(&file, format);

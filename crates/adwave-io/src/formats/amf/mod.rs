@@ -18,7 +18,8 @@ pub(crate) static AMF: FormatDescriptor = FormatDescriptor {
     format: Format::AMF,
     title: "Additive manufacturing file",
     extensions: &["amf"],
-    reads: "objects placed by constellations, plain or zipped; colors of vertices, triangles, volumes and materials",
+    reads: "objects placed by constellations, plain or zipped; colors of vertices, triangles, volumes and \
+           materials",
     writes: "one object of triangles, colors of vertices and faces",
     loses: "other fields, metadata, materials, the unit of length",
     recognize: |file| {

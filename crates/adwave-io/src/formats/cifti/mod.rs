@@ -14,7 +14,7 @@ pub(crate) static CIFTI: FormatDescriptor = FormatDescriptor {
     content: ContentKind::Values,
     recognize: |file| read::is_nifti(file.bytes).then_some(Evidence::Signature),
     name_foreign: |file| {
-        read::is_nifti(file.bytes).then_some("NIfTI or CIFTI: give a CIFTI as a field of a surface")
+        read::is_nifti(file.bytes).then_some("NIfTI or CIFTI: use a CIFTI as a field of a surface")
     },
     read_values: Some(|bytes, size, c| {
         read::read_cifti(bytes, size.structure, size.n_vertices, c.limits, c.progress)

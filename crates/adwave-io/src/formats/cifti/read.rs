@@ -135,7 +135,7 @@ struct Matrix<'a> {
     scale: [f64; 2],
 }
 
-/// A field for each named column; columns without names are the channels of one.
+/// One field per named column; columns without names become the channels of one field.
 fn fields(
     model: &Model,
     maps: &Maps,

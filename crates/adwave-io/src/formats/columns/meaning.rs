@@ -1,4 +1,4 @@
-//! What the columns of a row mean.
+//! Meaning of the columns of a row.
 
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::Evidence;
@@ -63,7 +63,7 @@ fn is_unit(v: [f64; 3]) -> bool {
     squared == 0.0 || (squared.sqrt() - 1.0).abs() < UNIT_TOLERANCE
 }
 
-/// Whether it is a whole number that fits a byte.
+/// True if the number is an integer that fits a byte.
 pub(crate) fn is_color_byte(x: f64) -> bool {
     (0.0..=255.0).contains(&x) && x.fract() == 0.0
 }

@@ -24,7 +24,7 @@ impl SourceDocument for ColumnsSource {
 }
 
 impl Format {
-    /// Rows of numbers, one a point: XYZ, TXT, ASC.
+    /// Rows of numbers, one per point: XYZ, TXT, ASC.
     pub const XYZ: Self = Self::new("xyz");
     /// Rows of numbers after a count: PTS, PWN.
     pub const PTS: Self = Self::new("pts");
@@ -34,11 +34,11 @@ impl Format {
 
 pub(crate) static XYZ: FormatDescriptor = FormatDescriptor {
     format: Format::XYZ,
-    title: "rows of numbers, one a point",
+    title: "rows of numbers, one per point",
     extensions: &["xyz", "txt", "asc", "xyzn", "xyzrgb", "tsv"],
-    reads: "points and columns, with a row of names or without",
+    reads: "points and columns, with or without a row of names",
     writes: "points and fields",
-    keeps: "all text but coordinates that moved",
+    keeps: "all text except changed coordinates",
     loses: "faces",
     content: ContentKind::Cloud,
     holds_fields: true,
@@ -59,7 +59,7 @@ pub(crate) static PTS: FormatDescriptor = FormatDescriptor {
     extensions: &["pts", "pwn"],
     reads: "points and columns",
     writes: "points, intensity, colors",
-    keeps: "all text but coordinates that moved",
+    keeps: "all text except changed coordinates",
     loses: "faces",
     holds_fields: false,
     recognize: |file| (file.is_named(&PTS) && file.is_text()).then_some(Evidence::Name),
@@ -73,7 +73,7 @@ pub(crate) static CSV: FormatDescriptor = FormatDescriptor {
     extensions: &["csv"],
     reads: "points and columns",
     writes: "points and fields",
-    keeps: "all text but coordinates that moved",
+    keeps: "all text except changed coordinates",
     loses: "faces",
     holds_fields: false,
     recognize: |file| (file.is_named(&CSV) && file.is_text()).then_some(Evidence::Name),

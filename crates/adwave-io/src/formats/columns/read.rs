@@ -1,8 +1,8 @@
-//! Rows of numbers, one a point: XYZ, TXT, CSV, PTS, PWN. What separates them, whether a count or names stand
-//! before them, and what the columns without names mean is found from the rows.
+//! Rows of numbers, one row per point: XYZ, TXT, CSV, PTS, PWN. The separator, a preceding count or row of names, and
+//! the meaning of columns without names are inferred from the rows.
 //!
-//! An own parser rather than a CSV library: rows here may be separated by any number of blanks and have remarks and
-//! counts between them, and the file must be written again byte for byte.
+//! The parser is our own instead of a CSV library: values may be separated by any number of blanks, comments and
+//! counts may stand between the rows, and the file must be written again byte for byte.
 
 use adwave::{Cancelled, Progress};
 

@@ -51,8 +51,8 @@ pub(crate) fn update_columns(
     Ok(Update::Written)
 }
 
-/// Writes points and all vertex fields. Names of columns stand in the first line: of a CSV as they are, of an XYZ
-/// after `#`, and only when there is more than coordinates (or nothing at all), so that the simplest readers can read a simple file.
+/// Writes points and all vertex fields. The first line has the names of the columns: plain in a CSV, after `#` in an
+/// XYZ, and there only if there are fields (or no points at all), so that simple readers can read a simple file.
 pub(crate) fn write_columns(
     shape: &ShapeFile,
     format: Format,

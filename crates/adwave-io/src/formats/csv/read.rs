@@ -9,11 +9,12 @@ use crate::progress::at_row;
 use crate::text::{parse_f64, show};
 use crate::{Field, FieldValues, ReadError, ReadLimits};
 
-/// Reads the columns of a table whose cells are separated by commas, semicolons or tabs. A first row with a word in it names
-/// the columns; without it they are called `1`, `2` and so on. An empty cell, `NA` and `nan` are NaN.
+/// Reads the columns of a table with cells separated by commas, semicolons or tabs. A first row that contains a word
+/// names the columns; otherwise the names are `1`, `2` and so on. An empty cell, `NA` and `nan` are NaN.
 ///
 /// # Errors
-/// One line with the file's name: it cannot be read, a cell is no number, or rows differ in length.
+/// The file cannot be read, a cell is not a number, or rows differ in length. The message is one line with the file's
+/// name.
 pub fn read_csv_fields(path: &Path, limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
     read_csv_fields_with(path, limits, Progress::none())
 }
@@ -30,10 +31,10 @@ pub fn read_csv_fields_with(
     parse_file(path, limits, progress, |bytes| parse(&bytes, limits, progress))
 }
 
-/// As [`read_csv_fields`], from bytes.
+/// [`read_csv_fields`] from bytes.
 ///
 /// # Errors
-/// As [`read_csv_fields`], without the file's name.
+/// The errors of [`read_csv_fields`], without the file's name.
 ///
 /// ```
 /// use adwave_io::{ReadLimits, parse_csv_fields};

@@ -11,11 +11,12 @@ use crate::model::grouping::column_names;
 use crate::text::csv::push_csv_row;
 use crate::{Field, WriteError, atomic_write};
 
-/// Writes fields as a table: a row of names (`heat`; of several channels `flow_x`, or `hks_0`), then a row for each vertex.
-/// `.gz` after the ending compresses.
+/// Writes fields as a table: a row of names (`heat`; for several channels `flow_x` or `hks_0`), then one row per
+/// vertex. `.gz` after the extension compresses.
 ///
 /// # Errors
-/// As [`atomic_write`](crate::atomic_write), and [`WriteError::ArrayShape`] where fields differ in their numbers of rows.
+/// The errors of [`atomic_write`](crate::atomic_write), and [`WriteError::ArrayShape`] if the fields differ in the
+/// number of rows.
 pub fn write_csv_fields(path: &Path, fields: &[Field]) -> Result<(), WriteError> {
     let n = fields.first().map_or(0, Field::len);
     if let Some(other) = fields.iter().find(|field| field.len() != n) {

@@ -95,10 +95,10 @@ pub(crate) fn read_dmat(
     Ok(shape)
 }
 
-/// Reads the matrix in a file, compressed or not, as a field: a row for each vertex, a channel for each column.
+/// Reads the matrix in a file, compressed or not, as a field with a row per vertex and a channel per column.
 ///
 /// # Errors
-/// One line with the file's name: it cannot be read, is no DMAT, is malformed, or holds nothing.
+/// The file cannot be read, is not a DMAT, is malformed, or is empty. The message is one line with the file's name.
 pub fn read_dmat_field(path: &Path, limits: &ReadLimits) -> Result<Field, ReadError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = name.split('.').next().unwrap_or("dmat").to_owned();

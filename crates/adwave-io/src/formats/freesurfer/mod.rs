@@ -40,7 +40,7 @@ pub(crate) static CURV: FormatDescriptor = FormatDescriptor {
     recognize: |file| overlay::is_curv(file.bytes).then_some(Evidence::Signature),
     name_foreign: |file| {
         overlay::is_curv(file.bytes)
-            .then_some("FreeSurfer's values at vertices: give it as a field of a surface")
+            .then_some("FreeSurfer's values at vertices: use it as a field of a surface")
     },
     read_values: Some(|bytes, _, c| Ok(vec![overlay::read_curv(bytes, c.progress)?])),
     ..VALUES
@@ -51,7 +51,7 @@ pub(crate) static MGH: FormatDescriptor = FormatDescriptor {
     title: "FreeSurfer values, MGH",
     recognize: |file| overlay::is_mgh(file.bytes).then_some(Evidence::Signature),
     name_foreign: |file| {
-        overlay::is_mgh(file.bytes).then_some("an MGH volume or overlay: give it as a field of a surface")
+        overlay::is_mgh(file.bytes).then_some("an MGH volume or overlay: use it as a field of a surface")
     },
     read_values: Some(|bytes, _, c| Ok(vec![overlay::read_mgh(bytes, c.progress)?])),
     ..VALUES

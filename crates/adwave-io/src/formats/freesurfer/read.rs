@@ -1,6 +1,8 @@
-//! Surfaces: of triangles, and the older ones of quadrangles, which FreeSurfer itself reads as pairs of triangles.
+//! Reader for surfaces of triangles, and for the older ones of quadrangles, which FreeSurfer itself reads as pairs of
+//! triangles.
 //!
-//! Coordinates are taken as they stand, in the space of the surface; what the tail says of the volume is kept for writing.
+//! Coordinates are not transformed and stay in the space of the surface; the volume information at the end is kept
+//! for writing.
 
 use crate::WriteError;
 use crate::model::context::WriteContext;
@@ -21,12 +23,12 @@ const QUADS: &[u8] = b"\xff\xff\xff";
 /// Quadrangles, 32-bit coordinates.
 const NEW_QUADS: &[u8] = b"\xff\xff\xfd";
 
-/// What stands around the numbers of a surface.
+/// Content of a surface besides its numbers.
 #[derive(Debug)]
 pub(crate) struct FreeSurferSource {
-    /// Who made it, with the line ends after it.
+    /// Creator line, with the line ends after it.
     pub(super) creator: Vec<u8>,
-    /// What stands after the triangles: the volume that the surface is of, commands.
+    /// Content after the triangles: information on the source volume, commands.
     pub(super) tail: Vec<u8>,
 }
 
@@ -37,7 +39,7 @@ impl SourceDocument for FreeSurferSource {
     }
 }
 
-/// Whether the bytes are a surface.
+/// True if the bytes are a surface.
 pub(crate) fn is_surface(bytes: &[u8]) -> bool {
     bytes.starts_with(TRIANGLES)
         || bytes.starts_with(NEW_QUADS)
@@ -124,14 +126,14 @@ fn triangles(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Resul
     shape.faces = Polygons::from(corners.as_chunks().0.to_vec()).into();
     let tail = bytes[faces_at + faces.len()..].to_vec();
     if !tail.is_empty() {
-        shape.extras.push("the volume that the surface is of".into());
+        shape.extras.push("the source volume of the surface".into());
     }
     let creator = bytes[TRIANGLES.len()..at].to_vec();
     shape.set_source(FreeSurferSource { creator, tail });
     Ok(shape)
 }
 
-/// A whole number of three bytes.
+/// Integer of three bytes.
 fn three_bytes(bytes: &[u8]) -> u32 {
     u32::from_be_bytes([0, bytes[0], bytes[1], bytes[2]])
 }

@@ -30,7 +30,7 @@ pub(crate) fn write_surface(
     let count = |n: usize| {
         i32::try_from(n).map_err(|_| WriteError::CannotHold {
             format: Format::FREESURFER,
-            what: format!("{n} vertices or triangles, which are counted in 31 bits"),
+            what: format!("{n} vertices or triangles, which exceeds 31 bits"),
         })
     };
     let (n_vertices, n_triangles) = (count(shape.points.len())?, count(triangles.len())?);

@@ -18,7 +18,8 @@ pub(crate) static GEOMVIEW: FormatDescriptor = FormatDescriptor {
     format: Format::GEOMVIEW,
     title: "Geomview",
     extensions: &["oogl", "list", "quad", "vect", "skel"],
-    reads: "MESH grids, QUAD, VECT, SKEL, OFF, and lists of these; normals, colors; the fourth coordinate divides",
+    reads: "MESH grids, QUAD, VECT, SKEL, OFF, and lists of these; normals, colors; the fourth coordinate \
+           divides",
     loses: "appearance, transforms, curved surfaces",
     recognize: |file| read::is_geomview(file).then_some(Evidence::Keyword),
     read: Some(|bytes, c| read::read_geomview(&bytes, c.limits, c.progress)),

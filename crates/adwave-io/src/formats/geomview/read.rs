@@ -1,4 +1,4 @@
-//! Objects of Geomview, joined to one shape.
+//! Reader for the objects of Geomview, joined to one shape.
 
 use crate::formats::off::off_keyword;
 use crate::model::file_head::FileHead;
@@ -86,7 +86,7 @@ pub(crate) fn is_geomview(file: &FileHead<'_>) -> bool {
     })
 }
 
-/// Whether a word begins an object of Geomview other than OFF.
+/// True if a word begins an object of Geomview other than OFF.
 pub(crate) fn begins_object(word: &[u8]) -> bool {
     letters(word).is_some()
         || polygons(word).is_some()
@@ -193,7 +193,7 @@ impl Reader<'_> {
                         b"VECT" => self.vectors(tokens),
                         _ if off_keyword(found).is_some() => self.off(tokens, start),
                         _ => Err(wrong(format!(
-                            "{} is no mesh of Geomview that can be read; save the scene as OFF",
+                            "{} is not a supported mesh of Geomview; save the scene as OFF",
                             show(found)
                         ))),
                     };

@@ -1,6 +1,7 @@
-//! GIFTI: surfaces and values on them, as neuroimaging has them. XML with arrays as text, Base64, or zlib in Base64.
+//! GIFTI reader: surfaces and values on them in neuroimaging. The format is XML with arrays as text, Base64, or zlib
+//! in Base64.
 //!
-//! Coordinates are taken as they stand; the transforms to other spaces that a file may name are not applied.
+//! Coordinates are not transformed: the transforms to other spaces that a file may contain are not applied.
 
 use crate::files::read::parse_file;
 use std::ops::Range;
@@ -17,7 +18,7 @@ use crate::progress::{at_row, collect};
 use crate::text::one_line;
 use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
-/// What a file holds.
+/// Content of a file.
 struct Content {
     arrays: Vec<Array>,
     /// Anatomical structure that the file states for all its arrays.
@@ -110,10 +111,10 @@ pub fn read_gifti_fields_with(
     parse_file(path, limits, progress, |bytes| parse_fields(&bytes, path.parent(), limits, progress))
 }
 
-/// As [`read_gifti_fields`], from bytes that are not compressed as a whole.
+/// [`read_gifti_fields`] from bytes that are not compressed as a whole.
 ///
 /// # Errors
-/// As [`read_gifti_fields`], without the file's name.
+/// The errors of [`read_gifti_fields`], without the file's name.
 pub fn parse_gifti_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
     parse_fields(bytes, None, limits, Progress::none())
 }
@@ -141,7 +142,9 @@ fn parse_fields(
 fn faces(array: &Array, n_vertices: usize, progress: Progress<'_>) -> Result<Polygons, ReadError> {
     if array.columns != 3 || !array.values.value_type().is_integer() {
         let found = array.columns;
-        return Err(ReadError::Whole(format!("the triangles are rows of {found} numbers, not 3 whole ones")));
+        return Err(ReadError::Whole(format!(
+            "triangles must be rows of 3 integers, got rows of {found} numbers"
+        )));
     }
     let mut triangles = vec![[0_u32; 3]; array.rows];
     for (f, triangle) in triangles.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! A GIFTI that is written again: the numbers that changed are replaced in its text, new fields join its arrays.
+//! Rewriting of a GIFTI: changed numbers are replaced in its text, and new fields are added to its arrays.
 
 use crate::model::context::WriteContext;
 use crate::model::source_document::SourceDocument;
@@ -16,12 +16,12 @@ use crate::{Field, Format, ShapeFile, ValueType, WriteError, WriteReport};
 /// Range of the element with an array's numbers, and their encoding.
 type Place = (Range<usize>, Numbers);
 
-/// The text of a GIFTI and where its numbers stand.
+/// Text of a GIFTI with the ranges of its numbers.
 #[derive(Debug)]
 pub(crate) struct GiftiSource {
     pub(super) bytes: Vec<u8>,
     pub(super) points: Place,
-    /// The fields by name.
+    /// Fields by name.
     pub(super) fields: Vec<(String, Place)>,
     /// Range of the number of arrays.
     pub(super) count: Range<usize>,
@@ -38,7 +38,7 @@ enum Change<'a> {
     Arrays(Vec<&'a Field>),
 }
 
-/// Parts of the text, and what takes their place.
+/// Ranges of the text with their replacements.
 type Changes<'a> = Vec<(Range<usize>, Change<'a>)>;
 
 impl SourceDocument for GiftiSource {
@@ -77,7 +77,7 @@ fn write_changes(
     Ok(out.write_all(&original.bytes[written..])?)
 }
 
-/// The changes in the order of the text.
+/// Collects the changes in the order of the text.
 fn changes<'a>(
     shape: &'a ShapeFile,
     original: &'a GiftiSource,

@@ -167,7 +167,7 @@ pub(super) fn left_out(
 ) -> Result<(), WriteError> {
     let (n, value) = (field.values.len(), |i: usize| field.values.get(i));
     check_range(Format::GIFTI, &format!("values of `{}`", field.name), n, progress, value)?;
-    // Whole numbers beyond this have more digits than even a 64-bit float.
+    // Larger integers have more digits than even a 64-bit float.
     let has_more = |x: f64| field.values.value_type().is_integer() && x.abs() >= (1_u64 << 53) as f64;
     let keeps_all = is_single(n, progress, value)? && all(n, progress, |i| !has_more(value(i)))?;
     if stored(&field.values) == ValueType::F32 && !keeps_all {

@@ -185,7 +185,7 @@ fn check_version(json: &Json) -> Result<(), ReadError> {
         Some(version) if version.starts_with("2.") => Ok(()),
         Some(version) => {
             let shown: String = version.chars().filter(|c| !c.is_control()).take(20).collect();
-            Err(ReadError::Whole(format!("it is glTF {shown}; convert it to glTF 2.0")))
+            Err(ReadError::Whole(format!("the file is glTF {shown}; convert it to glTF 2.0")))
         }
         None => Err(ReadError::UnknownFormat {
             found: "JSON without the `asset` of a glTF 2.0".into(),
@@ -194,7 +194,7 @@ fn check_version(json: &Json) -> Result<(), ReadError> {
     }
 }
 
-/// The bytes that a URI stands for.
+/// Reads the bytes that a URI refers to.
 fn resource(
     uri: &str,
     folder: Option<&Path>,

@@ -35,10 +35,13 @@ pub(crate) static GLB: FormatDescriptor = FormatDescriptor {
     format: Format::GLB,
     title: "glTF 2.0, binary",
     extensions: &["glb", "vrm"],
-    reads: "meshes, lines and points where the scene's nodes put them, all attributes, sparse and quantized ones too",
-    writes: "triangles, lines, points and fields in 32-bit floats and whole numbers up to 16 bits",
-    keeps: "materials, pictures, nodes, animations, all else; only positions and fields that changed are replaced",
-    loses: "polygons (cut into triangles), face fields, weights of edges; compression by Draco or meshopt is not read",
+    reads: "meshes, lines and points placed by the nodes of the scene, all attributes, including sparse \
+           and quantized ones",
+    writes: "triangles, lines, points and fields in 32-bit floats and integers of up to 16 bits",
+    keeps: "materials, pictures, nodes, animations, all other content; only changed positions and fields \
+           are replaced",
+    loses: "polygons (split into triangles), face fields, weights of edges; Draco and meshopt compression \
+           is not read",
     holds_fields: true,
     is_single_precision: true,
     provenance: ProvenanceRoom::Metadata,

@@ -15,7 +15,7 @@ use super::update::GltfSource;
 use crate::provenance::{NAME, Provenance};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
-/// Vertices that primitives share: those of one instance with the same attributes.
+/// Vertices shared by the primitives of one instance with the same attributes.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub(crate) instance: Instance,
@@ -40,7 +40,7 @@ pub(crate) fn read_gltf(
     let parts = parts(&document, limits)?;
     let n_vertices: u64 = parts.iter().map(|part| part.positions.count as u64).sum();
     limits.check_points(n_vertices)?;
-    // A mesh that many nodes show takes memory for each.
+    // A mesh that is shown by many nodes takes memory for each of them.
     limits.check_bytes(n_vertices.saturating_mul(24))?;
     shape.n_vertices = n_vertices as usize;
     let mut points = Vec::new();
@@ -66,7 +66,7 @@ pub(crate) fn read_gltf(
     Ok(shape)
 }
 
-/// The vertices of the scene, mesh by mesh.
+/// Collects the vertices of the scene, mesh by mesh.
 fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<Part>, ReadError> {
     let mut parts: Vec<Part> = Vec::new();
     let mut first = 0;

@@ -1,4 +1,4 @@
-//! The pictures of a glTF at its vertices.
+//! Colors of a glTF's pictures at its vertices.
 
 use crate::formats::gltf::document::Document;
 use crate::formats::gltf::json::Json;
@@ -8,8 +8,9 @@ use crate::model::texture::{TextureError, TextureRequest};
 use crate::texture::picture::Picture;
 use crate::{Field, FieldValues, ShapeFile};
 
-/// The base colors: those of pictures where a part has texture coordinates, else of the material alone; NaN without a material.
-/// `given` takes the place of all pictures. Factors of the material multiply, as the format has it.
+/// Base colors: those of pictures if a part has texture coordinates, else of the material alone; NaN without a
+/// material. `given` replaces all pictures. Colors are multiplied by the factors of the material, as the format
+/// requires.
 pub(crate) fn colors(shape: &ShapeFile, request: &TextureRequest<'_>) -> Result<Field, TextureError> {
     let Some(original) = shape.source::<GltfSource>() else { return Err(request.missing(shape)) };
     let given = request.image.map(Picture::open).transpose()?;
@@ -30,7 +31,7 @@ pub(crate) fn colors(shape: &ShapeFile, request: &TextureRequest<'_>) -> Result<
     }
 }
 
-/// What a primitive has of a texture, the whole of it last.
+/// Texture of a primitive, in increasing completeness.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Found {
     Nothing,

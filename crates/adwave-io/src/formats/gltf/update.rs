@@ -1,5 +1,5 @@
-//! A file that is written again: positions and fields that changed go into their places, or behind all else where others use those
-//! places too.
+//! Rewriting of a file: changed positions and fields replace the old numbers, or are appended if other parts share
+//! those numbers.
 
 use crate::model::context::WriteContext;
 use crate::model::source_document::SourceDocument;
@@ -21,20 +21,20 @@ use super::write::{
 };
 use crate::{Field, Format, ReadError, ShapeFile, ValueType, WriteError};
 
-/// What is kept of the file.
+/// Content kept from the file.
 #[derive(Debug)]
 pub(crate) struct GltfSource {
     pub(crate) document: Document,
     pub(crate) parts: Vec<Part>,
 }
 
-/// The file as it becomes.
+/// File with the changes applied so far.
 struct Changed<'a> {
     original: &'a GltfSource,
     json: Json,
     buffers: Vec<Vec<u8>>,
     added: Numbers,
-    /// The mesh that a node shows now, where it is no longer shared.
+    /// New mesh of each node whose mesh is no longer shared.
     meshes: HashMap<usize, usize>,
 }
 

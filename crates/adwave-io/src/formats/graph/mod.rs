@@ -57,7 +57,7 @@ pub(crate) fn check(shape: &ShapeFile, format: Format, report: &mut WriteReport)
 impl Format {
     /// Trivial graph format.
     pub const TGF: Self = Self::new("tgf");
-    /// List of edges, as SNAP and NetworkX have it.
+    /// List of edges as written by SNAP and NetworkX.
     pub const EDGE_LIST: Self = Self::new("edgelist");
     /// GraphML.
     pub const GRAPHML: Self = Self::new("graphml");
@@ -67,7 +67,7 @@ pub(crate) static TGF: FormatDescriptor = FormatDescriptor {
     format: Format::TGF,
     title: "Trivial graph format",
     extensions: &["tgf"],
-    reads: "graphs; labels of three numbers as points, of edges as weights",
+    reads: "graphs; labels of three numbers as points, labels of edges as weights",
     writes: "points, edges with weights",
     loses: "faces, fields, other labels",
     content: ContentKind::Graph,
@@ -99,9 +99,9 @@ pub(crate) static GRAPHML: FormatDescriptor = FormatDescriptor {
     format: Format::GRAPHML,
     title: "GraphML",
     extensions: &["graphml"],
-    reads: "graphs; points from `x`, `y`, `z` or `pos`, weights, numbers of nodes as fields",
+    reads: "graphs; points from `x`, `y`, `z` or `pos`, weights, numeric node attributes as fields",
     writes: "points, edges with weights, vertex fields",
-    loses: "faces, texts of nodes, other attributes of edges",
+    loses: "faces, text attributes of nodes, other attributes of edges",
     content: ContentKind::Graph,
     holds_fields: true,
     recognize: |file| file.has_element("graphml").then_some(Evidence::Signature),

@@ -80,7 +80,7 @@ pub(crate) fn read_tgf(
         None => {}
     }
     if has_more {
-        shape.extras.push("what follows the edges".into());
+        shape.extras.push("content after the edges".into());
     }
     shape.format = Some(Format::TGF);
     Ok(shape)

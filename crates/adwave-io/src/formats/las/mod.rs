@@ -30,7 +30,7 @@ pub(crate) static LAS: FormatDescriptor = FormatDescriptor {
     extensions: &["las"],
     reads: "versions 1.0 to 1.4, all dimensions, extra bytes",
     writes: "all dimensions, fields as extra bytes",
-    keeps: "header, records, what no field shows",
+    keeps: "header, records, content that no field shows",
     loses: "faces",
     content: ContentKind::Cloud,
     holds_fields: true,
@@ -47,7 +47,7 @@ pub(crate) static LAZ: FormatDescriptor = FormatDescriptor {
     extensions: &["laz"],
     reads: "as LAS; COPC, also by box and level",
     writes: "as LAS",
-    keeps: "header, records, what no field shows",
+    keeps: "header, records, content that no field shows",
     loses: "faces",
     recognize: |_| None,
     ..LAS
@@ -56,7 +56,7 @@ pub(crate) static LAZ: FormatDescriptor = FormatDescriptor {
 pub(crate) static EPT: FormatDescriptor = FormatDescriptor {
     format: Format::EPT,
     title: "Entwine point tiles",
-    reads: "a folder with `ept.json` whose tiles are LAZ, also by box and level",
+    reads: "a folder with `ept.json` and LAZ tiles, also by box and level",
     loses: "tiles of types `binary` and `zstandard`",
     content: ContentKind::Cloud,
     read_folder: Some(part::read_folder),

@@ -15,7 +15,7 @@ use crate::formats::las::write::{LasSource, provenance};
 use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
-/// Bytes of the header in every version; later ones add to it.
+/// Size of the shortest header in bytes; later versions extend it.
 pub(crate) const LEAST_HEADER: usize = 227;
 /// Size of the head of a variable-length record in bytes.
 pub(crate) const RECORD_HEAD: usize = 54;
@@ -113,7 +113,7 @@ pub(crate) fn read_las(
     )?;
     shape.extras.push("the LAS header and its records".into());
     shape.provenance = provenance(&records).map(Arc::new);
-    // A list of points that the file has not could not be written again.
+    // A shape without all points of the file could not be written again.
     if n as u64 == header.n_points {
         shape.set_source(LasSource { bytes: Arc::new(file), kept: None });
     }

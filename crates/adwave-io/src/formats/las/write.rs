@@ -1,4 +1,5 @@
-//! Writing a LAS or LAZ: over the records that were read, so that whatever else they hold stays, or anew as version 1.2.
+//! LAS and LAZ writer: rewrites the records that were read, so that their other content stays, or writes a new file
+//! of version 1.2.
 
 use crate::model::source_document::SourceDocument;
 use std::io::{Cursor, Write};
@@ -17,7 +18,7 @@ use crate::progress::at_row;
 use crate::provenance::{NAME, Provenance};
 use crate::{Format, ShapeFile, ValueType, WriteError, WriteReport};
 
-/// The bytes of a LAS or LAZ, and which of its points the shape has; all where there is no list.
+/// Bytes of a LAS or LAZ, and the indices of the shape's points in it; all points if there is no list.
 #[derive(Debug)]
 pub(crate) struct LasSource {
     pub(crate) bytes: Arc<Vec<u8>>,
@@ -39,9 +40,9 @@ impl SourceDocument for LasSource {
     }
 }
 
-/// Points that are compressed together.
+/// Number of points per compressed chunk.
 pub(crate) const CHUNK: u32 = 50_000;
-/// Largest coordinate in steps of the scale that a new file gets.
+/// Largest coordinate of a new file, in steps of its scale.
 const MOST_STEPS: f64 = 1e9;
 /// Bit of the point format that marks compressed points.
 pub(crate) const COMPRESSED: u8 = 0x80;
@@ -80,7 +81,7 @@ pub(crate) fn write_las(
     let original = shape.source::<LasSource>();
     let mut parts = match original {
         Some(original) => {
-            Parts::read(original, progress).ok_or_else(|| cannot(format, "points whose file is broken"))?
+            Parts::read(original, progress).ok_or_else(|| cannot(format, "points of a damaged file"))?
         }
         None => Parts::new(shape, format)?,
     };
@@ -114,7 +115,7 @@ pub(crate) fn put<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
 }
 
 impl Parts {
-    /// Of a file that was read before; `None` where that is not possible, which only a changed library could bring about.
+    /// Parses the file that was read before; `None` if that fails, which only a changed library could cause.
     fn read(original: &LasSource, progress: Progress<'_>) -> Option<Self> {
         let bytes = &original.bytes[..];
         let parsed = parse_header(bytes)?;

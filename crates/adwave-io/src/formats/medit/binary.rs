@@ -1,4 +1,5 @@
-//! Medit in binary, versions 1 to 4: 32-bit floats in version 1, 64-bit places from 3 on, 64-bit numbers in 4.
+//! Medit in binary, versions 1 to 4: 32-bit floats in version 1, 64-bit positions from version 3 on, 64-bit integers
+//! in version 4.
 
 use adwave::Progress;
 
@@ -11,8 +12,8 @@ use crate::model::field::{ByteOrder, Number};
 use crate::progress::{all, extend};
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
 
-/// Whether bytes begin as such a file, and the order of bytes in it. The dimension comes first: without that an MGH of a few vertices would
-/// begin so too.
+/// Byte order of a binary Medit file, or `None` if the bytes do not begin like one. The dimension has to follow
+/// first, because an MGH of a few vertices begins in the same way.
 pub(crate) fn begins_as_meshb(bytes: &[u8]) -> Option<ByteOrder> {
     const DIMENSION: i32 = 3;
     let head = bytes.get(..12)?;

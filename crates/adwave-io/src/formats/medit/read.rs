@@ -1,4 +1,4 @@
-//! Medit in text: keywords, each with a count and as many rows.
+//! Medit in text: keywords, each with a count and that many rows.
 
 use adwave::Progress;
 use adwave::shape::Polygons;
@@ -189,7 +189,7 @@ pub(crate) fn read_medit(
         return Err(ReadError::in_line(
             &bytes,
             bytes.len(),
-            "there is no keyword Vertices; get the whole file",
+            "the keyword Vertices is missing; get the whole file",
         ));
     }
     let mut shape = found.into_shape(Format::MEDIT, progress)?;

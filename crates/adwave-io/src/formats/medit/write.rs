@@ -1,4 +1,4 @@
-//! Medit: the original with other coordinates, or a new file.
+//! Medit writer: the original with new coordinates, or a new file.
 
 use crate::model::context::WriteContext;
 use crate::model::source_document::SourceDocument;
@@ -12,11 +12,11 @@ use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, Format, Precision, ShapeFile, WriteError, WriteReport};
 
-/// What is kept of a Medit mesh to update it.
+/// Content kept from a Medit mesh for its update.
 #[derive(Debug)]
 pub(crate) struct MeditSource {
     pub(crate) rows: CoordinateRows,
-    /// Whether points have two coordinates.
+    /// True if points have two coordinates.
     pub(crate) is_flat: bool,
 }
 
@@ -43,7 +43,7 @@ struct Keyword {
     number: i32,
 }
 
-/// Whole numbers of 32 bits that become references.
+/// Field of 32-bit integers that becomes the references.
 fn references(fields: &[Field]) -> Option<&Field> {
     fields.iter().find(|f| {
         let fits = |i: usize| i32::try_from(f.values.get(i) as i64).is_ok();

@@ -145,7 +145,7 @@ struct Element {
     tag: u64,
 }
 
-/// Reads the nodes of one element of a text.
+/// Reads the nodes of one text element.
 fn push(
     elements: &mut Elements,
     input: &mut Input<'_>,

@@ -25,10 +25,10 @@ pub(crate) static MSH: FormatDescriptor = FormatDescriptor {
     format: Format::MSH,
     title: "Gmsh, binary",
     extensions: &["msh"],
-    reads: "versions 2 and 4, both byte orders: triangles, quadrilaterals, higher orders by their corners, else the boundary of \
-            volume cells, else lines; tags and fields",
+    reads: "versions 2 and 4, both byte orders: triangles, quadrilaterals, corners of higher orders, else \
+           the boundary of volume cells, else lines; tags and fields",
     writes: "version 2.2 with all fields",
-    keeps: "all sections, cells and bytes but coordinates that moved and fields that changed",
+    keeps: "all sections, cells and bytes except changed coordinates and fields",
     loses: "polygons of more than four corners, edges beside faces",
     holds_fields: true,
     recognize: |file| {
@@ -45,7 +45,7 @@ pub(crate) static MSH_ASCII: FormatDescriptor = FormatDescriptor {
     title: "Gmsh, text",
     reads: "as binary",
     writes: "version 2.2 with all fields",
-    keeps: "all text but coordinates that moved and fields that changed",
+    keeps: "all text except changed coordinates and fields",
     loses: "as binary",
     form_of: Some(Format::MSH),
     extensions: &[],

@@ -1,4 +1,4 @@
-//! Gmsh MSH: what the sections say, as a shape.
+//! Gmsh MSH reader: conversion of the sections to a shape.
 
 use crate::model::binary_rows::CoordinateRows;
 use adwave::Progress;

@@ -1,7 +1,7 @@
-//! Gmsh MSH: the original with what changed, or a new file of version 2.2.
+//! Gmsh MSH writer: the original with the changes, or a new file of version 2.2.
 //!
-//! 2.2 and not 4.1, because it has physical and elementary tags for each element, where 4.1 has them for whole entities only, and
-//! because everything that reads MSH reads it.
+//! Version 2.2 is used instead of 4.1, because it has physical and elementary tags for each element instead of whole
+//! entities, and because all MSH readers support it.
 
 use crate::model::binary_rows::CoordinateRows;
 use crate::model::context::WriteContext;
@@ -17,13 +17,13 @@ use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, Format, ShapeFile, WriteError, WriteReport};
 
-/// What is kept of an MSH to update it.
+/// Content kept from an MSH for its update.
 #[derive(Debug)]
 pub(crate) struct MshSource {
     pub(crate) rows: CoordinateRows,
-    /// The tag of each vertex; empty where they count from 1.
+    /// Tag of each vertex; empty if they count from 1.
     pub(crate) tags: Vec<u64>,
-    /// Fields of vertices by name, and where their sections are.
+    /// Vertex fields by name, and the ranges of their sections.
     pub(crate) sections: Vec<(String, usize, usize)>,
 }
 
@@ -223,7 +223,7 @@ impl Elements<'_> {
             self.flush()?;
             self.run_size = corners.len();
         }
-        // Splitting polygons may make more elements than there are numbers.
+        // Splitting polygons may give more elements than there are numbers.
         let beyond = || WriteError::CannotHold { format: Format::MSH, what: "2^31 elements".into() };
         self.n = self.n.checked_add(1).ok_or_else(beyond)?;
         self.n_run += 1;

@@ -1,4 +1,4 @@
-//! MatrixMarket coordinate matrices.
+//! MatrixMarket writer: coordinate matrices.
 
 use crate::model::sparse_rows::SparseRows;
 use std::io::{self, Write};
@@ -9,7 +9,7 @@ use crate::progress::{Watched, at_row};
 use crate::text::push_f64;
 use crate::{Direction, Format, ShapeFile, WriteError, WriteReport, atomic_write_with};
 
-/// Writes the edges as a matrix, with their weights if they have some.
+/// Writes the edges as a matrix, with their weights if they have any.
 pub(crate) fn write_mtx(
     shape: &ShapeFile,
     report: &mut WriteReport,
@@ -63,7 +63,7 @@ fn write_entry(
 /// Writes a matrix as a MatrixMarket file, `coordinate real general`.
 ///
 /// # Errors
-/// As [`atomic_write`](crate::atomic_write).
+/// The errors of [`atomic_write`](crate::atomic_write).
 pub fn write_matrix_market(path: &std::path::Path, matrix: &SparseRows<'_>) -> Result<(), WriteError> {
     write_matrix_market_with(path, matrix, Progress::none())
 }

@@ -1,6 +1,7 @@
-//! NumPy's `.npy`: one array.
+//! Reader of NumPy's `.npy`: one array.
 //!
-//! An own parser: the header is one line, and the libraries reserve what it promises before they look at the file.
+//! The parser is our own: the header is one line, and the libraries allocate its sizes before they check them against
+//! the file.
 
 use crate::files::read::parse_file;
 use std::path::Path;
@@ -11,7 +12,7 @@ use crate::model::field::{ByteOrder, Number, with_values};
 use crate::progress::extend;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
 
-/// An array of numbers, last index fastest.
+/// Array of numbers, last index fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NpyArray {
     /// Length in each dimension.
@@ -51,10 +52,10 @@ pub fn read_npy_with(
     parse_file(path, limits, progress, |bytes| parse(&bytes, progress))
 }
 
-/// As [`read_npy`], from bytes.
+/// [`read_npy`] from bytes.
 ///
 /// # Errors
-/// As [`read_npy`], without the file's name.
+/// The errors of [`read_npy`], without the file's name.
 pub fn read_npy_bytes(bytes: &[u8]) -> Result<NpyArray, ReadError> {
     parse(bytes, Progress::none())
 }

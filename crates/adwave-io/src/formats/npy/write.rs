@@ -8,7 +8,7 @@ use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
 use crate::model::sparse_rows::{MatrixValues, SparseRows};
 use crate::{WriteError, atomic_write};
 
-/// Whether arrays are compressed.
+/// Compression of arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compression {
     /// Uncompressed.

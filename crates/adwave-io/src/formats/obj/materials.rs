@@ -9,7 +9,7 @@ use crate::files::read::read_file;
 use crate::text::{line_end, parse_f64, words};
 use crate::{ReadError, ReadLimits};
 
-/// The file of `map_Kd` for each material that has one, from the libraries in `folder`.
+/// Finds the file of `map_Kd` for each material that has one, in the libraries in `folder`.
 pub(super) fn read_materials(
     folder: &Path,
     libraries: &[String],

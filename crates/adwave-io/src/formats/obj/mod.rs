@@ -51,7 +51,7 @@ pub(crate) static OBJ: FormatDescriptor = FormatDescriptor {
     extensions: &["obj"],
     reads: "points, faces, lines, texture coordinates, normals, vertex colors",
     writes: "the same",
-    keeps: "all text but coordinates and normals that moved",
+    keeps: "all text except changed coordinates and normals",
     loses: "fields other than normals, colors and texture coordinates; curved surfaces",
     provenance: ProvenanceRoom::Comment { begin: "#", lines_before: 0 },
     recognize: recognize,

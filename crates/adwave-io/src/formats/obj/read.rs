@@ -199,8 +199,8 @@ fn join(
     Ok(shape)
 }
 
-/// Turns indices that count backwards into ones that count from the start of the file; those before it become
-/// [`NONE`], which no list is long enough for. `before` and the result are the vertices, texture coordinates and normals before the
+/// Converts negative indices to indices from the start of the file; those before the start become [`NONE`], which
+/// exceeds any list. `before` and the result are the numbers of vertices, texture coordinates and normals before the
 /// chunks and up to their end.
 pub(crate) fn resolve_relative(chunks: &mut [Chunk], before: [i64; 3]) -> [i64; 3] {
     let [mut n_points, mut n_texcoords, mut n_normals] = before;

@@ -1,11 +1,11 @@
-//! The lines of an OBJ for some of its vertices, and what its corners carry.
+//! Subset of the lines of an OBJ, and the attributes of its corners.
 
 use crate::formats::obj::line::words;
 use crate::formats::obj::read::{NONE, logical_end};
 use crate::model::subset::{Subset, distinct};
 use crate::text::parse_f64;
 
-/// What the faces of an OBJ refer to.
+/// Content that the faces of an OBJ refer to.
 #[derive(Default)]
 struct Content<'a> {
     /// Lines before the first vertex, and the libraries of materials.

@@ -43,7 +43,7 @@ pub(crate) fn colors(shape: &ShapeFile, request: &TextureRequest<'_>) -> Result<
             sums[x].iter_mut().zip(color).for_each(|(sum, c)| *sum += c);
         }
     }
-    // 0/0 is the NaN of a vertex without a place.
+    // 0/0 is the NaN of a vertex without texture coordinates.
     let mean = sums.iter().zip(&counts).flat_map(|(sum, &n)| sum.map(|s| s / f64::from(n)));
     Ok(Field::new("texture", 3, FieldValues::F64(mean.collect())))
 }

@@ -11,13 +11,13 @@ use crate::progress::at_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
-/// Writes the original with other coordinates, and with other colors if these were replaced.
+/// Writes the original with new coordinates, and with new colors if they were replaced.
 pub(crate) fn update_obj(
     rows: &TextRows,
     shape: &ShapeFile,
     context: &mut WriteContext<'_>,
 ) -> Result<Update, WriteError> {
-    // Points of the plane that left it need a z each.
+    // Points that have left the plane need a z each.
     if rows.columns[2] == usize::MAX && shape.points.iter().any(|p| p[2] != 0.0) {
         return Ok(Update::DoesNotFit);
     }
@@ -25,7 +25,9 @@ pub(crate) fn update_obj(
     for name in &shape.edited {
         match name.as_str() {
             "color" => {}
-            "normal" | "texcoord" => report.leave_out(format!("the new `{name}` (the file's own are kept)")),
+            "normal" | "texcoord" => {
+                report.leave_out(format!("the new `{name}` (the original values are kept)"))
+            }
             _ => report.leave_out(format!("vertex field `{name}`")),
         }
     }
@@ -35,7 +37,7 @@ pub(crate) fn update_obj(
             push_color(color, i, buffer);
         }
     };
-    // Whatever stands after z makes room for the color.
+    // The color replaces any content after z.
     let dropped: &[usize] = if color.is_some() { &[3, 4, 5, 6, 7] } else { &[] };
     rows.write_all(shape, &RowEdit { dropped, append: Some(&append) }, context.out, context.progress)?;
     Ok(Update::Written)

@@ -1,4 +1,4 @@
-//! Binary OFF: `OFF BINARY`, then big-endian numbers of 32 bits, as Geomview has it.
+//! Binary OFF: `OFF BINARY`, then big-endian 32-bit numbers, as in Geomview.
 
 use crate::formats::off::OffSource;
 use crate::model::binary_rows::CoordinateRows;

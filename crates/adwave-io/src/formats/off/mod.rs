@@ -26,7 +26,7 @@ impl SourceDocument for OffSource {
     }
 }
 
-/// The letters before `OFF`, and the rest of the word: `COFF` is `(C, )`, `OFF8` is `(, 8)`.
+/// Letters before `OFF`, and the rest of the word: `COFF` is `(C, )`, `OFF8` is `(, 8)`.
 pub(crate) fn off_keyword(word: &[u8]) -> Option<(&[u8], &[u8])> {
     let at = memchr::memmem::find(word, b"OFF")?;
     let (letters, rest) = (&word[..at], &word[at + 3..]);
@@ -64,9 +64,10 @@ pub(crate) static OFF: FormatDescriptor = FormatDescriptor {
     format: Format::OFF,
     title: "Object file format, text",
     extensions: &["off", "coff", "noff", "cnoff", "stoff"],
-    reads: "OFF, COFF, NOFF, STOFF, nOFF and their mixtures, by lines or by words; 4OFF divided by the fourth coordinate",
+    reads: "OFF, COFF, NOFF, STOFF, nOFF and combinations, by lines or by words; 4OFF divided by the \
+           fourth coordinate",
     writes: "points, faces, colors, normals, texture coordinates",
-    keeps: "all text but coordinates that moved",
+    keeps: "all text except changed coordinates",
     loses: "other fields",
     recognize: recognize,
     has_lines: |_| true,
@@ -79,9 +80,9 @@ pub(crate) static OFF: FormatDescriptor = FormatDescriptor {
 pub(crate) static OFF_BINARY: FormatDescriptor = FormatDescriptor {
     format: Format::OFF_BINARY,
     title: "Object file format, binary",
-    reads: "big-endian, as Geomview has it, with the same variants",
-    writes: "points in 32-bit floats, faces, fields of 32-bit floats that it has",
-    keeps: "all bytes but coordinates that moved",
+    reads: "big-endian, as in Geomview, with the same variants",
+    writes: "points in 32-bit floats, faces, the supported fields in 32-bit floats",
+    keeps: "all bytes except changed coordinates",
     loses: "other fields",
     form_of: Some(Format::OFF),
     extensions: &[],

@@ -119,7 +119,7 @@ pub(crate) fn finish(
     vertex_fields(&mut shape, layout, &tails, progress)?;
     match face_tails.longest {
         0 => {}
-        // One value is an index into a table of colors.
+        // A single value is an index into a table of colors.
         1 => shape.face_fields.push(face_tails.field("color_index", 0, 1, progress)?),
         n => shape.face_fields.push(face_tails.field("color", 0, n, progress)?),
     }

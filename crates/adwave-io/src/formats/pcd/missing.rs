@@ -1,5 +1,5 @@
-//! Points without a place, as depth cameras write them where they saw nothing: the shape is without them, and they come back as they
-//! were when it is written as a PCD.
+//! Points without a position, as written by depth cameras: they are not part of the shape, and are restored when it
+//! is written as a PCD.
 
 use adwave::{Cancelled, Progress};
 
@@ -35,7 +35,7 @@ pub(crate) fn without_missing(file: ShapeFile, progress: Progress<'_>) -> Result
     shape.format = file.format;
     shape.precision = file.precision;
     shape.vertex_fields = file.vertex_fields.iter().map(|field| selected(field, &kept)).collect();
-    shape.extras.push(format!("{} points without a place", file.n_vertices - kept.len()));
+    shape.extras.push(format!("{} points without a position", file.n_vertices - kept.len()));
     let Some(own) = file.source::<super::read::PcdSource>() else { return Ok(shape) };
     let (viewpoint, width, height) = (own.viewpoint.clone(), own.width, own.height);
     let whole = Some(Box::new(Whole { file, kept }));

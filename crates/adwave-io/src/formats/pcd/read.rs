@@ -1,4 +1,4 @@
-//! Point Cloud Library files: text, binary and compressed.
+//! Reader of Point Cloud Library files: text, binary and compressed.
 
 use crate::WriteError;
 use crate::model::binary_rows::CoordinateRows;
@@ -16,16 +16,16 @@ use crate::progress::{at_row, collect};
 use crate::text::{line_end, parse_f32, parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
-/// What is kept of a PCD to update it.
+/// Content kept from a PCD for its update.
 #[derive(Debug)]
 pub(crate) struct PcdSource {
     /// Seven numbers: position and rotation of the sensor.
     pub(crate) viewpoint: String,
     pub(crate) width: u64,
     pub(crate) height: u64,
-    /// The text, for a text PCD.
+    /// Rows of a text PCD.
     pub(crate) rows: Option<CoordinateRows>,
-    /// The whole cloud, where it has points without a place, which the shape is without.
+    /// Whole cloud, if it has points without a position.
     pub(crate) whole: Option<Box<Whole>>,
 }
 
@@ -58,7 +58,7 @@ impl SourceDocument for PcdSource {
     }
 }
 
-/// One number of a row.
+/// Number within a row.
 struct Column {
     name: String,
     value_type: ValueType,

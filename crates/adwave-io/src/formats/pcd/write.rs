@@ -1,4 +1,4 @@
-//! Point Cloud Library files, binary or text.
+//! Writer of Point Cloud Library files, binary or text.
 
 use crate::formats::pcd::read::PcdSource;
 use std::io::Write;

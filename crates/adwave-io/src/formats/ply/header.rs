@@ -46,12 +46,12 @@ pub(crate) struct Header {
     pub(crate) body: usize,
 }
 
-/// What is kept of a PLY to update it.
+/// Content kept from a PLY for its update.
 #[derive(Debug)]
 pub(crate) struct PlySource {
     pub(crate) bytes: Vec<u8>,
     pub(crate) header: Header,
-    /// Which element the vertices are, and where its rows begin and end.
+    /// Index of the vertex element, and the range of its rows.
     pub(crate) vertex: usize,
     pub(crate) rows: (usize, usize),
     /// Properties that form each vertex field.

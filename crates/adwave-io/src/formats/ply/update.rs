@@ -15,7 +15,7 @@ use crate::text::{is_space, parse_f32, parse_f64};
 use crate::{Field, FieldValues, ReadError, ShapeFile, ValueType, WriteError};
 
 impl SourceDocument for PlySource {
-    /// Writes the original with other coordinates and fields.
+    /// Writes the original with new coordinates and fields.
     fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
         let is_edited = |f: &&Field| shape.edited.contains(&f.name);
         let fields: Vec<&Field> = shape.vertex_fields.iter().filter(is_edited).collect();
@@ -35,7 +35,7 @@ impl SourceDocument for PlySource {
     }
 }
 
-/// The header, `bytes` being those that it was parsed from, with the properties of new fields.
+/// Writes the header with the properties of new fields; `bytes` are those it was parsed from.
 pub(crate) fn write_header(
     bytes: &[u8],
     header: &Header,

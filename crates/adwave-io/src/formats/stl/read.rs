@@ -13,14 +13,14 @@ use adwave::{Cancelled, Progress};
 const HEADER: usize = 84;
 const RECORD: usize = 50;
 
-/// What is kept of an STL.
+/// Content kept from an STL.
 #[derive(Debug)]
 pub(crate) struct StlSource {
-    /// The 80 bytes before a binary one.
+    /// The 80 bytes before a binary STL's triangles.
     pub(crate) header: Vec<u8>,
-    /// The lines that begin the solids of a text.
+    /// Lines that begin the solids of a text.
     pub(crate) solids: Vec<Vec<u8>>,
-    /// The points as they were, which the normals belong to.
+    /// Original points, which the normals belong to.
     pub(crate) points: Arc<Vec<[f64; 3]>>,
 }
 
@@ -32,7 +32,7 @@ impl SourceDocument for StlSource {
     }
 }
 
-/// The number of triangles that a binary STL says it has.
+/// Number of triangles stated in a binary STL.
 pub(crate) fn binary_count(bytes: &[u8]) -> Option<u64> {
     let field = bytes.get(80..HEADER)?;
     Some(u64::from(u32::from_le_bytes([field[0], field[1], field[2], field[3]])))
@@ -97,7 +97,7 @@ pub(crate) fn read_stl(
     Ok(shape)
 }
 
-/// Reads a text STL. Only the first word of a line counts: the name of a solid may be anything.
+/// Reads a text STL. Only the first word of a line counts, because names of solids are arbitrary.
 pub(crate) fn read_stl_ascii(
     bytes: &[u8],
     limits: &ReadLimits,

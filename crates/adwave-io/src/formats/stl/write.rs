@@ -71,7 +71,7 @@ struct Normals<'a> {
 }
 
 impl Normals<'_> {
-    /// The file's normal where no corner of the triangle moved, else the one of the corners.
+    /// Normal of the file if no corner of the triangle moved, else the normal of the corners.
     fn of(&self, f: usize, corners: [u32; 3]) -> [f64; 3] {
         let points = corners.map(|v| self.shape.points[v as usize]);
         let stayed = |v: u32, p: [f64; 3]| {

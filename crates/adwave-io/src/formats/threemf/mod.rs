@@ -20,7 +20,7 @@ pub(crate) static THREE_MF: FormatDescriptor = FormatDescriptor {
     format: Format::THREE_MF,
     title: "3D manufacturing format",
     extensions: &["3mf"],
-    reads: "what is built, with components of all parts, transforms and units; colors of vertices or faces",
+    reads: "the build items with components of all parts, transforms and units; colors of vertices or faces",
     writes: "one object of triangles, colors of vertices or faces in bytes",
     loses: "other fields, metadata, materials, textures, the unit of length",
     recognize: |file| {

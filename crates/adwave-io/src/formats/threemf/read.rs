@@ -162,7 +162,7 @@ impl Assembly<'_> {
         let n = shape.faces.len();
         if self.colors.iter().flatten().any(Option::is_some) {
             self.colors.resize(n, [None; 3]);
-            // White is what has no color.
+            // Objects without a color are white.
             let white = [255; 4];
             if !has_corners {
                 let values =

@@ -1,4 +1,4 @@
-//! Values at points and cells.
+//! Reader of values at points and cells.
 
 use super::scanner::{ArrayType, Scanner};
 use crate::model::field::unused;
@@ -33,7 +33,7 @@ impl Values<'_> {
         self.fields.push(Field::new(name, n_channels, values));
     }
 
-    /// Reads what an attribute's keyword announces; `false` where the keyword is none.
+    /// Reads the attribute of a keyword; `false` if the keyword is not an attribute.
     pub(super) fn attribute(&mut self, file: &mut Scanner<'_>, keyword: &[u8]) -> Result<bool, ReadError> {
         let n_channels = match keyword {
             b"SCALARS" => {

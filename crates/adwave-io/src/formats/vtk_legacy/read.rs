@@ -218,7 +218,7 @@ impl Content {
             return self.into_grid(file, precision)?.into_shape(Format::VTK, limits, progress);
         }
         let Some(points) = self.points.take() else {
-            return Err(file.error(file.at, "there are no POINTS; get the whole file"));
+            return Err(file.error(file.at, "the file has no POINTS; get the whole file"));
         };
         if self.kind == b"UNSTRUCTURED_GRID" {
             let n = self.cells.iter().map(Cells::len).sum::<usize>();

@@ -88,7 +88,7 @@ fn write_cells(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     if i32::try_from(n + n_corners).is_err() {
-        let what = format!("{n_corners} corners of cells, which are counted in 31 bits");
+        let what = format!("{n_corners} corners of cells, which exceeds 31 bits");
         return Err(WriteError::CannotHold { format: Format::VTK, what });
     }
     writeln!(out, "{keyword} {n} {}", n + n_corners)?;

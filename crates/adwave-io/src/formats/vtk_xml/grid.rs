@@ -59,7 +59,7 @@ struct LocatedPiece<'n, 'i> {
     lattice: Lattice,
 }
 
-/// The places of the points of a piece.
+/// Positions of the points of a piece.
 fn grid_points<'n: 'a, 'a>(
     frame: &Frame<'a>,
     data: Node<'n, '_>,

@@ -32,9 +32,9 @@ pub(crate) fn kind_of(head: &[u8]) -> Option<Result<Format, &'static str>> {
         b"RectilinearGrid" => Ok(Format::VTR),
         b"StructuredGrid" => Ok(Format::VTS),
         other if other.starts_with(b"P") || other == b"Collection" || other.starts_with(b"vtkMulti") => {
-            Err("VTK XML that only names other files: give one of those")
+            Err("VTK XML that only refers to other files: use one of those")
         }
-        _ => Err("VTK XML of another kind"),
+        _ => Err("VTK XML of an unknown kind"),
     })
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn read_vtk_xml(
     }
     let pieces: Vec<Node<'_, '_>> = data.children().filter(|node| node.has_tag_name("Piece")).collect();
     if pieces.is_empty() {
-        return Err(at(data, "there is no piece; save the file again"));
+        return Err(at(data, "the file has no piece; save the file again"));
     }
     if matches!(format, Format::VTP | Format::VTU) {
         let mut shape = read_cells(&frame, &pieces, format, extras, progress)?;
@@ -148,14 +148,16 @@ pub(super) fn fields<'n: 'a, 'a>(
                 field.name = unused(&field.name, "_", |name| fields.iter().any(|f| f.name == name));
                 fields.push(field);
             }
-            None => extras
-                .push(format!("array `{}`, which is no list of rows", node.attribute("Name").unwrap_or(""))),
+            None => extras.push(format!(
+                "array `{}`, which is not a list of rows",
+                node.attribute("Name").unwrap_or("")
+            )),
         }
     }
     Ok(fields)
 }
 
-/// The points of a piece, and their type.
+/// Points of a piece, and their type.
 pub(super) fn points<'n: 'a, 'a>(
     frame: &Frame<'a>,
     piece: Node<'n, '_>,

@@ -203,7 +203,7 @@ pub(crate) fn write_vtu(
     write_file(Format::VTU, shape, &piece, &body, &appended.bytes, out)
 }
 
-/// What stands before the cells in both formats.
+/// Content before the cells in both formats.
 fn values_and_points(
     shape: &ShapeFile,
     appended: &mut Appended<'_>,
@@ -238,7 +238,7 @@ fn write_file(
     let element = if format == Format::VTU { "UnstructuredGrid" } else { "PolyData" };
     let made = shape.valid_provenance().map_or(String::new(), |made| {
         let mut letters = made.to_json().into_bytes();
-        // ParaView shows texts, which end with a zero; other readers of unstructured grids know numbers alone.
+        // ParaView shows texts, which end with a zero; other readers of unstructured grids accept only numbers.
         let head = if format == Format::VTU {
             format!("DataArray type=\"UInt8\" Name=\"{NAME}\" NumberOfTuples=\"{}\"", letters.len())
         } else {

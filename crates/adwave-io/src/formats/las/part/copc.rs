@@ -114,7 +114,7 @@ pub(super) fn read(
     image.into_shape(Format::LAZ, limits, progress)
 }
 
-/// The chosen nodes, in their order.
+/// Selected nodes, in order.
 pub(super) fn nodes(
     file: &mut File,
     reader: &LasReader,

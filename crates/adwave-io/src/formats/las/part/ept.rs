@@ -18,7 +18,7 @@ use crate::formats::las::part::selection::Selection;
 use crate::formats::las::stream::{LasLayout, LasReader};
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
-/// The file that says what the tiles are.
+/// File that describes the tiles.
 const JSON: &str = "ept.json";
 /// Largest size of the points of tiles in memory, in bytes; one more tile may exceed it.
 const MOST_WAITING: u64 = 1 << 26;
@@ -147,7 +147,7 @@ pub(crate) fn read_tiles(
     image.into_shape(Format::EPT, limits, progress)
 }
 
-/// The LAZ of a node.
+/// Path of the LAZ of a node.
 fn tile(folder: &Path, key: Key) -> PathBuf {
     folder.join("ept-data").join(format!("{key}.laz"))
 }

@@ -31,7 +31,7 @@ use crate::{ReadError, ReadLimits, ShapeFile};
 use ept::{folder_of_tiles, read_tiles};
 use selection::Selection;
 
-/// Which part of a cloud is read: a box, a resolution, both, or all of it.
+/// Selection of a part of a cloud: a box, a resolution, both, or the whole cloud.
 ///
 /// ```
 /// use adwave_io::CloudPart;
@@ -100,13 +100,13 @@ fn read_part(
             None => plain::read(path, reader, &selection, limits, progress)?,
         }
     } else {
-        let what = "is no LAS, LAZ, COPC or EPT, of which alone a part can be read; read all of it";
+        let what = "parts can be read of LAS, LAZ, COPC and EPT only; read the whole file";
         return Err(ReadError::Whole(what.into()));
     };
     Ok(shape.with_original_fields())
 }
 
-/// Whether it is a regular file that begins as a LAS does.
+/// True for a regular file with the signature of LAS.
 fn is_las(path: &Path) -> Result<bool, ReadError> {
     let file = File::open(path)?;
     let mut magic = Vec::new();
