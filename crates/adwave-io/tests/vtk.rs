@@ -312,8 +312,8 @@ fn claims_make_no_room() {
 #[test]
 fn what_cannot_be_read_says_so() {
     for (text, expected) in [
-        ("<VTKFile type=\"PPolyData\"><PPolyData/></VTKFile>", "only names other files"),
-        ("<VTKFile type=\"HyperTreeGrid\"/>", "VTK XML of another kind"),
+        ("<VTKFile type=\"PPolyData\"><PPolyData/></VTKFile>", "only refers to other files"),
+        ("<VTKFile type=\"HyperTreeGrid\"/>", "VTK XML of an unknown kind"),
         ("<VTKFile header_type=\"UInt64\" type=\"PolyData\"><PolyData/></VTKFile>", "no piece"),
         ("<VTKFile type=\"PolyData\" compressor=\"vtkLZ4DataCompressor\"><PolyData/></VTKFile>", "LZ4"),
         ("<VTKFile type=\"PolyData\"><PolyData/></VTKFile>", "no piece"),
