@@ -119,12 +119,12 @@ pub(crate) fn kind_of_io(error: &io::Error) -> ErrorKind {
 
 impl ReadError {
     /// Creates the error at byte `position` of a text.
-    pub(crate) fn in_line(bytes: &[u8], position: usize, message: impl Into<String>) -> Self {
+    pub(crate) fn line_error(bytes: &[u8], position: usize, message: impl Into<String>) -> Self {
         Self::Line { line: crate::text::line_of(bytes, position), message: message.into() }
     }
 
     /// Creates the error at byte `position` of a binary file.
-    pub(crate) fn at_byte(position: usize, message: impl Into<String>) -> Self {
+    pub(crate) fn byte_error(position: usize, message: impl Into<String>) -> Self {
         Self::Byte { byte: position as u64, message: message.into() }
     }
 

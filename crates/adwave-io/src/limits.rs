@@ -76,7 +76,7 @@ pub(crate) fn decompress(
                 "the gzip stream is damaged after {n} decompressed bytes ({error}); get the \
                         complete file"
             );
-            return Err(ReadError::at_byte(bytes.len(), message));
+            return Err(ReadError::byte_error(bytes.len(), message));
         }
         if plain.len() == before {
             break;

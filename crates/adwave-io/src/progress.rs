@@ -18,7 +18,7 @@ pub(crate) const BYTES_PER_STEP: usize = 1 << 20;
 
 /// Reports row `row` of `n_rows` periodically; called before each row.
 #[inline]
-pub(crate) fn at_row(progress: Progress<'_>, row: u64, n_rows: u64) -> Result<(), Cancelled> {
+pub(crate) fn report_row(progress: Progress<'_>, row: u64, n_rows: u64) -> Result<(), Cancelled> {
     if row.is_multiple_of(ROWS_PER_STEP) { progress.step(row, n_rows) } else { Ok(()) }
 }
 
@@ -79,19 +79,19 @@ pub(crate) fn all(
 
 /// Writer that stops when the call is cancelled; it checks after a number of bytes, regardless of the size of single
 /// writes.
-pub(crate) struct Watched<'a> {
+pub(crate) struct CancellableWriter<'a> {
     out: &'a mut dyn Write,
     progress: Progress<'a>,
     since: usize,
 }
 
-impl<'a> Watched<'a> {
+impl<'a> CancellableWriter<'a> {
     pub(crate) fn new(out: &'a mut dyn Write, progress: Progress<'a>) -> Self {
         Self { out, progress, since: 0 }
     }
 }
 
-impl Write for Watched<'_> {
+impl Write for CancellableWriter<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.since >= WRITTEN_PER_STEP {
             self.since = 0;
@@ -129,7 +129,7 @@ mod tests {
     fn one_large_write_stops_too() {
         let stop = AtomicBool::new(true);
         let mut bytes = Vec::new();
-        let mut out = Watched::new(&mut bytes, Progress::none().with_cancel(&stop));
+        let mut out = CancellableWriter::new(&mut bytes, Progress::none().with_cancel(&stop));
         let error = out.write_all(&vec![0; 1 << 24]).unwrap_err();
         assert!(matches!(crate::WriteError::from(error), crate::WriteError::Cancelled(Cancelled)));
         assert_eq!(bytes.len(), WRITTEN_PER_STEP);

@@ -85,19 +85,19 @@ impl Provenance {
 }
 
 /// Text with an additional line after the first `lines_before`; a UTF-8 byte order mark stays first.
-pub(crate) struct WithComment<'a> {
+pub(crate) struct CommentInserter<'a> {
     out: &'a mut dyn std::io::Write,
     line: Option<Vec<u8>>,
     lines_before: usize,
 }
 
-impl<'a> WithComment<'a> {
+impl<'a> CommentInserter<'a> {
     pub(crate) fn new(out: &'a mut dyn std::io::Write, line: String, lines_before: usize) -> Self {
         Self { out, line: Some(line.into_bytes()), lines_before }
     }
 }
 
-impl std::io::Write for WithComment<'_> {
+impl std::io::Write for CommentInserter<'_> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         let Some(line) = self.line.take() else { return self.out.write(bytes) };
         let mut at = if bytes.starts_with(MARK) && self.lines_before == 0 { MARK.len() } else { 0 };
@@ -156,7 +156,7 @@ mod tests {
         for (lines, expected) in [(0, "#c\na\nb\nc"), (1, "a\n#c\nb\nc"), (2, "a\nb\n#c\nc")] {
             for piece in 1..6 {
                 let mut out = Vec::new();
-                let mut writer = WithComment::new(&mut out, "#c\n".into(), lines);
+                let mut writer = CommentInserter::new(&mut out, "#c\n".into(), lines);
                 b"a\nb\nc".chunks(piece).for_each(|chunk| writer.write_all(chunk).unwrap());
                 assert_eq!(String::from_utf8(out).unwrap(), expected);
             }

@@ -79,7 +79,7 @@ impl Default for Recipe {
 /// TOML form of a recipe.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Table {
+struct RecipeTable {
     #[serde(default = "coords")]
     field: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -143,7 +143,7 @@ fn coords() -> String {
 /// # Errors
 /// [`ReadError::Line`], if the text is not a recipe.
 pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
-    let table: Table = toml::from_str(text).map_err(|e| {
+    let table: RecipeTable = toml::from_str(text).map_err(|e| {
         let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count() as u64);
         ReadError::Line { line, message: crate::text::one_line(&e.message()) }
     })?;
@@ -190,7 +190,7 @@ pub fn read_recipe(path: &Path) -> Result<Recipe, ReadError> {
 
 /// Formats a recipe as text that [`parse_recipe`] reads back to the same recipe.
 pub fn recipe_to_text(recipe: &Recipe) -> String {
-    let mut table = Table {
+    let mut table = RecipeTable {
         field: recipe.field.clone(),
         operator: recipe.operator,
         density_invariant: recipe.density_invariant,

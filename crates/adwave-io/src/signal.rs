@@ -254,12 +254,12 @@ fn from_file(
                 Err(NamedSignalError::Unknown(format!("{path} has no '{column}'; use {}", names.join(", "))))
             }
         },
-        None => Ok(Some(joined(path, &fields)?)),
+        None => Ok(Some(join_channels(path, &fields)?)),
     }
 }
 
 /// Joins all fields of a file as the channels of one field.
-fn joined(path: &str, fields: &[Field]) -> Result<Field, NamedSignalError> {
+fn join_channels(path: &str, fields: &[Field]) -> Result<Field, NamedSignalError> {
     if let Some(other) = fields.iter().find(|f| f.len() != fields[0].len()) {
         return Err(NamedSignalError::Unknown(format!(
             "{path} has {} with {} rows and {} with {}; select one of them: {path}:{}",

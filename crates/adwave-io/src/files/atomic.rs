@@ -46,9 +46,9 @@ fn remove(path: PathBuf) {
 }
 
 /// Entry of [`TEMPORARIES`], removed when the file is renamed or deleted.
-struct Listed(PathBuf);
+struct TemporaryEntry(PathBuf);
 
-impl Drop for Listed {
+impl Drop for TemporaryEntry {
     fn drop(&mut self) {
         with_temporaries(|paths| paths.remove(&self.0));
     }
@@ -132,14 +132,14 @@ fn replace<T>(
         out.flush()?;
         return Ok(result);
     }
-    let mut pending = Pending::beside(path, target, old)?;
+    let mut pending = PendingFile::create_temporary(path, target, old)?;
     let result = write(&mut pending.out)?;
     pending.finish(progress)?;
     Ok(result)
 }
 
 /// File that is written beside the one it will replace; dropping it before [`finish`](Self::finish) deletes it.
-pub(crate) struct Pending {
+pub(crate) struct PendingFile {
     pub(crate) out: BufWriter<File>,
     temporary: tempfile::TempPath,
     target: PathBuf,
@@ -147,10 +147,10 @@ pub(crate) struct Pending {
     named: PathBuf,
     /// Metadata of the file to be replaced.
     old: Option<fs::Metadata>,
-    listed: Option<Listed>,
+    listed: Option<TemporaryEntry>,
 }
 
-impl Pending {
+impl PendingFile {
     /// Creates a seekable file; a pipe or a device is an error.
     pub(crate) fn begin(path: &Path) -> Result<Self, WriteError> {
         let target = resolve(path)?;
@@ -161,10 +161,10 @@ impl Pending {
             )
             .into());
         }
-        Self::beside(path, target, old)
+        Self::create_temporary(path, target, old)
     }
 
-    fn beside(path: &Path, target: PathBuf, old: Option<fs::Metadata>) -> Result<Self, WriteError> {
+    fn create_temporary(path: &Path, target: PathBuf, old: Option<fs::Metadata>) -> Result<Self, WriteError> {
         let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         if !folder.is_dir() {
             return Err(WriteError::NoFolder { folder: folder.display().to_string() });
@@ -178,7 +178,7 @@ impl Pending {
         let temporary = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |path| {
             // Listed before it is created, so that none is missed, and with the default permissions of a new file.
             with_temporaries(|paths| paths.insert(path.to_path_buf()));
-            let entry = Listed(path.to_path_buf());
+            let entry = TemporaryEntry(path.to_path_buf());
             let file = OpenOptions::new().write(true).create_new(true).open(path)?;
             listed = Some(entry);
             Ok(file)
@@ -198,7 +198,7 @@ impl Pending {
         }
         flush_to_disk(file, progress)?;
         let (temporary, target, named) = (self.temporary, self.target, self.named);
-        let written = Written { temporary, target, named, _listed: self.listed };
+        let written = CompletedFile { temporary, target, named, _listed: self.listed };
         let waits = TOGETHER.with_borrow_mut(|together| match together {
             Some(waiting) => {
                 waiting.push(written);
@@ -206,20 +206,20 @@ impl Pending {
             }
             None => Some(written),
         });
-        waits.map_or(Ok(()), Written::put_in_place)
+        waits.map_or(Ok(()), CompletedFile::put_in_place)
     }
 }
 
 /// File that is complete and on the disk, but not renamed yet.
-struct Written {
+struct CompletedFile {
     temporary: tempfile::TempPath,
     target: PathBuf,
     /// Name given by the user.
     named: PathBuf,
-    _listed: Option<Listed>,
+    _listed: Option<TemporaryEntry>,
 }
 
-impl Written {
+impl CompletedFile {
     fn put_in_place(self) -> Result<(), WriteError> {
         Ok(self.temporary.persist(&self.target).map_err(|e| e.error)?)
     }
@@ -227,7 +227,7 @@ impl Written {
 
 thread_local! {
     /// Files waiting for the last one while [`write_together`] runs; `None` otherwise.
-    static TOGETHER: RefCell<Option<Vec<Written>>> = const { RefCell::new(None) };
+    static TOGETHER: RefCell<Option<Vec<CompletedFile>>> = const { RefCell::new(None) };
 }
 
 /// Renames the files that `work` writes on this thread only after all of them are complete. If one fails (on a full
@@ -248,8 +248,8 @@ thread_local! {
 /// The errors of `work`, and a file that cannot be renamed; the files before it have been replaced then.
 pub fn write_together<T, E: From<WriteError>>(work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
     /// Drops the waiting files even if `work` panics.
-    struct Waiting;
-    impl Drop for Waiting {
+    struct WaitingFiles;
+    impl Drop for WaitingFiles {
         fn drop(&mut self) {
             TOGETHER.set(None);
         }
@@ -258,7 +258,7 @@ pub fn write_together<T, E: From<WriteError>>(work: impl FnOnce() -> Result<T, E
         return work();
     }
     TOGETHER.set(Some(Vec::new()));
-    let waiting = Waiting;
+    let waiting = WaitingFiles;
     let result = work()?;
     let files = TOGETHER.take().unwrap_or_default();
     drop(waiting);

@@ -20,7 +20,7 @@ use adwave::shape::Polygons;
 use crate::ReadError;
 use obj::ObjStream;
 use ply::PlyStream;
-use window::Window;
+use window::FileWindow;
 
 /// Reader of the vertices or the faces of a PLY or OBJ, in blocks in the order of the file.
 ///
@@ -40,10 +40,10 @@ use window::Window;
 /// ```
 pub struct MeshReader {
     path: PathBuf,
-    source: Source,
+    source: StreamSource,
 }
 
-pub(in crate::mesh_stream) enum Source {
+pub(in crate::mesh_stream) enum StreamSource {
     Ply(Box<PlyStream>),
     Obj(Box<ObjStream>),
 }
@@ -55,20 +55,20 @@ impl MeshReader {
     /// The file cannot be read, is not a PLY or OBJ, or its header is damaged. The message is one line that begins
     /// with the file's name.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let source = Source::open(path).map_err(|e| e.in_file(path))?;
+        let source = StreamSource::open(path).map_err(|e| e.in_file(path))?;
         Ok(Self { path: path.to_path_buf(), source })
     }
 
     /// True if the file can store values at its vertices, as a PLY can.
     pub fn holds_fields(&self) -> bool {
-        matches!(self.source, Source::Ply(_))
+        matches!(self.source, StreamSource::Ply(_))
     }
 
     /// Number of faces: for a PLY that of its header, where a strip counts as one; for an OBJ the number read so far.
     pub fn n_faces(&self) -> u64 {
         match &self.source {
-            Source::Ply(ply) => ply.n_faces(),
-            Source::Obj(obj) => obj.n_faces(),
+            StreamSource::Ply(ply) => ply.n_faces(),
+            StreamSource::Obj(obj) => obj.n_faces(),
         }
     }
 
@@ -78,8 +78,8 @@ impl MeshReader {
     /// The file is damaged or ends early; the message is one line with the file's name and the position.
     pub fn vertices(&mut self, points: &mut Vec<[f64; 3]>) -> Result<bool, ReadError> {
         let read = match &mut self.source {
-            Source::Ply(ply) => ply.vertices(points),
-            Source::Obj(obj) => obj.vertices(points),
+            StreamSource::Ply(ply) => ply.vertices(points),
+            StreamSource::Obj(obj) => obj.vertices(points),
         };
         read.map_err(|e| e.in_file(&self.path))
     }
@@ -91,16 +91,16 @@ impl MeshReader {
     /// The errors of [`vertices`](Self::vertices), and a face that names a vertex that does not exist.
     pub fn faces(&mut self, n_vertices: u64, faces: &mut Polygons) -> Result<bool, ReadError> {
         let read = match &mut self.source {
-            Source::Ply(ply) => ply.faces(n_vertices, faces),
-            Source::Obj(obj) => obj.faces(n_vertices, faces),
+            StreamSource::Ply(ply) => ply.faces(n_vertices, faces),
+            StreamSource::Obj(obj) => obj.faces(n_vertices, faces),
         };
         read.map_err(|e| e.in_file(&self.path))
     }
 }
 
-impl Source {
+impl StreamSource {
     fn open(path: &Path) -> Result<Self, ReadError> {
-        let window = Window::open(path)?;
+        let window = FileWindow::open(path)?;
         if window.rest().starts_with(b"ply") {
             return Ok(Self::Ply(Box::new(PlyStream::new(window)?)));
         }

@@ -3,12 +3,12 @@
 use adwave::shape::Polygons;
 use rayon::prelude::*;
 
-use super::window::Window;
+use super::window::FileWindow;
 use crate::ReadError;
 use crate::formats::obj::read::{Chunk, corner_as_written, cut, logical_end, parse_chunk, resolve_relative};
 
 pub(in crate::mesh_stream) struct ObjStream {
-    pub(super) window: Window,
+    pub(super) window: FileWindow,
     /// Numbers of vertices, texture coordinates and normals read so far: the base of negative indices.
     before: [i64; 3],
     n_faces: u64,
@@ -18,14 +18,14 @@ pub(in crate::mesh_stream) struct ObjStream {
 }
 
 /// Statements in the window.
-pub(super) struct Statements {
+pub(super) struct StatementBlock {
     pub(super) chunks: Vec<Chunk>,
     /// Size of the statements in bytes.
     pub(super) n_bytes: usize,
 }
 
 impl ObjStream {
-    pub(super) fn new(window: Window) -> Self {
+    pub(super) fn new(window: FileWindow) -> Self {
         Self { window, before: [0; 3], n_faces: 0, n_flat: 0, flat: None }
     }
 
@@ -35,7 +35,7 @@ impl ObjStream {
 
     /// Reads the next complete statements; `None` at the end, where it is known whether all vertices have a z or
     /// none.
-    pub(super) fn statements(&mut self) -> Result<Option<Statements>, ReadError> {
+    pub(super) fn statements(&mut self) -> Result<Option<StatementBlock>, ReadError> {
         let n_bytes = loop {
             let n_bytes = whole_statements(&self.window);
             if n_bytes > 0 {
@@ -55,17 +55,17 @@ impl ObjStream {
         let bytes = &self.window.rest()[..n_bytes];
         let parsed: Vec<_> =
             cut(bytes).into_par_iter().map(|(start, end)| parse_chunk(bytes, start, end)).collect();
-        let wrong = |(at, message)| self.window.placed(ReadError::in_line(bytes, at, message));
+        let wrong = |(at, message)| self.window.relocate_error(ReadError::line_error(bytes, at, message));
         let mut chunks = parsed.into_iter().collect::<Result<Vec<_>, _>>().map_err(wrong)?;
         self.before = resolve_relative(&mut chunks, self.before);
         if self.flat.is_none() {
             self.flat = chunks.iter().find_map(|chunk| chunk.flat).map(|at| self.window.line(at));
         }
         self.n_flat += chunks.iter().map(|chunk| chunk.n_flat as u64).sum::<u64>();
-        Ok(Some(Statements { chunks, n_bytes }))
+        Ok(Some(StatementBlock { chunks, n_bytes }))
     }
 
-    pub(super) fn consume(&mut self, statements: &Statements) {
+    pub(super) fn consume(&mut self, statements: &StatementBlock) {
         self.n_faces += statements.chunks.iter().map(|chunk| chunk.face_sizes.len() as u64).sum::<u64>();
         self.window.consume(statements.n_bytes);
     }
@@ -101,7 +101,7 @@ impl ObjStream {
 }
 
 /// Size of the window up to the end of its last line without a continuation, in bytes.
-fn whole_statements(window: &Window) -> usize {
+fn whole_statements(window: &FileWindow) -> usize {
     let bytes = window.rest();
     if window.is_end() {
         return bytes.len();

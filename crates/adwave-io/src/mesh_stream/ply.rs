@@ -3,10 +3,10 @@
 use adwave::Progress;
 use adwave::shape::Polygons;
 
-use super::window::Window;
-use crate::formats::ply::body::Body;
-use crate::formats::ply::fixed::{FaceLayout, whole};
-use crate::formats::ply::header::{Element, Encoding, Header, Kind, parse_header};
+use super::window::FileWindow;
+use crate::formats::ply::body::PlyBody;
+use crate::formats::ply::fixed::{FaceLayout, decode_count};
+use crate::formats::ply::header::{Element, Encoding, PlyHeader, PropertyKind, parse_header};
 use crate::formats::ply::read::{check_axes, corner_list, strip_triangles};
 use crate::model::field::{ByteOrder, Number};
 use crate::{ReadError, ValueType};
@@ -22,8 +22,8 @@ pub(super) struct RowSpan {
 }
 
 pub(in crate::mesh_stream) struct PlyStream {
-    pub(super) window: Window,
-    pub(super) header: Header,
+    pub(super) window: FileWindow,
+    pub(super) header: PlyHeader,
     /// Bytes of the header.
     pub(super) head: Vec<u8>,
     /// Index of the vertex element.
@@ -34,7 +34,7 @@ pub(in crate::mesh_stream) struct PlyStream {
 }
 
 impl PlyStream {
-    pub(super) fn new(mut window: Window) -> Result<Self, ReadError> {
+    pub(super) fn new(mut window: FileWindow) -> Result<Self, ReadError> {
         let header = loop {
             match parse_header(window.rest()) {
                 Ok(header) => break header,
@@ -70,7 +70,7 @@ impl PlyStream {
                 Encoding::Binary(_) => self.window.rest(),
             };
             let mut body =
-                Body { bytes, position: 0, encoding: self.header.encoding, progress: Progress::none() };
+                PlyBody { bytes, position: 0, encoding: self.header.encoding, progress: Progress::none() };
             let (mut n, mut end) = (0, 0);
             let failed = loop {
                 if n == most {
@@ -93,7 +93,7 @@ impl PlyStream {
                         ReadError::Truncated { needed, .. } if !self.window.is_end() && !is_cut(needed) => {
                             self.window.more()?;
                         }
-                        error => return Err(self.window.placed(error)),
+                        error => return Err(self.window.relocate_error(error)),
                     }
                 }
             }
@@ -119,7 +119,7 @@ impl PlyStream {
                         let left = self.window.n_bytes() - self.window.position();
                         let (element, row) = (element.name.clone(), self.row + left / row_bytes);
                         let error = ReadError::Truncated { end: 0, needed: n, element, row };
-                        return Err(self.window.placed(error));
+                        return Err(self.window.relocate_error(error));
                     }
                 }
                 None => {
@@ -143,7 +143,7 @@ impl PlyStream {
             return Ok(false);
         }
         let rows = self.rows()?;
-        self.points(rows, points).map_err(|e| self.window.placed(e))?;
+        self.points(rows, points).map_err(|e| self.window.relocate_error(e))?;
         self.consume(rows);
         Ok(true)
     }
@@ -166,7 +166,7 @@ impl PlyStream {
             let mut point = [0.0; 3];
             for (p, property) in element.properties.iter().enumerate() {
                 match (axes.iter().position(|&axis| axis == p), property.kind) {
-                    (Some(axis), Kind::Scalar(t)) => {
+                    (Some(axis), PropertyKind::Scalar(t)) => {
                         let mut one = t.empty();
                         body.read_into(&mut one, element, row)?;
                         point[axis] = one.get(0);
@@ -179,8 +179,8 @@ impl PlyStream {
         Ok(())
     }
 
-    pub(super) fn body<'a>(&self, bytes: &'a [u8]) -> Body<'a> {
-        Body { bytes, position: 0, encoding: self.header.encoding, progress: Progress::none() }
+    pub(super) fn body<'a>(&self, bytes: &'a [u8]) -> PlyBody<'a> {
+        PlyBody { bytes, position: 0, encoding: self.header.encoding, progress: Progress::none() }
     }
 
     pub(super) fn faces(&mut self, n_vertices: u64, faces: &mut Polygons) -> Result<bool, ReadError> {
@@ -225,7 +225,7 @@ impl PlyStream {
                 } else {
                     body.skip(property.kind, element, row)
                 };
-                read.map_err(|e| self.window.placed(e))?;
+                read.map_err(|e| self.window.relocate_error(e))?;
             }
             let mut push = |corners: &[i64]| {
                 let is_none = |v: &&i64| !u64::try_from(**v).is_ok_and(|v| v < n_vertices);
@@ -255,7 +255,7 @@ impl PlyStream {
 }
 
 /// Skips a row: at once if it has only numbers, else by its content.
-fn skip_row(body: &mut Body<'_>, element: &Element, row: u64) -> Result<(), ReadError> {
+fn skip_row(body: &mut PlyBody<'_>, element: &Element, row: u64) -> Result<(), ReadError> {
     if let Some(row_bytes) = fixed_bytes(element, body.encoding)
         && (body.bytes.len() - body.position) as u64 >= row_bytes
     {
@@ -267,7 +267,7 @@ fn skip_row(body: &mut Body<'_>, element: &Element, row: u64) -> Result<(), Read
 
 /// Size of each row in bytes, if it is the same for all rows.
 fn fixed_bytes(element: &Element, encoding: Encoding) -> Option<u64> {
-    let is_number = |kind| matches!(kind, Kind::Scalar(_));
+    let is_number = |kind| matches!(kind, PropertyKind::Scalar(_));
     let is_fixed = element.properties.is_empty()
         || encoding != Encoding::Ascii && element.properties.iter().all(|p| is_number(p.kind));
     is_fixed.then(|| element.min_row_bytes(encoding))
@@ -276,7 +276,7 @@ fn fixed_bytes(element: &Element, encoding: Encoding) -> Option<u64> {
 /// Type of a property and its offset in a row of numbers.
 fn place_in_row(element: &Element, property: usize) -> (ValueType, usize) {
     let kind = |p: usize| match element.properties[p].kind {
-        Kind::Scalar(t) | Kind::List { item: t, .. } => t,
+        PropertyKind::Scalar(t) | PropertyKind::List { item: t, .. } => t,
     };
     (kind(property), (0..property).map(|p| kind(p).n_bytes()).sum())
 }
@@ -304,7 +304,7 @@ fn read_fixed(bytes: &[u8], layout: &FaceLayout, n_vertices: u64, face: &mut Vec
     let (first, item) = (layout.count_at + layout.count.n_bytes(), layout.item.n_bytes());
     face.clear();
     for corner in bytes[first..first + n_corners * item].chunks_exact(item) {
-        face.push(whole(corner, layout.item, layout.order).filter(|&v| u64::from(v) < n_vertices)?);
+        face.push(decode_count(corner, layout.item, layout.order).filter(|&v| u64::from(v) < n_vertices)?);
     }
     Some(row_bytes)
 }

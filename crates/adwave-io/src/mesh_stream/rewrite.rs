@@ -6,7 +6,7 @@ use std::path::Path;
 
 use adwave::Progress;
 
-use super::Source;
+use super::StreamSource;
 use super::obj::ObjStream;
 use super::ply::PlyStream;
 use crate::formats::ply::header::Element;
@@ -47,13 +47,13 @@ pub fn rewrite_mesh<E: From<ReadError> + From<WriteError>>(
     progress: Progress<'_>,
     edit: &mut VertexEdit<'_, E>,
 ) -> Result<u64, E> {
-    match Source::open(path).map_err(|e| e.in_file(path))? {
-        Source::Ply(ply) => Rewriter { path, fields, out, progress }.ply(*ply, edit),
-        Source::Obj(_) if !fields.is_empty() => {
+    match StreamSource::open(path).map_err(|e| e.in_file(path))? {
+        StreamSource::Ply(ply) => Rewriter { path, fields, out, progress }.ply(*ply, edit),
+        StreamSource::Obj(_) if !fields.is_empty() => {
             let what = format!("the vertex field `{}`", fields[0]);
             Err(WriteError::CannotHold { format: Format::OBJ, what }.into())
         }
-        Source::Obj(obj) => Rewriter { path, fields, out, progress }.obj(*obj, edit),
+        StreamSource::Obj(obj) => Rewriter { path, fields, out, progress }.obj(*obj, edit),
     }
 }
 

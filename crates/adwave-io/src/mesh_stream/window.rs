@@ -13,7 +13,7 @@ const STEP: u64 = if cfg!(test) { 64 } else { 1 << 22 };
 const MOST_IN_A_ROW: usize = 1 << 28;
 
 /// Bytes of a file from the first one still in use.
-pub(super) struct Window {
+pub(super) struct FileWindow {
     file: File,
     bytes: Vec<u8>,
     /// Start of the bytes in use within `bytes`.
@@ -27,7 +27,7 @@ pub(super) struct Window {
     n_bytes: u64,
 }
 
-impl Window {
+impl FileWindow {
     pub(super) fn open(path: &Path) -> Result<Self, ReadError> {
         let file = File::open(path)?;
         let metadata = file.metadata()?;
@@ -139,7 +139,7 @@ impl Window {
     }
 
     /// Converts lines and bytes in an error from the rest to the file.
-    pub(super) fn placed(&self, error: ReadError) -> ReadError {
+    pub(super) fn relocate_error(&self, error: ReadError) -> ReadError {
         let position = self.position();
         match error {
             ReadError::Line { line, message } => ReadError::Line { line: line + self.line(0) - 1, message },

@@ -10,7 +10,7 @@ use crate::model::context::WriteContext;
 use crate::model::field::ByteOrder;
 use crate::model::source_document::Update;
 use crate::model::text_rows::{RowEdit, TextRows};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::{ShapeFile, WriteError};
 
 /// Range of vertices whose coordinates are equally spaced in the file.
@@ -91,7 +91,7 @@ impl BinaryRows {
         for run in &self.runs {
             let mut row = 0;
             while row < run.n {
-                at_row(progress, vertex as u64, shape.n_vertices as u64)?;
+                report_row(progress, vertex as u64, shape.n_vertices as u64)?;
                 let n = ROWS.min(run.n - row);
                 let start = run.start + row * run.stride;
                 let end = start + (n - 1) * run.stride + self.n_row_bytes();

@@ -46,9 +46,9 @@ pub(crate) fn triangles_with_faces(shape: &ShapeFile, report: &mut WriteReport) 
 
 fn say_what_is_cut(shape: &ShapeFile, report: &mut WriteReport) {
     if shape.faces.iter().any(|face| face.len() < 3) {
-        report.leave_out("faces of fewer than three corners");
+        report.report_dropped("faces of fewer than three corners");
     }
     if shape.faces.iter().any(|face| face.len() > 3) {
-        report.leave_out("polygons (as triangles)");
+        report.report_dropped("polygons (as triangles)");
     }
 }

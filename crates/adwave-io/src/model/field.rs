@@ -2,7 +2,7 @@
 
 use adwave::{Cancelled, Progress};
 
-use crate::progress::at_row;
+use crate::progress::report_row;
 
 /// Numbers of one type.
 #[derive(Clone, Debug, PartialEq)]
@@ -214,7 +214,7 @@ impl FieldValues {
                     .collect();
                 let mut all = Vec::with_capacity(first.len() * lists.len());
                 for i in 0..first.len() {
-                    at_row(progress, i as u64, first.len() as u64)?;
+                    report_row(progress, i as u64, first.len() as u64)?;
                     all.extend(lists.iter().map(|list| list[i]));
                 }
                 Self::$variant(all)

@@ -31,14 +31,14 @@ pub(crate) fn group(
 ) -> Result<(Vec<Field>, Vec<FieldColumns>), Cancelled> {
     let mut fields: Vec<Field> = Vec::new();
     let mut members = Vec::new();
-    let mut free = Free::new(&columns);
-    let mut names = Names::default();
+    let mut free = FreeColumns::new(&columns);
+    let mut names = UsedNames::default();
     let mut columns: Vec<_> = columns.into_iter().map(|(name, values)| (name, Some(values))).collect();
     for i in 0..columns.len() {
         if free.is_used[i] {
             continue;
         }
-        let (name, positions) = known(&columns, &mut free, i)
+        let (name, positions) = find_known_field(&columns, &mut free, i)
             .or_else(|| numbered(&columns, &mut free, i))
             .unwrap_or_else(|| (columns[i].0.clone(), vec![i]));
         for &p in &positions {
@@ -60,14 +60,14 @@ pub(crate) fn group(
 type Columns = [(String, Option<FieldValues>)];
 
 /// Columns by name, and the columns that belong to no field yet.
-struct Free {
+struct FreeColumns {
     is_used: Vec<bool>,
     exact: HashSet<String>,
     /// Positions by lower-case name, the first candidate in front.
     places: HashMap<String, VecDeque<usize>>,
 }
 
-impl Free {
+impl FreeColumns {
     fn new(columns: &[(String, FieldValues)]) -> Self {
         let mut places: HashMap<String, VecDeque<usize>> = HashMap::new();
         for (p, (name, _)) in columns.iter().enumerate() {
@@ -88,13 +88,13 @@ impl Free {
 }
 
 /// Positions of the columns with these names, if all are free and have the type of the first.
-fn find(columns: &Columns, free: &mut Free, names: &[String]) -> Option<Vec<usize>> {
+fn find(columns: &Columns, free: &mut FreeColumns, names: &[String]) -> Option<Vec<usize>> {
     let positions: Vec<usize> = names.iter().map(|name| free.first(name)).collect::<Option<_>>()?;
     let value_type = |p: &usize| columns[*p].1.as_ref().map(FieldValues::value_type);
     positions.iter().all(|p| value_type(p) == value_type(&positions[0])).then_some(positions)
 }
 
-fn known(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns> {
+fn find_known_field(columns: &Columns, free: &mut FreeColumns, i: usize) -> Option<FieldColumns> {
     KNOWN.iter().filter(|(_, names)| names[0].eq_ignore_ascii_case(&columns[i].0)).find_map(
         |(field, names)| {
             let names: Vec<String> = names.iter().map(ToString::to_string).collect();
@@ -104,7 +104,7 @@ fn known(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns> {
 }
 
 /// Finds `flow_x flow_y flow_z`, or `flow_0 flow_1 …`.
-fn numbered(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns> {
+fn numbered(columns: &Columns, free: &mut FreeColumns, i: usize) -> Option<FieldColumns> {
     let name = &columns[i].0;
     if let Some(base) = name.strip_suffix("_x").filter(|base| !base.is_empty()) {
         return Some((base.into(), find(columns, free, &["x", "y", "z"].map(|c| format!("{base}_{c}")))?));
@@ -125,12 +125,12 @@ fn numbered(columns: &Columns, free: &mut Free, i: usize) -> Option<FieldColumns
 
 /// Names in use, and the last number tried for each.
 #[derive(Default)]
-struct Names {
+struct UsedNames {
     taken: HashSet<String>,
     last: HashMap<String, usize>,
 }
 
-impl Names {
+impl UsedNames {
     /// Returns the name, or with the first free number appended if it is in use.
     fn unique(&mut self, name: String) -> String {
         if self.taken.insert(name.clone()) {

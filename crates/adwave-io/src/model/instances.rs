@@ -49,7 +49,7 @@ impl Transform {
 }
 
 /// Placed objects, one after the other.
-pub(crate) struct Joined<'a> {
+pub(crate) struct MergedMesh<'a> {
     limits: &'a ReadLimits,
     /// Length of the file.
     n_bytes: usize,
@@ -59,7 +59,7 @@ pub(crate) struct Joined<'a> {
     ends: Vec<usize>,
 }
 
-impl<'a> Joined<'a> {
+impl<'a> MergedMesh<'a> {
     /// Nothing placed yet, for a file of `n_bytes` bytes.
     pub(crate) fn new(limits: &'a ReadLimits, n_bytes: usize) -> Self {
         Self { limits, n_bytes, points: Vec::new(), triangles: Vec::new(), ends: Vec::new() }

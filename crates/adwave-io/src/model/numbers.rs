@@ -23,7 +23,7 @@ pub(crate) enum Numbers<'a> {
 
 /// Reasons for which numbers are not indices.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum NoIndex {
+pub(crate) enum IndexError {
     Cancelled,
     /// A number has a fraction.
     Fractions,
@@ -31,7 +31,7 @@ pub(crate) enum NoIndex {
     At(usize, f64),
 }
 
-impl From<Cancelled> for NoIndex {
+impl From<Cancelled> for IndexError {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
     }
@@ -103,7 +103,7 @@ impl Numbers<'_> {
     }
 
     /// Converts to integers below `limit`.
-    pub(crate) fn to_indices(&self, limit: u32, progress: Progress<'_>) -> Result<Vec<u32>, NoIndex> {
+    pub(crate) fn to_indices(&self, limit: u32, progress: Progress<'_>) -> Result<Vec<u32>, IndexError> {
         let indices = match self {
             Self::Bytes { bytes, kind, order } => {
                 let (n, order) = (self.len(), *order);
@@ -112,12 +112,12 @@ impl Numbers<'_> {
                     ValueType::I32 => indices::<i32>(bytes, n, order, progress),
                     ValueType::U64 => indices::<u64>(bytes, n, order, progress),
                     ValueType::I64 => indices::<i64>(bytes, n, order, progress),
-                    _ if kind.is_integer() => collect(n, progress, |i| whole(self.get(i))),
-                    _ => return Err(NoIndex::Fractions),
+                    _ if kind.is_integer() => collect(n, progress, |i| to_index(self.get(i))),
+                    _ => return Err(IndexError::Fractions),
                 }
             }
-            Self::Values(FieldValues::F32(_) | FieldValues::F64(_)) => return Err(NoIndex::Fractions),
-            Self::Values(values) => collect(values.len(), progress, |i| whole(values.get(i))),
+            Self::Values(FieldValues::F32(_) | FieldValues::F64(_)) => return Err(IndexError::Fractions),
+            Self::Values(values) => collect(values.len(), progress, |i| to_index(values.get(i))),
         }?;
         // No list is long enough for the largest number as an index, so it marks invalid ones.
         let is_index = |i: usize| indices[i] < limit;
@@ -125,12 +125,12 @@ impl Numbers<'_> {
             return Ok(indices);
         }
         let at = indices.iter().position(|&i| i >= limit).unwrap_or(0);
-        Err(NoIndex::At(at, self.get(at)))
+        Err(IndexError::At(at, self.get(at)))
     }
 }
 
 /// Converts a number to an index; the largest index if it is invalid.
-fn whole(x: f64) -> u32 {
+fn to_index(x: f64) -> u32 {
     if (0.0..f64::from(u32::MAX)).contains(&x) { x as u32 } else { u32::MAX }
 }
 
@@ -160,7 +160,7 @@ pub(crate) fn from_bytes(
 
 /// Collects rows of `values`, which have `n_channels` numbers each: row `i` of the result is row `row(i)`. (`row` is
 /// a `dyn` function, so that the code is not compiled for each caller and type.)
-pub(crate) fn gathered(
+pub(crate) fn collect_rows(
     field: &Field,
     n: usize,
     progress: Progress<'_>,
@@ -219,13 +219,13 @@ pub(crate) fn append(values: &mut FieldValues, more: FieldValues) -> bool {
 
 /// Reasons for which a text has no numbers.
 #[derive(Debug)]
-pub(crate) enum NoNumber {
+pub(crate) enum NumberError {
     Cancelled(Cancelled),
     /// The word at this byte of the text is not a number of the type.
     At(usize, String),
 }
 
-impl From<Cancelled> for NoNumber {
+impl From<Cancelled> for NumberError {
     fn from(cancelled: Cancelled) -> Self {
         Self::Cancelled(cancelled)
     }
@@ -262,13 +262,13 @@ pub(crate) fn from_text(
     text: &[u8],
     kind: ValueType,
     progress: Progress<'_>,
-) -> Result<FieldValues, NoNumber> {
+) -> Result<FieldValues, NumberError> {
     let parts = parts(text);
-    let parse = |part: &Range<usize>| -> Result<FieldValues, NoNumber> {
+    let parse = |part: &Range<usize>| -> Result<FieldValues, NumberError> {
         progress.check()?;
         let mut values = kind.empty();
         with_values!(&mut values, v => parse_words(&text[part.clone()], v))
-            .map_err(|(at, message)| NoNumber::At(part.start + at, message))?;
+            .map_err(|(at, message)| NumberError::At(part.start + at, message))?;
         Ok(values)
     };
     if let [one] = &parts[..] {
@@ -370,7 +370,7 @@ mod tests {
         assert!(values.iter().copied().eq(0..400_000));
         let broken = text.replace("250000", "25x");
         match from_text(broken.as_bytes(), ValueType::I64, Progress::none()) {
-            Err(NoNumber::At(at, message)) => {
+            Err(NumberError::At(at, message)) => {
                 assert_eq!((at, message.contains("\"25x\"")), (broken.find("25x").unwrap(), true));
             }
             _ => panic!("no number"),
@@ -385,9 +385,9 @@ mod tests {
             order: ByteOrder::Big,
         };
         assert_eq!(numbers(vec![3, 0, 5]).to_indices(6, Progress::none()), Ok(vec![3, 0, 5]));
-        assert_eq!(numbers(vec![3, 6]).to_indices(6, Progress::none()), Err(NoIndex::At(1, 6.0)));
-        assert_eq!(numbers(vec![3, -1]).to_indices(6, Progress::none()), Err(NoIndex::At(1, -1.0)));
+        assert_eq!(numbers(vec![3, 6]).to_indices(6, Progress::none()), Err(IndexError::At(1, 6.0)));
+        assert_eq!(numbers(vec![3, -1]).to_indices(6, Progress::none()), Err(IndexError::At(1, -1.0)));
         let floats = Numbers::Values(FieldValues::F32(vec![0.0]));
-        assert_eq!(floats.to_indices(6, Progress::none()), Err(NoIndex::Fractions));
+        assert_eq!(floats.to_indices(6, Progress::none()), Err(IndexError::Fractions));
     }
 }

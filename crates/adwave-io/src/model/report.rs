@@ -11,7 +11,7 @@ pub struct WriteReport {
 }
 
 impl WriteReport {
-    pub(crate) fn leave_out(&mut self, what: impl Into<String>) {
+    pub(crate) fn report_dropped(&mut self, what: impl Into<String>) {
         let what = what.into();
         if !self.not_written.contains(&what) {
             self.not_written.push(what);
@@ -19,16 +19,16 @@ impl WriteReport {
     }
 
     /// Reports all vertex fields except `held`.
-    pub(crate) fn leave_vertex_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
+    pub(crate) fn report_vertex_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
         for field in shape.vertex_fields.iter().filter(|f| !held.contains(&f.name.as_str())) {
-            self.leave_out(format!("vertex field `{}`", field.name));
+            self.report_dropped(format!("vertex field `{}`", field.name));
         }
     }
 
     /// Reports all face fields except `held`.
-    pub(crate) fn leave_face_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
+    pub(crate) fn report_face_fields(&mut self, shape: &ShapeFile, held: &[&str]) {
         for field in shape.face_fields.iter().filter(|f| !held.contains(&f.name.as_str())) {
-            self.leave_out(format!("face field `{}`", field.name));
+            self.report_dropped(format!("face field `{}`", field.name));
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::tokens::Tokens;
 use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
 use crate::{Precision, ShapeFile, WriteError};
@@ -88,7 +88,7 @@ impl TextRows {
         let mut buffer = Vec::with_capacity(FLUSH + 1024);
         let mut copied = range.start;
         for (i, &row) in self.rows.iter().enumerate() {
-            at_row(progress, i as u64, self.rows.len() as u64)?;
+            report_row(progress, i as u64, self.rows.len() as u64)?;
             let row = row as usize;
             self.copy(copied, row, &mut buffer, out)?;
             copied = self.write_row(row, i, shape, edit, &mut buffer);

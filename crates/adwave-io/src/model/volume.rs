@@ -4,7 +4,7 @@ use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
 
 use crate::model::cells::VolumeFaces;
-use crate::progress::at_row;
+use crate::progress::report_row;
 
 /// Kind of volume cell, with the corner numbering of Gmsh, VTK and Medit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Cells {
         let mut sides = VolumeFaces::default();
         let mut first = 0;
         for (cell, kind) in self.kinds.iter().enumerate() {
-            at_row(progress, cell as u64, self.kinds.len() as u64)?;
+            report_row(progress, cell as u64, self.kinds.len() as u64)?;
             let corners = &self.corners[first..first + kind.n_corners()];
             for side in kind.faces() {
                 sides.push(side.iter().map(|&k| corners[k]), cell as u32);

@@ -9,8 +9,8 @@ use crate::files::atomic::atomic_write_with;
 use crate::model::context::WriteContext;
 use crate::model::format_descriptor::ProvenanceRoom;
 use crate::model::source_document::Update;
-use crate::progress::{Watched, all};
-use crate::provenance::{NAME, Provenance, WithComment};
+use crate::progress::{CancellableWriter, all};
+use crate::provenance::{CommentInserter, NAME, Provenance};
 use crate::registry::names::unknown_ending;
 use crate::{Format, Precision, ShapeFile, WriteError, WriteReport};
 
@@ -84,12 +84,12 @@ pub fn write_bytes_with(
     if !format.can_write() {
         return Err(WriteError::ReadOnly { format });
     }
-    let out = &mut Watched::new(out, progress);
+    let out = &mut CancellableWriter::new(out, progress);
     let provenance = shape.new_provenance().map(Provenance::to_json);
     match (provenance, format.descriptor().provenance) {
         (Some(json), ProvenanceRoom::Comment { begin, lines_before }) => {
             let line = format!("{begin} {NAME} {json}\n");
-            write_shape(shape, format, &mut WithComment::new(out, line, lines_before), progress)
+            write_shape(shape, format, &mut CommentInserter::new(out, line, lines_before), progress)
         }
         _ => write_shape(shape, format, out, progress),
     }
@@ -121,7 +121,7 @@ fn write_shape(
     }
     if !shape.original.as_deref().is_some_and(|source| source.keeps_extras(format)) {
         for extra in &shape.extras {
-            context.report.leave_out(extra.clone());
+            context.report.report_dropped(extra.clone());
         }
     }
     let write = format.descriptor().write.ok_or(WriteError::ReadOnly { format })?;

@@ -71,7 +71,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// Reads the next integer.
-    pub(crate) fn whole(&mut self, element: &str, row: u64) -> Result<i64, ReadError> {
+    pub(crate) fn integer(&mut self, element: &str, row: u64) -> Result<i64, ReadError> {
         self.skip();
         let start = self.position;
         let is_negative = self.bytes.get(start) == Some(&b'-');
@@ -95,9 +95,9 @@ impl<'a> Tokens<'a> {
     pub(crate) fn count(&mut self, element: &str, row: u64) -> Result<u64, ReadError> {
         self.skip();
         let start = self.position;
-        u64::try_from(self.whole(element, row)?).map_err(|_| {
+        u64::try_from(self.integer(element, row)?).map_err(|_| {
             let message = format!("{element} {row} needs a non-negative count; correct it");
-            ReadError::in_line(self.bytes, start, message)
+            ReadError::line_error(self.bytes, start, message)
         })
     }
 
@@ -110,7 +110,7 @@ impl<'a> Tokens<'a> {
             None => format!("the file ends in {element} {row}; get the whole file"),
         };
         self.skip();
-        ReadError::in_line(self.bytes, self.position, message)
+        ReadError::line_error(self.bytes, self.position, message)
     }
 }
 
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn words_run_over_lines_and_remarks() {
         let mut tokens = Tokens::new(b" 1 -2# a\n\n#b\n+3.5 x", 0);
-        assert_eq!((tokens.whole("row", 0).unwrap(), tokens.whole("row", 0).unwrap()), (1, -2));
+        assert_eq!((tokens.integer("row", 0).unwrap(), tokens.integer("row", 0).unwrap()), (1, -2));
         assert_eq!(tokens.number("row", 0).unwrap(), 3.5);
         assert_eq!(tokens.peek(), Some(&b"x"[..]));
         let message = tokens.number("row", 7).unwrap_err().to_string();
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn whole_numbers_have_at_most_eighteen_digits() {
-        let read = |text: &str| Tokens::new(text.as_bytes(), 0).whole("row", 0);
+        let read = |text: &str| Tokens::new(text.as_bytes(), 0).integer("row", 0);
         assert_eq!(read("999999999999999999").unwrap(), 999_999_999_999_999_999);
         for bad in ["9999999999999999999", "-", "1.5", "1a", ""] {
             assert!(read(bad).is_err(), "{bad}");

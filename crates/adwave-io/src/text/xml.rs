@@ -38,7 +38,7 @@ pub(crate) fn number(node: Node<'_, '_>, name: &str) -> Result<f64, ReadError> {
 }
 
 /// Integer in an attribute, if present.
-pub(crate) fn whole<T: std::str::FromStr>(node: Node<'_, '_>, name: &str) -> Result<Option<T>, ReadError> {
+pub(crate) fn integer<T: std::str::FromStr>(node: Node<'_, '_>, name: &str) -> Result<Option<T>, ReadError> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
     text.trim().parse().map(Some).map_err(|_| {
         wrong(node, format!("`{name}` must be an integer, got {}; correct it", show(text.as_bytes())))

@@ -27,11 +27,11 @@ impl Picture {
             cause: one_line(&e),
             kind: kind_of_io(&e),
         })?;
-        Self::of_bytes(&bytes, &name)
+        Self::decode(&bytes, &name)
     }
 
     /// Decodes a picture in memory; `name` is its name in errors.
-    pub(crate) fn of_bytes(bytes: &[u8], name: &str) -> Result<Self, TextureError> {
+    pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Self, TextureError> {
         let wrong = |kind, cause: String| TextureError::Picture { path: name.to_owned(), cause, kind };
         let mut reader = ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()

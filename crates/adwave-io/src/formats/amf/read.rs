@@ -6,8 +6,8 @@ use adwave::Progress;
 use roxmltree::Node;
 
 use crate::bytes::package::Package;
-use crate::model::instances::{Joined, Transform};
-use crate::progress::at_row;
+use crate::model::instances::{MergedMesh, Transform};
+use crate::progress::report_row;
 use crate::text::xml::{child, children, parse, text_of, wrong};
 use crate::text::{parse_f64, show};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -30,14 +30,14 @@ struct Object {
 }
 
 /// Content of a placement: an object or a constellation of others.
-enum Placed {
+enum PlacementTarget {
     Object(Object),
     Constellation(Vec<(String, Transform)>),
 }
 
 struct Assembly<'a> {
-    placed: HashMap<String, Placed>,
-    joined: Joined<'a>,
+    placed: HashMap<String, PlacementTarget>,
+    joined: MergedMesh<'a>,
     colors: Vec<Option<Color>>,
     of_triangles: Vec<Option<Color>>,
     volumes: Vec<u32>,
@@ -60,7 +60,7 @@ pub(crate) fn read_amf(
     } else {
         let broken = |e: std::string::FromUtf8Error| {
             let at = e.utf8_error().valid_up_to();
-            ReadError::in_line(e.as_bytes(), at, "the text must be UTF-8; save it as UTF-8")
+            ReadError::line_error(e.as_bytes(), at, "the text must be UTF-8; save it as UTF-8")
         };
         crate::text::encoding::to_utf8(bytes).map_err(broken)?
     };
@@ -76,8 +76,10 @@ pub(crate) fn read_amf(
         progress.check()?;
         let id = node.attribute("id").unwrap_or("").to_owned();
         let own = match node.tag_name().name() {
-            "object" => Placed::Object(object(node, &colors_of_materials, &mut n_volumes, progress)?),
-            "constellation" => Placed::Constellation(constellation(node, &mut inner)?),
+            "object" => {
+                PlacementTarget::Object(object(node, &colors_of_materials, &mut n_volumes, progress)?)
+            }
+            "constellation" => PlacementTarget::Constellation(constellation(node, &mut inner)?),
             _ => continue,
         };
         if placed.insert(id.clone(), own).is_some() {
@@ -88,7 +90,7 @@ pub(crate) fn read_amf(
     }
     let mut assembly = Assembly {
         placed,
-        joined: Joined::new(limits, text.len()),
+        joined: MergedMesh::new(limits, text.len()),
         colors: Vec::new(),
         of_triangles: Vec::new(),
         volumes: Vec::new(),
@@ -136,7 +138,7 @@ fn object(
     for mesh in children(node, "mesh") {
         let first = object.points.len();
         for (row, vertex) in child(mesh, "vertices").iter().flat_map(|v| children(*v, "vertex")).enumerate() {
-            at_row(progress, row as u64, 0)?;
+            report_row(progress, row as u64, 0)?;
             let Some(place) = child(vertex, "coordinates") else {
                 return Err(wrong(vertex, format!("vertex {row} has no coordinates; add them")));
             };
@@ -151,7 +153,7 @@ fn object(
             let of_material = volume.attribute("materialid").and_then(|id| materials.get(id).copied());
             let of_volume = color(volume).or(of_material).or(of_object);
             for (row, triangle) in children(volume, "triangle").enumerate() {
-                at_row(progress, row as u64, 0)?;
+                report_row(progress, row as u64, 0)?;
                 let mut corners = [0; 3];
                 for (corner, name) in corners.iter_mut().zip(["v1", "v2", "v3"]) {
                     let index: i64 = text_of(triangle, name).and_then(|t| t.parse().ok()).unwrap_or(-1);
@@ -216,7 +218,7 @@ fn placement(turn: [f64; 3], shift: [f64; 3]) -> Transform {
 impl Assembly<'_> {
     fn place(&mut self, id: &str, transform: &Transform, depth: usize) -> Result<(), ReadError> {
         self.n_visits += 1;
-        at_row(self.progress, self.n_visits, 0)?;
+        report_row(self.progress, self.n_visits, 0)?;
         if depth > DEEPEST || self.n_visits > 1_000_000 + self.n_bytes as u64 / 16 {
             let message = "constellations are nested too deeply; check whether one contains itself";
             return Err(ReadError::Whole(message.into()));
@@ -227,14 +229,14 @@ impl Assembly<'_> {
                     format!("the placed object {} does not exist; correct the id", show(id.as_bytes()));
                 return Err(ReadError::Whole(message));
             }
-            Some(Placed::Object(object)) => {
+            Some(PlacementTarget::Object(object)) => {
                 self.joined.add(&object.points, &object.triangles, transform, self.progress)?;
                 self.colors.extend_from_slice(&object.colors);
                 self.of_triangles.extend_from_slice(&object.of_triangles);
                 self.volumes.extend_from_slice(&object.volumes);
                 return Ok(());
             }
-            Some(Placed::Constellation(instances)) => instances.clone(),
+            Some(PlacementTarget::Constellation(instances)) => instances.clone(),
         };
         for (id, own) in instances {
             self.place(&id, &own.then(transform), depth + 1)?;

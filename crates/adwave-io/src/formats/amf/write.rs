@@ -5,7 +5,7 @@ use std::io::Write;
 use adwave::Progress;
 
 use crate::model::f32_limits::triangles_with_faces;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
@@ -44,10 +44,10 @@ pub(crate) fn write_amf(
     let is_whole = shape.faces.iter().all(|f| f.len() == 3);
     let of_vertices = color(&shape.vertex_fields);
     let of_faces = color(&shape.face_fields).filter(|_| is_whole);
-    report.leave_vertex_fields(shape, of_vertices.map(|_| "color").as_slice());
-    report.leave_face_fields(shape, of_faces.map(|_| "color").as_slice());
+    report.report_vertex_fields(shape, of_vertices.map(|_| "color").as_slice());
+    report.report_face_fields(shape, of_faces.map(|_| "color").as_slice());
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
     out.write_all(
         b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"millimeter\" version=\"1.1\">\n\
@@ -55,7 +55,7 @@ pub(crate) fn write_amf(
     )?;
     let mut text = Vec::new();
     for (i, &[x, y, z]) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, shape.points.len() as u64)?;
+        report_row(progress, i as u64, shape.points.len() as u64)?;
         text.clear();
         text.extend_from_slice(b"<vertex><coordinates>");
         for (name, x) in [('x', x), ('y', y), ('z', z)] {
@@ -69,7 +69,7 @@ pub(crate) fn write_amf(
     out.write_all(b"</vertices>\n<volume>\n")?;
     let triangles = triangles_with_faces(shape, report);
     for (row, &(f, [a, b, c])) in triangles.iter().enumerate() {
-        at_row(progress, row as u64, triangles.len() as u64)?;
+        report_row(progress, row as u64, triangles.len() as u64)?;
         text.clear();
         text.extend_from_slice(b"<triangle>");
         push_color(of_faces, f, &mut text);

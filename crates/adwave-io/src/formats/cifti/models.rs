@@ -3,12 +3,12 @@
 use adwave::Progress;
 use roxmltree::{Document, Node};
 
-use crate::model::numbers::{NoNumber, from_text};
+use crate::model::numbers::{NumberError, from_text};
 use crate::text::one_line;
 use crate::{FieldValues, ReadError, ValueType};
 
 /// Vertices of one surface among the rows.
-pub(super) struct Model {
+pub(super) struct BrainModel {
     /// Name of the structure, such as `CORTEX_LEFT`.
     pub(super) structure: String,
     pub(super) n_vertices: u64,
@@ -18,8 +18,8 @@ pub(super) struct Model {
 }
 
 /// Surfaces among the rows, and the names of the columns if there are any.
-pub(super) struct Maps {
-    pub(super) models: Vec<Model>,
+pub(super) struct CiftiMaps {
+    pub(super) models: Vec<BrainModel>,
     pub(super) names: Option<Vec<String>>,
 }
 
@@ -33,7 +33,7 @@ fn number(node: Node<'_, '_>, name: &str) -> Result<u64, ReadError> {
 }
 
 /// Parses the XML.
-pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<Maps, ReadError> {
+pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, ReadError> {
     // The extension is padded with zeros.
     let end = xml.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
     let text = std::str::from_utf8(&xml[..end]).map_err(|_| broken("is not UTF-8"))?;
@@ -64,15 +64,15 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<Maps, ReadError
         node.has_tag_name("BrainModel") && node.attribute("ModelType") == Some("CIFTI_MODEL_TYPE_SURFACE")
     });
     let models = models.map(|node| model(node, progress)).collect::<Result<_, _>>()?;
-    Ok(Maps { models, names })
+    Ok(CiftiMaps { models, names })
 }
 
-fn model(node: Node<'_, '_>, progress: Progress<'_>) -> Result<Model, ReadError> {
+fn model(node: Node<'_, '_>, progress: Progress<'_>) -> Result<BrainModel, ReadError> {
     let structure = node.attribute("BrainStructure").unwrap_or("").trim_start_matches("CIFTI_STRUCTURE_");
     let list = node.children().find(|node| node.has_tag_name("VertexIndices")).and_then(|node| node.text());
     let vertices = match from_text(list.unwrap_or("").as_bytes(), ValueType::U32, progress) {
         Ok(FieldValues::U32(vertices)) => vertices,
-        Err(NoNumber::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(NumberError::Cancelled(cancelled)) => return Err(cancelled.into()),
         _ => return Err(broken("has a vertex that is not a number")),
     };
     let n_vertices = number(node, "SurfaceNumberOfVertices")?;
@@ -82,5 +82,10 @@ fn model(node: Node<'_, '_>, progress: Progress<'_>) -> Result<Model, ReadError>
     if let Some(vertex) = vertices.iter().find(|&&v| u64::from(v) >= n_vertices) {
         return Err(broken(&format!("names vertex {vertex}, but there are {n_vertices}")));
     }
-    Ok(Model { structure: structure.to_owned(), n_vertices, first: number(node, "IndexOffset")?, vertices })
+    Ok(BrainModel {
+        structure: structure.to_owned(),
+        n_vertices,
+        first: number(node, "IndexOffset")?,
+        vertices,
+    })
 }

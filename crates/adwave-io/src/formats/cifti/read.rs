@@ -2,7 +2,7 @@
 
 use adwave::Progress;
 
-use super::models::{Maps, Model, maps};
+use super::models::{BrainModel, CiftiMaps, maps};
 use crate::model::field::{ByteOrder, Number};
 use crate::model::numbers::Numbers;
 use crate::progress::extend;
@@ -27,7 +27,7 @@ pub(crate) fn read_cifti(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
-    let cut = || ReadError::at_byte(bytes.len(), "the file ends too early; get the whole file");
+    let cut = || ReadError::byte_error(bytes.len(), "the file ends too early; get the whole file");
     if !bytes[4..].starts_with(b"n+2") {
         let message = "this NIfTI-1 file is not a CIFTI and has no vertices; use values on a surface";
         return Err(ReadError::Whole(message.into()));
@@ -49,7 +49,7 @@ pub(crate) fn read_cifti(
         1024 => ValueType::I64,
         1280 => ValueType::U64,
         other => {
-            return Err(ReadError::at_byte(
+            return Err(ReadError::byte_error(
                 12,
                 format!("values of type {other} are not supported; save them as floats"),
             ));
@@ -62,7 +62,7 @@ pub(crate) fn read_cifti(
         })?,
         progress,
     )?;
-    let model = chosen(&maps, structure, n_vertices)?;
+    let model = select_model(&maps, structure, n_vertices)?;
     let start = usize::try_from(length(168)?).map_err(|_| cut())?;
     let n_bytes = n_columns.checked_mul(n_rows).and_then(|n| n.checked_mul(kind.n_bytes() as u64));
     let data = n_bytes.and_then(|n| bytes.get(start..)?.get(..usize::try_from(n).ok()?)).ok_or_else(cut)?;
@@ -99,13 +99,17 @@ fn extension(bytes: &[u8], order: ByteOrder) -> Option<&[u8]> {
 }
 
 /// Selects the brain model of the surface.
-fn chosen<'a>(maps: &'a Maps, structure: Option<&str>, n_vertices: usize) -> Result<&'a Model, ReadError> {
+fn select_model<'a>(
+    maps: &'a CiftiMaps,
+    structure: Option<&str>,
+    n_vertices: usize,
+) -> Result<&'a BrainModel, ReadError> {
     let plain = |name: &str| name.replace('_', "").to_ascii_lowercase();
-    let fits = |model: &&Model| match structure {
+    let fits = |model: &&BrainModel| match structure {
         Some(structure) => plain(&model.structure) == plain(structure),
         None => model.n_vertices == n_vertices as u64,
     };
-    let found: Vec<&Model> = maps.models.iter().filter(fits).collect();
+    let found: Vec<&BrainModel> = maps.models.iter().filter(fits).collect();
     let known: Vec<&str> = maps.models.iter().map(|model| model.structure.as_str()).collect();
     let known = if known.is_empty() { "no surface".to_owned() } else { known.join(", ") };
     match (&found[..], structure) {
@@ -137,8 +141,8 @@ struct Matrix<'a> {
 
 /// One field per named column; columns without names become the channels of one field.
 fn fields(
-    model: &Model,
-    maps: &Maps,
+    model: &BrainModel,
+    maps: &CiftiMaps,
     matrix: &Matrix<'_>,
     n_vertices: usize,
     progress: Progress<'_>,

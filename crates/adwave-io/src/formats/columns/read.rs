@@ -15,7 +15,7 @@ use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Numbers of a file before their meaning is known.
-struct Table {
+struct NumberTable {
     separator: Separator,
     names: Vec<String>,
     /// Position of the line of names.
@@ -95,8 +95,8 @@ fn cells(line: &[u8], separator: Separator) -> impl Iterator<Item = &[u8]> {
     .filter(move |cell| separator != Separator::Blanks || !cell.is_empty())
 }
 
-fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<Table, ReadError> {
-    let mut table = Table {
+fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NumberTable, ReadError> {
+    let mut table = NumberTable {
         separator: Separator::Blanks,
         names: Vec::new(),
         names_line: None,
@@ -149,7 +149,7 @@ fn find_separator(line: &[u8]) -> Separator {
 }
 
 /// Takes the words of a line as names of columns, unless they are numbers.
-fn note_names(table: &mut Table, line: &[u8], start: usize, length: usize) {
+fn note_names(table: &mut NumberTable, line: &[u8], start: usize, length: usize) {
     let separator = find_separator(line);
     let names: Vec<String> = cells(line, separator)
         .map(|cell| String::from_utf8_lossy(cell).trim_matches(['"', '\'']).trim().to_string())
@@ -160,7 +160,7 @@ fn note_names(table: &mut Table, line: &[u8], start: usize, length: usize) {
     }
 }
 
-fn row(bytes: &[u8], table: &mut Table, line: &[u8], start: usize) -> Result<(), ReadError> {
+fn row(bytes: &[u8], table: &mut NumberTable, line: &[u8], start: usize) -> Result<(), ReadError> {
     let first = table.values.len();
     let mut n = 0;
     let mut bad = None;
@@ -184,7 +184,7 @@ fn row(bytes: &[u8], table: &mut Table, line: &[u8], start: usize) -> Result<(),
             }
         }
         let message = format!("expected a number, got {}; correct it", show(cell));
-        return Err(ReadError::in_line(bytes, start, message));
+        return Err(ReadError::line_error(bytes, start, message));
     }
     if n == 1
         && let Some(count) = parse_u64(line)
@@ -197,7 +197,7 @@ fn row(bytes: &[u8], table: &mut Table, line: &[u8], start: usize) -> Result<(),
     if table.n_columns == 0 {
         if n < 3 {
             let message = format!("a row needs x, y and z, got {n} numbers; add the missing ones");
-            return Err(ReadError::in_line(bytes, start, message));
+            return Err(ReadError::line_error(bytes, start, message));
         }
         table.n_columns = n;
     }
@@ -207,14 +207,14 @@ fn row(bytes: &[u8], table: &mut Table, line: &[u8], start: usize) -> Result<(),
                               equal",
             table.n_columns
         );
-        return Err(ReadError::in_line(bytes, start, message));
+        return Err(ReadError::line_error(bytes, start, message));
     }
     table.rows.push(start as u64);
     Ok(())
 }
 
 /// Compares the rows with the count before them. Twice as many rows of three numbers are points followed by normals.
-fn check_count(bytes: &[u8], table: &mut Table) -> Result<Option<Field>, ReadError> {
+fn check_count(bytes: &[u8], table: &mut NumberTable) -> Result<Option<Field>, ReadError> {
     let Some(count) = table.count else { return Ok(None) };
     let n = table.rows.len() as u64;
     if n == count {
@@ -226,5 +226,5 @@ fn check_count(bytes: &[u8], table: &mut Table) -> Result<Option<Field>, ReadErr
         return Ok(Some(Field::new("normal", 3, FieldValues::F64(normals))));
     }
     let message = format!("the count is {count}, but there are {n} rows; correct the count");
-    Err(ReadError::in_line(bytes, bytes.len(), message))
+    Err(ReadError::line_error(bytes, bytes.len(), message))
 }

@@ -8,7 +8,7 @@ use crate::model::context::WriteContext;
 use crate::model::grouping::column_names;
 use crate::model::source_document::Update;
 use crate::model::text_rows::{RowEdit, Separator, TextRows};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::csv::push_csv_row;
 use crate::text::push_f64;
 use crate::{Field, Format, ShapeFile, WriteError, WriteReport};
@@ -61,11 +61,11 @@ pub(crate) fn write_columns(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     if !shape.faces.is_empty() {
-        report.leave_out("faces");
+        report.report_dropped("faces");
     }
-    report.leave_face_fields(shape, &[]);
+    report.report_face_fields(shape, &[]);
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
     let separator = if format == Format::CSV { "," } else { " " };
     let names: Vec<String> = shape.vertex_fields.iter().flat_map(column_names).collect();
@@ -81,7 +81,7 @@ pub(crate) fn write_columns(
     }
     let mut line = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, shape.points.len() as u64)?;
+        report_row(progress, i as u64, shape.points.len() as u64)?;
         line.clear();
         let fields = shape.vertex_fields.iter().flat_map(|f| (0..f.n_channels).map(move |c| f.get(i, c)));
         for (k, x) in point.iter().copied().chain(fields).enumerate() {

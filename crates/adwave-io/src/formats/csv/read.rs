@@ -5,7 +5,7 @@ use std::path::Path;
 
 use adwave::Progress;
 
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::{parse_f64, show};
 use crate::{Field, FieldValues, ReadError, ReadLimits};
 
@@ -58,7 +58,7 @@ fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Ve
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut record = csv::ByteRecord::new();
     for row in 0.. {
-        at_row(progress, row, 0)?;
+        report_row(progress, row, 0)?;
         match reader.read_byte_record(&mut record) {
             Ok(true) => {}
             Ok(false) => break,

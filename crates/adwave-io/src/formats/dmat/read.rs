@@ -8,13 +8,13 @@ use adwave::Progress;
 use crate::files::read::read_file;
 use crate::limits::decompress;
 use crate::model::field::{ByteOrder, Number};
-use crate::progress::{at_row, collect};
+use crate::progress::{collect, report_row};
 use crate::text::line_end;
 use crate::text::tokens::{Tokens, check_rows};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Matrix, column by column.
-struct Matrix {
+struct DmatMatrix {
     n_columns: usize,
     n_rows: usize,
     values: Vec<f64>,
@@ -44,7 +44,7 @@ pub(crate) fn begins_as_dmat(bytes: &[u8]) -> bool {
         && lines.next().is_none_or(|l| matches!(numbers(Some(l)), Some(0 | 1)))
 }
 
-fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<Matrix, ReadError> {
+fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<DmatMatrix, ReadError> {
     let mut tokens = Tokens::new(bytes, if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 });
     let mut counts = [tokens.count("the size", 0)?, tokens.count("the size", 0)?];
     let is_binary = counts == [0, 0] && tokens.clone().next().is_some();
@@ -68,12 +68,12 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<Matrix, ReadError> {
         tokens.check(n, 2, "matrix")?;
         let mut values = Vec::with_capacity(n as usize);
         for k in 0..n {
-            at_row(progress, k, n)?;
+            report_row(progress, k, n)?;
             values.push(tokens.number("number", k)?);
         }
         values
     };
-    Ok(Matrix { n_columns: n_columns as usize, n_rows: n_rows as usize, values, is_binary })
+    Ok(DmatMatrix { n_columns: n_columns as usize, n_rows: n_rows as usize, values, is_binary })
 }
 
 /// Reads a matrix of three columns as points.
@@ -82,7 +82,7 @@ pub(crate) fn read_dmat(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let Matrix { n_columns, n_rows, values, is_binary } = parse(bytes, progress)?;
+    let DmatMatrix { n_columns, n_rows, values, is_binary } = parse(bytes, progress)?;
     if n_columns != 3 {
         return Err(ReadError::Whole(format!(
             "points need a matrix of 3 columns, got {n_columns}; use the matrix as a field of a shape"
@@ -118,7 +118,7 @@ pub fn read_dmat_field(path: &Path, limits: &ReadLimits) -> Result<Field, ReadEr
 /// assert_eq!((field.n_channels, field.to_f64()), (2, vec![1.0, 10.0, 2.0, 20.0, 3.0, 30.0]));
 /// ```
 pub fn parse_dmat_field(bytes: &[u8], name: &str) -> Result<Field, ReadError> {
-    let Matrix { n_columns, n_rows, values, .. } = parse(bytes, Progress::none())?;
+    let DmatMatrix { n_columns, n_rows, values, .. } = parse(bytes, Progress::none())?;
     if n_columns == 0 {
         return Err(ReadError::Whole("the matrix has no columns; it needs at least one".into()));
     }

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use adwave::Progress;
 
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Format, ShapeFile, WriteError, WriteReport};
 
@@ -16,11 +16,11 @@ pub(crate) fn write_dmat(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    report.leave_vertex_fields(shape, &[]);
-    report.leave_face_fields(shape, &[]);
+    report.report_vertex_fields(shape, &[]);
+    report.report_face_fields(shape, &[]);
     for (is_there, what) in [(!shape.faces.is_empty(), "faces"), (!shape.edges.pairs.is_empty(), "edges")] {
         if is_there {
-            report.leave_out(what);
+            report.report_dropped(what);
         }
     }
     let is_binary = format == Format::DMAT_BINARY;
@@ -28,7 +28,7 @@ pub(crate) fn write_dmat(
     writeln!(out, "{}3 {n}", if is_binary { "0 0\n" } else { "" })?;
     let mut row = Vec::new();
     for k in 0..3 * n {
-        at_row(progress, k as u64, 3 * n as u64)?;
+        report_row(progress, k as u64, 3 * n as u64)?;
         let x = shape.points[k % n][k / n];
         row.clear();
         if is_binary {

@@ -7,8 +7,8 @@ use std::rc::Rc;
 use adwave::Progress;
 use e57::{E57Reader, PointCloud, Quaternion};
 
-use super::record::{Columns, Layout};
-use crate::progress::at_row;
+use super::record::{RecordLayout, ScanColumns};
+use crate::progress::report_row;
 use crate::text::one_line;
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile};
 
@@ -20,13 +20,13 @@ fn wrong(error: &e57::Error) -> ReadError {
 }
 
 /// Reader of the file's bytes that stops if the points fall behind.
-struct Watched {
+struct LookaheadReader {
     bytes: Cursor<Vec<u8>>,
     read: Rc<Cell<u64>>,
     most: Rc<Cell<u64>>,
 }
 
-impl Read for Watched {
+impl Read for LookaheadReader {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         if self.read.get() > self.most.get() {
             return Err(io::Error::other("one of the streams is far ahead of the others"));
@@ -37,7 +37,7 @@ impl Read for Watched {
     }
 }
 
-impl Seek for Watched {
+impl Seek for LookaheadReader {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.bytes.seek(to)
     }
@@ -50,7 +50,8 @@ pub(crate) fn read_e57(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let (read, most) = (Rc::new(Cell::new(0)), Rc::new(Cell::new(u64::MAX)));
-    let watched = Watched { bytes: Cursor::new(bytes), read: Rc::clone(&read), most: Rc::clone(&most) };
+    let watched =
+        LookaheadReader { bytes: Cursor::new(bytes), read: Rc::clone(&read), most: Rc::clone(&most) };
     let mut file = E57Reader::new(watched).map_err(|e| wrong(&e))?;
     let scans = file.pointclouds();
     if scans.is_empty() {
@@ -59,9 +60,9 @@ pub(crate) fn read_e57(
     let mut shape = ShapeFile::empty();
     shape.format = Some(Format::E57);
     shape.precision = Precision::F32;
-    let (mut points, mut columns, mut of_scan) = (Vec::new(), Columns::default(), Vec::new());
+    let (mut points, mut columns, mut of_scan) = (Vec::new(), ScanColumns::default(), Vec::new());
     for (k, scan) in scans.iter().enumerate() {
-        let layout = Layout::of(scan, k)?;
+        let layout = RecordLayout::new(scan, k)?;
         limits.check_points((points.len() as u64).saturating_add(scan.records))?;
         let pose = pose(scan);
         if pose.is_some() || !layout.is_single(scan) {
@@ -74,7 +75,7 @@ pub(crate) fn read_e57(
         let places = columns.begin_scan(&layout);
         let records = file.pointcloud_raw(scan).map_err(|e| wrong(&e))?;
         for (row, record) in records.enumerate() {
-            at_row(progress, row as u64, scan.records)?;
+            report_row(progress, row as u64, scan.records)?;
             let record = record.map_err(|e| wrong(&e))?;
             // The fraction of the pages used by checksums is small.
             most.set(AHEAD + (row as u64 + 1).saturating_mul(bits) / 7);

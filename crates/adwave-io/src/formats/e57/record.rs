@@ -5,29 +5,29 @@ use e57::{PointCloud, RecordDataType, RecordName, RecordValue};
 use crate::{Field, FieldValues, ReadError};
 
 /// Positions of the coordinates and fields within a record.
-pub(super) struct Layout {
+pub(super) struct RecordLayout {
     /// Cartesian x, y, z, or range, azimuth, elevation.
     place: [usize; 3],
     is_spherical: bool,
     /// Component that tells whether the record has a position.
     state: Option<usize>,
     types: Vec<RecordDataType>,
-    columns: Vec<Column>,
+    columns: Vec<ScanField>,
 }
 
 /// Field of a scan.
 #[derive(Clone, PartialEq)]
-struct Column {
+struct ScanField {
     name: String,
     records: Vec<usize>,
     /// Component that marks a missing value if it is not 0.
     invalid: Option<usize>,
-    kind: Kind,
+    kind: NumberKind,
 }
 
 /// Type of a column's numbers, wider ones last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+enum NumberKind {
     U8,
     U16,
     I32,
@@ -36,15 +36,15 @@ enum Kind {
     F64,
 }
 
-fn kind(data_type: &RecordDataType) -> Kind {
+fn kind(data_type: &RecordDataType) -> NumberKind {
     match data_type {
-        RecordDataType::Single { .. } => Kind::F32,
-        RecordDataType::Double { .. } | RecordDataType::ScaledInteger { .. } => Kind::F64,
-        RecordDataType::Integer { min: 0.., max: ..=255 } => Kind::U8,
-        RecordDataType::Integer { min: 0.., max: ..=65_535 } => Kind::U16,
+        RecordDataType::Single { .. } => NumberKind::F32,
+        RecordDataType::Double { .. } | RecordDataType::ScaledInteger { .. } => NumberKind::F64,
+        RecordDataType::Integer { min: 0.., max: ..=255 } => NumberKind::U8,
+        RecordDataType::Integer { min: 0.., max: ..=65_535 } => NumberKind::U16,
         RecordDataType::Integer { min, max } => {
             let is_short = i32::try_from(*min).is_ok() && i32::try_from(*max).is_ok();
-            if is_short { Kind::I32 } else { Kind::I64 }
+            if is_short { NumberKind::I32 } else { NumberKind::I64 }
         }
     }
 }
@@ -72,9 +72,9 @@ fn number(value: &RecordValue, data_type: &RecordDataType) -> f64 {
     }
 }
 
-impl Layout {
+impl RecordLayout {
     /// Layout of scan `k`, or the reason for which it cannot be read.
-    pub(super) fn of(scan: &PointCloud, k: usize) -> Result<Self, ReadError> {
+    pub(super) fn new(scan: &PointCloud, k: usize) -> Result<Self, ReadError> {
         let wrong = |what: &str| Err(ReadError::Whole(format!("scan {k} {what}; export the file again")));
         let types: Vec<RecordDataType> =
             scan.prototype.iter().map(|record| record.data_type.clone()).collect();
@@ -103,8 +103,8 @@ impl Layout {
         let mut columns = Vec::new();
         let mut add = |name: &str, records: Option<Vec<usize>>, invalid: Option<usize>| {
             if let Some(records) = records {
-                let kind = records.iter().map(|&r| kind(&types[r])).max().unwrap_or(Kind::F64);
-                columns.push(Column { name: name.into(), records, invalid, kind });
+                let kind = records.iter().map(|&r| kind(&types[r])).max().unwrap_or(NumberKind::F64);
+                columns.push(ScanField { name: name.into(), records, invalid, kind });
             }
         };
         let one = |name: RecordName| find(name).map(|r| vec![r]);
@@ -155,19 +155,19 @@ impl Layout {
 
 /// Columns of all scans read so far.
 #[derive(Default)]
-pub(super) struct Columns {
-    columns: Vec<(Column, Vec<f64>)>,
+pub(super) struct ScanColumns {
+    columns: Vec<(ScanField, Vec<f64>)>,
     n_rows: usize,
 }
 
-impl Columns {
+impl ScanColumns {
     /// Finds the columns of a scan among these; a new column starts with missing values for the previous rows.
-    pub(super) fn begin_scan(&mut self, layout: &Layout) -> Vec<usize> {
+    pub(super) fn begin_scan(&mut self, layout: &RecordLayout) -> Vec<usize> {
         let n_rows = self.n_rows;
         let places = layout.columns.iter().map(|column| {
             let n_channels = column.records.len();
             let same =
-                |(own, _): &(Column, Vec<f64>)| own.name == column.name && own.records.len() == n_channels;
+                |(own, _): &(ScanField, Vec<f64>)| own.name == column.name && own.records.len() == n_channels;
             let k = self.columns.iter().position(same).unwrap_or_else(|| {
                 self.columns.push((column.clone(), vec![f64::NAN; n_rows * n_channels]));
                 self.columns.len() - 1
@@ -179,7 +179,7 @@ impl Columns {
     }
 
     /// Appends the values of a record of a scan whose columns are at `places`.
-    pub(super) fn push(&mut self, layout: &Layout, places: &[usize], record: &[RecordValue]) {
+    pub(super) fn push(&mut self, layout: &RecordLayout, places: &[usize], record: &[RecordValue]) {
         for (column, &k) in layout.columns.iter().zip(places) {
             let is_invalid = column.invalid.is_some_and(|r| layout.value(record, r) != 0.0);
             let value = |&r: &usize| if is_invalid { f64::NAN } else { layout.value(record, r) };
@@ -209,15 +209,18 @@ impl Columns {
                 continue;
             }
             let has_gaps = values.iter().any(|x| x.is_nan());
-            let kind =
-                if has_gaps && column.kind < Kind::I64 { column.kind.max(Kind::F32) } else { column.kind };
+            let kind = if has_gaps && column.kind < NumberKind::I64 {
+                column.kind.max(NumberKind::F32)
+            } else {
+                column.kind
+            };
             let values = match kind {
-                Kind::U8 => FieldValues::U8(values.iter().map(|&x| x as u8).collect()),
-                Kind::U16 => FieldValues::U16(values.iter().map(|&x| x as u16).collect()),
-                Kind::I32 => FieldValues::I32(values.iter().map(|&x| x as i32).collect()),
-                Kind::I64 if !has_gaps => FieldValues::I64(values.iter().map(|&x| x as i64).collect()),
-                Kind::F32 => FieldValues::F32(values.iter().map(|&x| x as f32).collect()),
-                Kind::I64 | Kind::F64 => FieldValues::F64(values),
+                NumberKind::U8 => FieldValues::U8(values.iter().map(|&x| x as u8).collect()),
+                NumberKind::U16 => FieldValues::U16(values.iter().map(|&x| x as u16).collect()),
+                NumberKind::I32 => FieldValues::I32(values.iter().map(|&x| x as i32).collect()),
+                NumberKind::I64 if !has_gaps => FieldValues::I64(values.iter().map(|&x| x as i64).collect()),
+                NumberKind::F32 => FieldValues::F32(values.iter().map(|&x| x as f32).collect()),
+                NumberKind::I64 | NumberKind::F64 => FieldValues::F64(values),
             };
             let mut name = column.name;
             while fields.iter().any(|field| field.name == name) {

@@ -3,7 +3,7 @@
 use adwave::Progress;
 
 use crate::model::field::{ByteOrder, Number};
-use crate::model::numbers::{from_bytes, gathered};
+use crate::model::numbers::{collect_rows, from_bytes};
 use crate::progress::collect;
 use crate::{Field, FieldValues, ReadError, ValueType};
 
@@ -18,7 +18,7 @@ fn int(bytes: &[u8], at: usize) -> Option<i32> {
 }
 
 fn cut(bytes: &[u8]) -> ReadError {
-    ReadError::at_byte(bytes.len(), "the file ends within its values; get the whole file")
+    ReadError::byte_error(bytes.len(), "the file ends within its values; get the whole file")
 }
 
 /// True if the bytes are a curv file: vertices, triangles, values per vertex, and as many numbers.
@@ -65,7 +65,7 @@ pub(crate) fn read_mgh(bytes: &[u8], progress: Progress<'_>) -> Result<Field, Re
         4 => ValueType::I16,
         10 => ValueType::U16,
         other => {
-            return Err(ReadError::at_byte(
+            return Err(ReadError::byte_error(
                 20,
                 format!("values of type {other} are not supported; save them as floats"),
             ));
@@ -75,10 +75,10 @@ pub(crate) fn read_mgh(bytes: &[u8], progress: Progress<'_>) -> Result<Field, Re
     let (Some(n), Some(n_bytes)) = (n, n_bytes) else { return Err(cut(bytes)) };
     let data = bytes.get(MGH_HEADER..).and_then(|data| data.get(..n_bytes)).ok_or_else(|| cut(bytes))?;
     if frames == 0 || n == 0 {
-        return Err(ReadError::at_byte(4, "the file has no values; use a file with values"));
+        return Err(ReadError::byte_error(4, "the file has no values; use a file with values"));
     }
     let by_frame = Field::new("overlay", 1, from_bytes(data, kind, ByteOrder::Big, progress)?);
-    let by_vertex = gathered(&by_frame, n * frames, progress, &|i| i % frames * n + i / frames)?;
+    let by_vertex = collect_rows(&by_frame, n * frames, progress, &|i| i % frames * n + i / frames)?;
     Ok(Field::new("overlay", frames, by_vertex.values))
 }
 
@@ -90,20 +90,20 @@ pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Fi
         n.checked_mul(8).and_then(|length| bytes.get(4..)?.get(..length)).ok_or_else(|| cut(bytes))?;
     let mut colors = vec![0; n];
     for (i, pair) in pairs.chunks_exact(8).enumerate() {
-        crate::progress::at_row(progress, i as u64, n as u64)?;
+        crate::progress::report_row(progress, i as u64, n as u64)?;
         let vertex = i32::from_bytes(pair, ByteOrder::Big);
         let place = usize::try_from(vertex).ok().and_then(|v| colors.get_mut(v)).ok_or_else(|| {
             let message = format!("vertex {vertex} does not exist, as there are {n}; correct it");
-            ReadError::at_byte(4 + 8 * i, message)
+            ReadError::byte_error(4 + 8 * i, message)
         })?;
         *place = i32::from_bytes(&pair[4..], ByteOrder::Big);
     }
-    let mut table = Table { bytes, at: 4 + pairs.len() };
+    let mut table = ColorTable { bytes, at: 4 + pairs.len() };
     let labels = if table.at == bytes.len() {
         colors
     } else {
         let mut entries = table.entries().ok_or_else(|| {
-            ReadError::at_byte(table.at, "the table of colors is truncated; get the whole file")
+            ReadError::byte_error(table.at, "the table of colors is truncated; get the whole file")
         })?;
         entries.sort_by_key(|entry| entry.0);
         let label = |color: i32| {
@@ -116,12 +116,12 @@ pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Fi
 }
 
 /// Table of colors at the end of an annotation.
-struct Table<'a> {
+struct ColorTable<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
-impl Table<'_> {
+impl ColorTable<'_> {
     fn int(&mut self) -> Option<i32> {
         let value = int(self.bytes, self.at)?;
         self.at += 4;

@@ -12,7 +12,7 @@ use adwave::Progress;
 use adwave::shape::Polygons;
 
 use crate::model::field::{ByteOrder, Number};
-use crate::model::numbers::{NoIndex, Numbers};
+use crate::model::numbers::{IndexError, Numbers};
 use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
@@ -87,8 +87,8 @@ fn floats(bytes: &[u8]) -> Numbers<'_> {
     Numbers::Bytes { bytes: bytes.into(), kind: ValueType::F32, order: ByteOrder::Big }
 }
 
-fn face_index(at: usize, corners: u64, width: u64, error: NoIndex, n_vertices: u64) -> ReadError {
-    let NoIndex::At(k, index) = error else { return adwave::Cancelled.into() };
+fn face_index(at: usize, corners: u64, width: u64, error: IndexError, n_vertices: u64) -> ReadError {
+    let IndexError::At(k, index) = error else { return adwave::Cancelled.into() };
     ReadError::FaceIndex {
         place: format!("byte {}", at as u64 + k as u64 * width),
         face: k as u64 / corners,
@@ -99,7 +99,7 @@ fn face_index(at: usize, corners: u64, width: u64, error: NoIndex, n_vertices: u
 
 fn triangles(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<ShapeFile, ReadError> {
     let Some(line_end) = memchr::memchr(b'\n', bytes) else {
-        return Err(ReadError::at_byte(
+        return Err(ReadError::byte_error(
             bytes.len(),
             "the line of the creator does not end; get the whole file",
         ));
@@ -109,7 +109,7 @@ fn triangles(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Resul
     let counts = rows(bytes, at, 2, 4, "counts")?;
     let count = |k: usize| u64::try_from(i32::from_bytes(&counts[4 * k..], ByteOrder::Big));
     let (Ok(n_vertices), Ok(n_faces)) = (count(0), count(1)) else {
-        return Err(ReadError::at_byte(
+        return Err(ReadError::byte_error(
             at,
             "the counts of vertices and triangles must not be negative; get the whole file",
         ));
@@ -157,11 +157,11 @@ fn quads(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Sh
     let mut shape = ShapeFile::from_cloud(points);
     let mut corners = Vec::with_capacity(n_quads as usize * 2);
     for (q, quad) in quads.chunks_exact(12).enumerate() {
-        crate::progress::at_row(progress, q as u64, n_quads.into())?;
+        crate::progress::report_row(progress, q as u64, n_quads.into())?;
         let [a, b, c, d] = [0, 3, 6, 9].map(|k| three_bytes(&quad[k..]));
         if let Some(k) = [a, b, c, d].iter().position(|&v| v >= n_vertices) {
             let index = [a, b, c, d][k].into();
-            return Err(face_index(at, 4, 3, NoIndex::At(4 * q + k, index), n_vertices.into()));
+            return Err(face_index(at, 4, 3, IndexError::At(4 * q + k, index), n_vertices.into()));
         }
         // Split as in FreeSurfer.
         corners.extend(if a % 2 == 0 { [[a, b, d], [c, d, b]] } else { [[a, b, c], [a, c, d]] });

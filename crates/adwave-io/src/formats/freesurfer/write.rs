@@ -6,7 +6,7 @@ use adwave::Progress;
 
 use super::read::{FreeSurferSource, TRIANGLES};
 use crate::model::f32_limits::{is_single, triangles};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::{Format, Precision, ShapeFile, WriteError, WriteReport};
 
 /// Writes a surface.
@@ -19,12 +19,12 @@ pub(crate) fn write_surface(
     let original = shape.source::<FreeSurferSource>();
     let coordinates = shape.points.as_flattened();
     if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
-        report.leave_out("digits of coordinates beyond 32-bit floats");
+        report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
-    report.leave_vertex_fields(shape, &[]);
-    report.leave_face_fields(shape, &[]);
+    report.report_vertex_fields(shape, &[]);
+    report.report_face_fields(shape, &[]);
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
     let triangles = triangles(shape, report);
     let count = |n: usize| {
@@ -43,7 +43,7 @@ pub(crate) fn write_surface(
     let corners = triangles.iter().map(|triangle| triangle.map(u32::to_be_bytes));
     let n = (shape.points.len() + triangles.len()) as u64;
     for (i, row) in rows.chain(corners).enumerate() {
-        at_row(progress, i as u64, n)?;
+        report_row(progress, i as u64, n)?;
         bytes.extend_from_slice(row.as_flattened());
         if bytes.len() > 1 << 16 {
             out.write_all(&bytes)?;

@@ -2,15 +2,15 @@
 
 use adwave::Progress;
 
-use crate::formats::geomview::read::Scene;
-use crate::progress::at_row;
+use crate::formats::geomview::read::GeomviewScene;
+use crate::progress::report_row;
 use crate::text::tokens::Tokens;
 use crate::{ReadError, ReadLimits};
 
 /// Options given by the letters before `MESH`.
 #[derive(Clone, Copy)]
 #[allow(clippy::struct_excessive_bools)] // one for each letter
-pub(crate) struct Letters {
+pub(crate) struct MeshLetters {
     has_texture: bool,
     has_color: bool,
     has_normal: bool,
@@ -21,10 +21,10 @@ pub(crate) struct Letters {
 }
 
 /// Parses the letters of a word that ends in `MESH`.
-pub(crate) fn letters(word: &[u8]) -> Option<Letters> {
+pub(crate) fn letters(word: &[u8]) -> Option<MeshLetters> {
     let own = word.strip_suffix(b"MESH")?;
     let has = |letter: u8| own.contains(&letter);
-    own.iter().all(|b| b"UCNZ4uv".contains(b)).then(|| Letters {
+    own.iter().all(|b| b"UCNZ4uv".contains(b)).then(|| MeshLetters {
         has_texture: has(b'U'),
         has_color: has(b'C'),
         has_normal: has(b'N'),
@@ -38,8 +38,8 @@ pub(crate) fn letters(word: &[u8]) -> Option<Letters> {
 /// Reads the content after the keyword.
 pub(crate) fn read_grid(
     tokens: &mut Tokens<'_>,
-    letters: Letters,
-    scene: &mut Scene,
+    letters: MeshLetters,
+    scene: &mut GeomviewScene,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
@@ -55,7 +55,7 @@ pub(crate) fn read_grid(
     tokens.check(n, 2 * n_numbers, "vertex")?;
     let first = scene.points.len() as u32;
     for row in 0..n {
-        at_row(progress, row, n)?;
+        report_row(progress, row, n)?;
         let mut numbers = [0.0, 0.0, 0.0, 1.0];
         if letters.is_height {
             numbers = [(row % n_u) as f64, (row / n_u) as f64, tokens.number("vertex", row)?, 1.0];
@@ -82,7 +82,7 @@ pub(crate) fn read_grid(
     let (columns, rows) =
         (n_u - u64::from(!letters.wraps_u && n_u > 0), n_v - u64::from(!letters.wraps_v && n_v > 0));
     for v in 0..rows {
-        at_row(progress, v, rows)?;
+        report_row(progress, v, rows)?;
         for u in 0..columns {
             let place = |u: u64, v: u64| first + ((v % n_v) * n_u + u % n_u) as u32;
             scene.faces.push(&[place(u, v), place(u + 1, v), place(u + 1, v + 1), place(u, v + 1)]);

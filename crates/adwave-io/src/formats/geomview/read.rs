@@ -1,12 +1,12 @@
 //! Reader for the objects of Geomview, joined to one shape.
 
-use crate::formats::off::off_keyword;
+use crate::formats::off::split_keyword;
 use crate::model::file_head::FileHead;
 use adwave::Progress;
 use adwave::shape::Polygons;
 
 use crate::formats::geomview::grid::{letters, read_grid};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::tokens::Tokens;
 use crate::text::{is_space, show};
 use crate::{Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -16,7 +16,7 @@ const DEEPEST: usize = 64;
 
 /// Shape built from the objects read so far.
 #[derive(Default)]
-pub(crate) struct Scene {
+pub(crate) struct GeomviewScene {
     pub(crate) points: Vec<[f64; 3]>,
     /// Fourth coordinate of each point, 1 if there is none.
     w: Vec<f64>,
@@ -29,7 +29,7 @@ pub(crate) struct Scene {
     has_appearance: bool,
 }
 
-impl Scene {
+impl GeomviewScene {
     pub(crate) fn push(&mut self, [x, y, z, w]: [f64; 4], normal: Option<[f64; 4]>, color: Option<[f64; 4]>) {
         let row = self.points.len();
         self.points.push([x, y, z]);
@@ -81,7 +81,7 @@ pub(crate) fn is_geomview(file: &FileHead<'_>) -> bool {
     let words = crate::text::words(inside).map(|w| w.strip_prefix(b"{").unwrap_or(w));
     words.filter(|w| !w.is_empty()).take(1).any(|w| {
         begins_object(w)
-            || off_keyword(w).is_some()
+            || split_keyword(w).is_some()
             || matches!(w, b"=" | b"appearance" | b"geom" | b"define" | b"INST")
     })
 }
@@ -105,7 +105,7 @@ pub(crate) fn read_geomview(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let mut scene = Scene::default();
+    let mut scene = GeomviewScene::default();
     let mut tokens = Tokens::new(bytes, if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 });
     let mut reader = Reader { scene: &mut scene, limits, progress };
     reader.object(&mut tokens, 0)?;
@@ -113,7 +113,7 @@ pub(crate) fn read_geomview(
 }
 
 struct Reader<'a> {
-    scene: &'a mut Scene,
+    scene: &'a mut GeomviewScene,
     limits: &'a ReadLimits,
     progress: Progress<'a>,
 }
@@ -138,20 +138,24 @@ impl Reader<'_> {
     /// Reads one object, with or without braces.
     fn object(&mut self, tokens: &mut Tokens<'_>, depth: usize) -> Result<(), ReadError> {
         if depth > DEEPEST {
-            return Err(ReadError::in_line(tokens.bytes, tokens.position, "objects are nested too deeply"));
+            return Err(ReadError::line_error(
+                tokens.bytes,
+                tokens.position,
+                "objects are nested too deeply",
+            ));
         }
         self.progress.check()?;
         loop {
             let ends =
-                || ReadError::in_line(tokens.bytes, tokens.bytes.len(), "the file ends before an object");
+                || ReadError::line_error(tokens.bytes, tokens.bytes.len(), "the file ends before an object");
             let Some((start, found)) = word(&mut tokens.clone()) else { return Err(ends()) };
-            let wrong = |message: String| ReadError::in_line(tokens.bytes, start, message);
+            let wrong = |message: String| ReadError::line_error(tokens.bytes, start, message);
             match found {
                 b"{" => {
                     word(tokens);
                     self.object(tokens, depth + 1)?;
                     let Some((_, b"}")) = word(&mut tokens.clone()) else {
-                        return Err(ReadError::in_line(
+                        return Err(ReadError::line_error(
                             tokens.bytes,
                             tokens.position,
                             "a closing } is missing here",
@@ -191,7 +195,7 @@ impl Reader<'_> {
                     return match found {
                         b"SKEL" | b"4SKEL" => self.skeleton(tokens),
                         b"VECT" => self.vectors(tokens),
-                        _ if off_keyword(found).is_some() => self.off(tokens, start),
+                        _ if split_keyword(found).is_some() => self.read_off_object(tokens, start),
                         _ => Err(wrong(format!(
                             "{} is not a supported mesh of Geomview; save the scene as OFF",
                             show(found)
@@ -212,7 +216,7 @@ impl Reader<'_> {
         while let Some((_, next)) = word(&mut tokens.clone())
             && next != b"}"
         {
-            at_row(self.progress, row, 0)?;
+            report_row(self.progress, row, 0)?;
             let mut numbers = [0.0, 0.0, 0.0, 1.0];
             for x in &mut numbers[..if has_w { 4 } else { 3 }] {
                 *x = tokens.number("vertex", row)?;
@@ -249,7 +253,7 @@ impl Reader<'_> {
         tokens.check(n_vertices, 6, "vertex")?;
         let first = self.scene.points.len() as u32;
         for row in 0..n_vertices {
-            at_row(self.progress, row, n_vertices)?;
+            report_row(self.progress, row, n_vertices)?;
             let mut numbers = [0.0, 0.0, 0.0, 1.0];
             for x in &mut numbers[..if has_w { 4 } else { 3 }] {
                 *x = tokens.number("vertex", row)?;
@@ -258,14 +262,14 @@ impl Reader<'_> {
         }
         tokens.check(n_lines, 2, "line")?;
         for row in 0..n_lines {
-            at_row(self.progress, row, n_lines)?;
+            report_row(self.progress, row, n_lines)?;
             let mut previous = None;
             for _ in 0..tokens.count("line", row)? {
                 let vertex = tokens.count("line", row)?;
                 if vertex >= n_vertices {
                     let message =
                         format!("line {row} names vertex {vertex}, but there are {n_vertices}; correct it");
-                    return Err(ReadError::in_line(tokens.bytes, tokens.position, message));
+                    return Err(ReadError::line_error(tokens.bytes, tokens.position, message));
                 }
                 let vertex = first + vertex as u32;
                 self.scene.edges.extend(previous.map(|before| [before, vertex]));
@@ -297,7 +301,7 @@ impl Reader<'_> {
         let mut sizes = Vec::new();
         for row in 0..n_lines {
             // A negative number marks a closed line.
-            sizes.push(tokens.whole("line", row)?);
+            sizes.push(tokens.integer("line", row)?);
         }
         for row in 0..n_lines {
             tokens.count("line", row)?;
@@ -305,7 +309,7 @@ impl Reader<'_> {
         if sizes.iter().try_fold(0_u64, |sum, n| sum.checked_add(n.unsigned_abs())) != Some(n_vertices) {
             let message = "the vertices of the lines must add up to the number of vertices; correct the \
                           counts";
-            return Err(ReadError::in_line(tokens.bytes, tokens.position, message));
+            return Err(ReadError::line_error(tokens.bytes, tokens.position, message));
         }
         tokens.check(n_vertices, 6, "vertex")?;
         for size in sizes {
@@ -313,7 +317,7 @@ impl Reader<'_> {
             let n = size.unsigned_abs() as u32;
             for k in 0..n {
                 let row = u64::from(first + k);
-                at_row(self.progress, row, n_vertices)?;
+                report_row(self.progress, row, n_vertices)?;
                 let mut numbers = [0.0, 0.0, 0.0, 1.0];
                 for x in &mut numbers[..3] {
                     *x = tokens.number("vertex", row)?;
@@ -332,7 +336,7 @@ impl Reader<'_> {
     }
 
     /// Reads an OFF within a list, up to the brace that ends it.
-    fn off(&mut self, tokens: &mut Tokens<'_>, start: usize) -> Result<(), ReadError> {
+    fn read_off_object(&mut self, tokens: &mut Tokens<'_>, start: usize) -> Result<(), ReadError> {
         let rest = &tokens.bytes[start..];
         let end = memchr::memchr2(b'}', b'{', rest).unwrap_or(rest.len());
         let file = crate::formats::off::read::read_off(rest[..end].to_vec(), self.limits, self.progress)
@@ -352,7 +356,7 @@ impl Reader<'_> {
             Some(values)
         };
         for (i, &[x, y, z]) in file.points.iter().enumerate() {
-            at_row(self.progress, i as u64, file.n_vertices as u64)?;
+            report_row(self.progress, i as u64, file.n_vertices as u64)?;
             let w = row("w", i).map_or(1.0, |w| w[0]);
             self.scene.push([x, y, z, w], row("normal", i), row("color", i));
         }
@@ -378,5 +382,5 @@ fn skip_braces(tokens: &mut Tokens<'_>) -> Result<(), ReadError> {
             return Ok(());
         }
     }
-    Err(ReadError::in_line(tokens.bytes, tokens.bytes.len(), "a closing } is missing; get the whole file"))
+    Err(ReadError::line_error(tokens.bytes, tokens.bytes.len(), "a closing } is missing; get the whole file"))
 }

@@ -10,10 +10,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use roxmltree::Node;
 
-use super::numbers::{Encoding, Numbers};
+use super::numbers::{ArrayStorage, Encoding};
 use crate::model::field::ByteOrder;
 use crate::model::numbers::from_bytes;
-use crate::progress::{BYTES_PER_STEP, at_row};
+use crate::progress::{BYTES_PER_STEP, report_row};
 use crate::text::{parse_f64, show};
 use crate::{FieldValues, ReadLimits, ValueType};
 
@@ -29,28 +29,28 @@ pub(super) struct Array {
     pub(super) columns: usize,
     pub(super) values: FieldValues,
     /// Range of the element with the numbers in the text, and their encoding.
-    pub(super) place: Option<(Range<usize>, Numbers)>,
+    pub(super) place: Option<(Range<usize>, ArrayStorage)>,
 }
 
 /// Reasons for which an array is not read.
-pub(super) enum Stop {
+pub(super) enum ArrayError {
     Cancelled(Cancelled),
     Broken(String),
 }
 
-impl From<Cancelled> for Stop {
+impl From<Cancelled> for ArrayError {
     fn from(cancelled: Cancelled) -> Self {
         Self::Cancelled(cancelled)
     }
 }
 
-impl From<String> for Stop {
+impl From<String> for ArrayError {
     fn from(message: String) -> Self {
         Self::Broken(message)
     }
 }
 
-impl From<&str> for Stop {
+impl From<&str> for ArrayError {
     fn from(message: &str) -> Self {
         Self::Broken(message.into())
     }
@@ -62,7 +62,7 @@ pub(super) fn array(
     folder: Option<&Path>,
     limits: &ReadLimits,
     progress: Progress<'_>,
-) -> Result<Array, Stop> {
+) -> Result<Array, ArrayError> {
     let attribute = |name: &str| {
         node.attribute(name).ok_or_else(|| format!("the array has no {name}; save the file again"))
     };
@@ -101,7 +101,7 @@ pub(super) fn array(
         let more = if found > n_bytes { "more than" } else { "fewer than" };
         let message =
             format!("the array has {more} the {n_bytes} bytes of its dimensions; get the whole file");
-        Err(Stop::Broken(message))
+        Err(ArrayError::Broken(message))
     };
     let (encoding, mut values) = match attribute("Encoding")? {
         "ASCII" => (Encoding::Text, from_text(&text, kind, progress)?),
@@ -123,14 +123,14 @@ pub(super) fn array(
         values = transposed(&values, rows, columns, progress)?;
     }
     let structure = about(node, STRUCTURE);
-    let numbers = Numbers { kind, order, encoding, by_column, rows, columns };
+    let numbers = ArrayStorage { kind, order, encoding, by_column, rows, columns };
     let is_external = node.attribute("Encoding") == Some("ExternalFileBinary");
     let place = data.filter(|_| !is_external).map(|data| (data.range(), numbers));
     Ok(Array { intent, name: name(node), structure, rows, columns, values, place })
 }
 
 /// Reads the bytes of an array from a separate file, which must be in the folder of the GIFTI.
-fn external(node: Node<'_, '_>, folder: Option<&Path>, n_bytes: usize) -> Result<Vec<u8>, Stop> {
+fn external(node: Node<'_, '_>, folder: Option<&Path>, n_bytes: usize) -> Result<Vec<u8>, ArrayError> {
     let name = node.attribute("ExternalFileName").unwrap_or("").trim();
     let shown = show(name.as_bytes());
     let Some(folder) = folder else {
@@ -176,17 +176,17 @@ fn value_type(text: &str) -> Result<ValueType, String> {
     })
 }
 
-fn from_text(text: &str, kind: ValueType, progress: Progress<'_>) -> Result<FieldValues, Stop> {
+fn from_text(text: &str, kind: ValueType, progress: Progress<'_>) -> Result<FieldValues, ArrayError> {
     let mut values = kind.empty();
     for (i, word) in text.split_ascii_whitespace().enumerate() {
-        at_row(progress, i as u64, 0)?;
+        report_row(progress, i as u64, 0)?;
         let number = parse_f64(word.as_bytes()).filter(|&x| values.push_f64(x));
         number.ok_or_else(|| format!("expected a number, got {}", show(word.as_bytes())))?;
     }
     Ok(values)
 }
 
-fn base64(text: &str, progress: Progress<'_>) -> Result<Vec<u8>, Stop> {
+fn base64(text: &str, progress: Progress<'_>) -> Result<Vec<u8>, ArrayError> {
     let mut packed: Vec<u8> = Vec::with_capacity(text.len());
     for chunk in text.as_bytes().chunks(BYTES_PER_STEP) {
         progress.check()?;
@@ -201,14 +201,14 @@ fn base64(text: &str, progress: Progress<'_>) -> Result<Vec<u8>, Stop> {
             return Err("the Base64 of the array ends before its text; get the whole file".into());
         }
         STANDARD.decode_vec(chunk, &mut plain).map_err(|e| {
-            Stop::Broken(format!("the Base64 of the array is damaged ({e}); get the whole file"))
+            ArrayError::Broken(format!("the Base64 of the array is damaged ({e}); get the whole file"))
         })?;
     }
     Ok(plain)
 }
 
 /// Decompresses a zlib stream, up to one byte more than expected.
-fn inflate(packed: &[u8], n_bytes: usize, progress: Progress<'_>) -> Result<Vec<u8>, Stop> {
+fn inflate(packed: &[u8], n_bytes: usize, progress: Progress<'_>) -> Result<Vec<u8>, ArrayError> {
     let mut plain = Vec::new();
     let mut stream = flate2::read::ZlibDecoder::new(packed).take(n_bytes as u64 + 1);
     loop {
@@ -232,7 +232,7 @@ fn transposed(
     let mut by_row = values.value_type().empty();
     let mut number = Vec::with_capacity(8);
     for r in 0..rows {
-        at_row(progress, r as u64, rows as u64)?;
+        report_row(progress, r as u64, rows as u64)?;
         for c in 0..columns {
             number.clear();
             values.write_bytes(c * rows + r, ByteOrder::Little, &mut number);

@@ -24,7 +24,7 @@ pub(super) enum Encoding {
 
 /// Storage of an array.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Numbers {
+pub(super) struct ArrayStorage {
     pub(super) kind: ValueType,
     pub(super) order: ByteOrder,
     pub(super) encoding: Encoding,
@@ -37,7 +37,7 @@ pub(super) struct Numbers {
 /// Numbers converted between two checks for cancellation.
 const NUMBERS_PER_STEP: usize = 8192;
 
-impl Numbers {
+impl ArrayStorage {
     /// Writes the element with the numbers; `value(i)` is number i by rows.
     pub(super) fn write(
         &self,

@@ -11,15 +11,15 @@ use adwave::Progress;
 use adwave::shape::Polygons;
 use roxmltree::{Document, ParsingOptions};
 
-use super::array::{Array, STRUCTURE, Stop, about, array};
+use super::array::{Array, ArrayError, STRUCTURE, about, array};
 use super::update::GiftiSource;
 use crate::model::field::unused;
-use crate::progress::{at_row, collect};
+use crate::progress::{collect, report_row};
 use crate::text::one_line;
 use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// Content of a file.
-struct Content {
+struct GiftiContent {
     arrays: Vec<Array>,
     /// Anatomical structure that the file states for all its arrays.
     structure: Option<String>,
@@ -42,7 +42,7 @@ pub(crate) fn read_gifti(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let Content { mut arrays, structure, count, end } = content(&bytes, folder, limits, progress)?;
+    let GiftiContent { mut arrays, structure, count, end } = content(&bytes, folder, limits, progress)?;
     let n_arrays = arrays.len();
     // A copy in another folder would have no file next to it.
     let is_whole = arrays.iter().all(|array| array.place.is_some());
@@ -148,7 +148,7 @@ fn faces(array: &Array, n_vertices: usize, progress: Progress<'_>) -> Result<Pol
     }
     let mut triangles = vec![[0_u32; 3]; array.rows];
     for (f, triangle) in triangles.iter_mut().enumerate() {
-        at_row(progress, f as u64, array.rows as u64)?;
+        report_row(progress, f as u64, array.rows as u64)?;
         for (k, corner) in triangle.iter_mut().enumerate() {
             let index = array.values.get(3 * f + k);
             if !(index >= 0.0 && index < n_vertices as f64) {
@@ -170,10 +170,10 @@ fn content(
     folder: Option<&Path>,
     limits: &ReadLimits,
     progress: Progress<'_>,
-) -> Result<Content, ReadError> {
+) -> Result<GiftiContent, ReadError> {
     let bytes = bytes.strip_prefix(MARK).unwrap_or(bytes);
     let text = std::str::from_utf8(bytes)
-        .map_err(|e| ReadError::at_byte(e.valid_up_to(), "the XML is not UTF-8; save it as UTF-8"))?;
+        .map_err(|e| ReadError::byte_error(e.valid_up_to(), "the XML is not UTF-8; save it as UTF-8"))?;
     // The standard document type refers to an external file, which is not fetched.
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|e| {
@@ -193,13 +193,13 @@ fn content(
     let arrays = nodes
         .map(|node| {
             array(node, folder, limits, progress).map_err(|stop| match stop {
-                Stop::Cancelled(cancelled) => cancelled.into(),
-                Stop::Broken(message) => {
+                ArrayError::Cancelled(cancelled) => cancelled.into(),
+                ArrayError::Broken(message) => {
                     let line = u64::from(document.text_pos_at(node.range().start).row);
                     ReadError::Line { line, message }
                 }
             })
         })
         .collect::<Result<_, _>>()?;
-    Ok(Content { arrays, structure: about(root, STRUCTURE), count, end: end.unwrap_or(0) })
+    Ok(GiftiContent { arrays, structure: about(root, STRUCTURE), count, end: end.unwrap_or(0) })
 }

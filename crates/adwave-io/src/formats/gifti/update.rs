@@ -8,21 +8,21 @@ use std::ops::Range;
 
 use adwave::Progress;
 
-use super::numbers::Numbers;
-use super::write::{left_out, write_field};
+use super::numbers::ArrayStorage;
+use super::write::{check_field, write_field};
 use crate::model::f32_limits::check_range;
 use crate::{Field, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Range of the element with an array's numbers, and their encoding.
-type Place = (Range<usize>, Numbers);
+type ArrayLocation = (Range<usize>, ArrayStorage);
 
 /// Text of a GIFTI with the ranges of its numbers.
 #[derive(Debug)]
 pub(crate) struct GiftiSource {
     pub(super) bytes: Vec<u8>,
-    pub(super) points: Place,
+    pub(super) points: ArrayLocation,
     /// Fields by name.
-    pub(super) fields: Vec<(String, Place)>,
+    pub(super) fields: Vec<(String, ArrayLocation)>,
     /// Range of the number of arrays.
     pub(super) count: Range<usize>,
     pub(super) n_arrays: usize,
@@ -31,15 +31,15 @@ pub(crate) struct GiftiSource {
 }
 
 /// Replacement of a range of the text.
-enum Change<'a> {
-    Points(&'a Numbers),
-    Values(&'a Numbers, &'a Field),
+enum TextChange<'a> {
+    Points(&'a ArrayStorage),
+    Values(&'a ArrayStorage, &'a Field),
     Text(String),
     Arrays(Vec<&'a Field>),
 }
 
 /// Ranges of the text with their replacements.
-type Changes<'a> = Vec<(Range<usize>, Change<'a>)>;
+type Changes<'a> = Vec<(Range<usize>, TextChange<'a>)>;
 
 impl SourceDocument for GiftiSource {
     /// Writes the original with other coordinates and fields, unless points or a field are no numbers of the array's
@@ -65,10 +65,10 @@ fn write_changes(
         out.write_all(&original.bytes[written..range.start])?;
         written = range.end;
         match change {
-            Change::Points(numbers) => numbers.write(out, progress, |i| coordinates[i])?,
-            Change::Values(numbers, field) => numbers.write(out, progress, |i| field.values.get(i))?,
-            Change::Text(text) => out.write_all(text.as_bytes())?,
-            Change::Arrays(fields) => {
+            TextChange::Points(numbers) => numbers.write(out, progress, |i| coordinates[i])?,
+            TextChange::Values(numbers, field) => numbers.write(out, progress, |i| field.values.get(i))?,
+            TextChange::Text(text) => out.write_all(text.as_bytes())?,
+            TextChange::Arrays(fields) => {
                 out.write_all(b"\n")?;
                 fields.iter().try_for_each(|field| write_field(field, out, progress))?;
             }
@@ -94,13 +94,13 @@ fn changes<'a>(
         if numbers.kind != ValueType::F64 {
             check_range(Format::GIFTI, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
         }
-        changes.push((range.clone(), Change::Points(numbers)));
+        changes.push((range.clone(), TextChange::Points(numbers)));
     }
     let mut added = Vec::new();
     for field in shape.vertex_fields.iter().filter(|field| shape.edited.contains(&field.name)) {
         match original.fields.iter().find(|(name, _)| *name == field.name) {
             None => {
-                left_out(field, report, progress)?;
+                check_field(field, report, progress)?;
                 added.push(field);
             }
             Some((_, (range, numbers))) => {
@@ -108,14 +108,14 @@ fn changes<'a>(
                 if !is_alike || numbers.columns != field.n_channels {
                     return Ok(None);
                 }
-                changes.push((range.clone(), Change::Values(numbers, field)));
+                changes.push((range.clone(), TextChange::Values(numbers, field)));
             }
         }
     }
     if !added.is_empty() {
         let count = original.n_arrays + added.len();
-        changes.push((original.count.clone(), Change::Text(count.to_string())));
-        changes.push((original.end..original.end, Change::Arrays(added)));
+        changes.push((original.count.clone(), TextChange::Text(count.to_string())));
+        changes.push((original.end..original.end, TextChange::Arrays(added)));
     }
     changes.sort_by_key(|(range, _)| range.start);
     Ok(Some(changes))

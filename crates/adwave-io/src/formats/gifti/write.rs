@@ -11,11 +11,11 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use super::array::STRUCTURE;
-use super::numbers::{Encoding, Numbers};
+use super::numbers::{ArrayStorage, Encoding};
 use crate::model::f32_limits::{check_range, is_single, triangles};
 use crate::model::field::ByteOrder;
 use crate::model::grouping::column_names;
-use crate::progress::{Watched, all};
+use crate::progress::{CancellableWriter, all};
 use crate::text::escape_xml;
 use crate::{
     Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport, atomic_write_with,
@@ -47,7 +47,7 @@ fn stored(values: &FieldValues) -> ValueType {
 }
 
 /// Description of an array besides its numbers.
-struct Array<'a> {
+struct ArrayHeader<'a> {
     intent: &'static str,
     /// Names and values of its metadata.
     about: Vec<(&'static str, &'a str)>,
@@ -58,7 +58,7 @@ struct Array<'a> {
     columns: usize,
 }
 
-impl Array<'_> {
+impl ArrayHeader<'_> {
     /// Writes the array; `value(i)` is number i by rows.
     fn write(
         &self,
@@ -85,7 +85,7 @@ impl Array<'_> {
             metadata(&self.about),
         )?;
         let (order, encoding, by_column) = (ByteOrder::Little, Encoding::ZlibBase64, false);
-        Numbers { kind, order, encoding, by_column, rows, columns }.write(out, progress, value)?;
+        ArrayStorage { kind, order, encoding, by_column, rows, columns }.write(out, progress, value)?;
         Ok(out.write_all(b"\n</DataArray>\n")?)
     }
 }
@@ -133,34 +133,41 @@ pub(crate) fn write_gifti(
     let coordinates = shape.points.as_flattened();
     check_range(Format::GIFTI, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
     if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
-        report.leave_out("digits of coordinates beyond 32-bit floats");
+        report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
-    shape.vertex_fields.iter().try_for_each(|field| left_out(field, report, progress))?;
-    report.leave_face_fields(shape, &[]);
+    shape.vertex_fields.iter().try_for_each(|field| check_field(field, report, progress))?;
+    report.report_face_fields(shape, &[]);
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
     let triangles = triangles(shape, report);
     let n_arrays = 1 + usize::from(!triangles.is_empty()) + shape.vertex_fields.len();
     let structure = shape.structure.as_deref();
     write_head(out, n_arrays, structure)?;
     let (rows, about) = (shape.points.len(), about(structure));
-    Array { intent: "POINTSET", about, space: SPACE, kind: ValueType::F32, rows, columns: 3 }.write(
+    ArrayHeader { intent: "POINTSET", about, space: SPACE, kind: ValueType::F32, rows, columns: 3 }.write(
         out,
         progress,
         |i| coordinates[i],
     )?;
     if !triangles.is_empty() {
         let (rows, corners) = (triangles.len(), triangles.as_flattened());
-        Array { intent: "TRIANGLE", about: Vec::new(), space: "", kind: ValueType::I32, rows, columns: 3 }
-            .write(out, progress, |i| corners[i].into())?;
+        ArrayHeader {
+            intent: "TRIANGLE",
+            about: Vec::new(),
+            space: "",
+            kind: ValueType::I32,
+            rows,
+            columns: 3,
+        }
+        .write(out, progress, |i| corners[i].into())?;
     }
     shape.vertex_fields.iter().try_for_each(|field| write_field(field, out, progress))?;
     Ok(out.write_all(b"</GIFTI>\n")?)
 }
 
 /// Checks that the values can be stored, and reports digits that are dropped.
-pub(super) fn left_out(
+pub(super) fn check_field(
     field: &Field,
     report: &mut WriteReport,
     progress: Progress<'_>,
@@ -171,7 +178,7 @@ pub(super) fn left_out(
     let has_more = |x: f64| field.values.value_type().is_integer() && x.abs() >= (1_u64 << 53) as f64;
     let keeps_all = is_single(n, progress, value)? && all(n, progress, |i| !has_more(value(i)))?;
     if stored(&field.values) == ValueType::F32 && !keeps_all {
-        report.leave_out(format!("digits of `{}` beyond 32-bit floats", field.name));
+        report.report_dropped(format!("digits of `{}` beyond 32-bit floats", field.name));
     }
     Ok(())
 }
@@ -184,7 +191,8 @@ pub(super) fn write_field(
 ) -> Result<(), WriteError> {
     let (intent, about) = (intent(&field.name, field.n_channels), vec![("Name", field.name.as_str())]);
     let (kind, rows, columns) = (stored(&field.values), field.len(), field.n_channels);
-    Array { intent, about, space: "", kind, rows, columns }.write(out, progress, |i| field.values.get(i))
+    ArrayHeader { intent, about, space: "", kind, rows, columns }
+        .write(out, progress, |i| field.values.get(i))
 }
 
 /// Writes fields without a surface: one array per channel, like the columns of functional and metric files, named as
@@ -235,7 +243,7 @@ fn write_fields(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let out = &mut Watched::new(out, progress);
+    let out = &mut CancellableWriter::new(out, progress);
     for field in fields {
         let value = |i: usize| field.values.get(i);
         check_range(
@@ -252,7 +260,7 @@ fn write_fields(
         let names = if n == 1 { vec![field.name.clone()] } else { column_names(field) };
         for (c, name) in names.iter().enumerate() {
             let about = vec![("Name", name.as_str())];
-            Array { intent: "SHAPE", about, space: "", kind, rows, columns: 1 }.write(
+            ArrayHeader { intent: "SHAPE", about, space: "", kind, rows, columns: 1 }.write(
                 out,
                 progress,
                 |i| field.values.get(i * n + c),

@@ -21,13 +21,13 @@ pub(crate) struct Accessor {
     /// True if integers represent fractions of their largest value.
     pub(crate) is_normalized: bool,
     /// Location of the numbers; `None` if all are 0.
-    pub(crate) place: Option<Place>,
+    pub(crate) place: Option<AccessorLayout>,
     pub(crate) is_sparse: bool,
 }
 
 /// Location of numbers in a buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct AccessorLayout {
     pub(crate) buffer: usize,
     pub(crate) offset: usize,
     pub(crate) stride: usize,
@@ -63,7 +63,7 @@ pub(crate) fn code(value_type: ValueType) -> usize {
 
 impl Accessor {
     /// Reads accessor `index` of a file and checks its statements against the existing bytes.
-    pub(crate) fn of(document: &Document, index: usize, limits: &ReadLimits) -> Result<Self, ReadError> {
+    pub(crate) fn read(document: &Document, index: usize, limits: &ReadLimits) -> Result<Self, ReadError> {
         let Some(json) = document.json.list_of("accessors").get(index) else {
             return Err(wrong(index, "is referenced but does not exist"));
         };
@@ -97,7 +97,8 @@ impl Accessor {
 
     /// Bytes of the numbers, from the first row on.
     fn bytes<'a>(&self, document: &'a Document) -> &'a [u8] {
-        let within = |place: Place| document.buffer(place.buffer).and_then(|bytes| bytes.get(place.offset..));
+        let within =
+            |place: AccessorLayout| document.buffer(place.buffer).and_then(|bytes| bytes.get(place.offset..));
         self.place.and_then(within).unwrap_or_default()
     }
 
@@ -247,7 +248,7 @@ fn place(
     view: usize,
     count: usize,
     row: usize,
-) -> Result<Place, ReadError> {
+) -> Result<AccessorLayout, ReadError> {
     let Some(view_json) = document.json.list_of("bufferViews").get(view) else {
         return Err(wrong(index, format!("names buffer view {view}, which does not exist")));
     };
@@ -279,5 +280,5 @@ fn place(
             row: 0,
         });
     }
-    Ok(Place { buffer, offset: start + within, stride })
+    Ok(AccessorLayout { buffer, offset: start + within, stride })
 }

@@ -154,7 +154,7 @@ fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), ReadErro
     };
     if version != 2 {
         let message = format!("the file is glTF {version}; convert it to glTF 2.0");
-        return Err(ReadError::at_byte(4, message));
+        return Err(ReadError::byte_error(4, message));
     }
     if (length as usize) > bytes.len() {
         return Err(truncated(bytes, length.into(), "file"));
@@ -175,7 +175,7 @@ fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), ReadErro
         }
     }
     let text =
-        text.ok_or_else(|| ReadError::at_byte(12, "the first chunk must be JSON; get the whole file"))?;
+        text.ok_or_else(|| ReadError::byte_error(12, "the first chunk must be JSON; get the whole file"))?;
     Ok((text, binary))
 }
 

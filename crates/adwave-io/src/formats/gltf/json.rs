@@ -26,7 +26,8 @@ impl Json {
     pub(crate) fn parse(text: &[u8]) -> Result<Self, ReadError> {
         let n_values = Cell::new(0);
         let mut parser = serde_json::Deserializer::from_slice(text);
-        let value = Seed(&n_values).deserialize(&mut parser).and_then(|value| parser.end().map(|()| value));
+        let value =
+            ValueSeed(&n_values).deserialize(&mut parser).and_then(|value| parser.end().map(|()| value));
         value.map_err(|e| ReadError::Line {
             line: e.line() as u64,
             message: format!("the JSON is damaged ({e}); get the whole file"),
@@ -133,7 +134,7 @@ impl Json {
         (values.len() == N).then_some(numbers)
     }
 
-    pub(crate) fn of_number(x: f64) -> Self {
+    pub(crate) fn from_number(x: f64) -> Self {
         serde_json::Number::from_f64(x).map_or(Self::Null, Self::Number)
     }
 }
@@ -175,9 +176,9 @@ impl Serialize for Json {
 }
 
 /// Deserializes one value and counts it.
-struct Seed<'a>(&'a Cell<usize>);
+struct ValueSeed<'a>(&'a Cell<usize>);
 
-impl<'de> DeserializeSeed<'de> for Seed<'_> {
+impl<'de> DeserializeSeed<'de> for ValueSeed<'_> {
     type Value = Json;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Json, D::Error> {
@@ -189,7 +190,7 @@ impl<'de> DeserializeSeed<'de> for Seed<'_> {
     }
 }
 
-impl<'de> Visitor<'de> for Seed<'_> {
+impl<'de> Visitor<'de> for ValueSeed<'_> {
     type Value = Json;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -213,7 +214,7 @@ impl<'de> Visitor<'de> for Seed<'_> {
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<Json, E> {
-        Ok(Json::of_number(value))
+        Ok(Json::from_number(value))
     }
 
     fn visit_str<E>(self, value: &str) -> Result<Json, E> {
@@ -226,7 +227,7 @@ impl<'de> Visitor<'de> for Seed<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Json, A::Error> {
         let mut values = Vec::new();
-        while let Some(value) = sequence.next_element_seed(Seed(self.0))? {
+        while let Some(value) = sequence.next_element_seed(ValueSeed(self.0))? {
             values.push(value);
         }
         Ok(Json::List(values))
@@ -235,7 +236,7 @@ impl<'de> Visitor<'de> for Seed<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Json, A::Error> {
         let mut members = Vec::new();
         while let Some(key) = map.next_key()? {
-            members.push((key, map.next_value_seed(Seed(self.0))?));
+            members.push((key, map.next_value_seed(ValueSeed(self.0))?));
         }
         Ok(Json::Object(members))
     }

@@ -3,12 +3,12 @@
 use super::json::Json;
 
 /// Rows 0 to 2 of a matrix of homogeneous coordinates.
-pub(crate) type Matrix = [[f64; 4]; 3];
+pub(crate) type AffineMatrix = [[f64; 4]; 3];
 
-pub(crate) const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+pub(crate) const IDENTITY: AffineMatrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 /// Product a · b.
-pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
+pub(crate) fn product(a: &AffineMatrix, b: &AffineMatrix) -> AffineMatrix {
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             let sum = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
@@ -18,7 +18,7 @@ pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
 }
 
 /// Local transform of a node relative to its parent: `matrix`, or translation · rotation · scale.
-pub(crate) fn of_node(node: &Json) -> Option<Matrix> {
+pub(crate) fn node_transform(node: &Json) -> Option<AffineMatrix> {
     if let Some(columns) = node.numbers::<16>("matrix") {
         return Some(std::array::from_fn(|i| std::array::from_fn(|j| columns[4 * j + i])));
     }
@@ -37,11 +37,11 @@ pub(crate) fn of_node(node: &Json) -> Option<Matrix> {
 }
 
 /// Transforms a point.
-pub(crate) fn point(m: &Matrix, p: [f64; 3]) -> [f64; 3] {
+pub(crate) fn point(m: &AffineMatrix, p: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| m[i][0] * p[0] + m[i][1] * p[1] + m[i][2] * p[2] + m[i][3])
 }
 
-fn cofactors(m: &Matrix) -> [[f64; 3]; 3] {
+fn cofactors(m: &AffineMatrix) -> [[f64; 3]; 3] {
     let minor = |i: usize, j: usize| {
         let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
         m[a][c] * m[b][d] - m[a][d] * m[b][c]
@@ -50,13 +50,13 @@ fn cofactors(m: &Matrix) -> [[f64; 3]; 3] {
 }
 
 /// Determinant of the linear part; negative for a reflection.
-pub(crate) fn determinant(m: &Matrix) -> f64 {
+pub(crate) fn determinant(m: &AffineMatrix) -> f64 {
     let c = cofactors(m);
     (0..3).map(|j| m[0][j] * c[0][j]).sum()
 }
 
 /// Transforms a normal by the inverse transpose of the linear part and scales it to length 1.
-pub(crate) fn normal(m: &Matrix, n: [f64; 3]) -> [f64; 3] {
+pub(crate) fn normal(m: &AffineMatrix, n: [f64; 3]) -> [f64; 3] {
     let sign = if determinant(m) < 0.0 { -1.0 } else { 1.0 };
     let turned: [f64; 3] = cofactors(m).map(|row| sign * (row[0] * n[0] + row[1] * n[1] + row[2] * n[2]));
     let length = turned.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -64,14 +64,14 @@ pub(crate) fn normal(m: &Matrix, n: [f64; 3]) -> [f64; 3] {
 }
 
 /// True if the matrix is more than a translation.
-pub(crate) fn turns(m: &Matrix) -> bool {
+pub(crate) fn turns(m: &AffineMatrix) -> bool {
     (0..3).any(|i| (0..3).any(|j| m[i][j] != IDENTITY[i][j]))
 }
 
 /// Inverse of `m`, or `None` if `m` is singular.
-pub(crate) fn inverse(m: &Matrix) -> Option<Matrix> {
+pub(crate) fn inverse(m: &AffineMatrix) -> Option<AffineMatrix> {
     let (c, d) = (cofactors(m), determinant(m));
-    let inverse: Matrix = std::array::from_fn(|i| {
+    let inverse: AffineMatrix = std::array::from_fn(|i| {
         let row: [f64; 3] = std::array::from_fn(|j| c[j][i] / d);
         let shift = -(row[0] * m[0][3] + row[1] * m[1][3] + row[2] * m[2][3]);
         [row[0], row[1], row[2], shift]
@@ -87,7 +87,7 @@ mod tests {
     fn a_node_turns_scales_and_shifts_in_that_order() {
         // A quarter turn about z, a scaling by 2, and a translation by 5 along z.
         let node = Json::parse(br#"{"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,2,2],"translation":[0,0,5]}"#);
-        let m = of_node(&node.unwrap()).unwrap();
+        let m = node_transform(&node.unwrap()).unwrap();
         let p = point(&m, [1.0, 0.0, 0.0]);
         assert!(p.iter().zip([0.0, 2.0, 5.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{p:?}");
         let back = point(&inverse(&m).unwrap(), p);

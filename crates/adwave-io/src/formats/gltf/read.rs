@@ -9,7 +9,7 @@ use adwave::shape::Polygons;
 use super::accessor::Accessor;
 use super::document::Document;
 use super::json::Json;
-use super::matrix::{IDENTITY, Matrix, determinant, normal, point, turns};
+use super::matrix::{AffineMatrix, IDENTITY, determinant, normal, point, turns};
 use super::scene::{Instance, instances};
 use super::update::GltfSource;
 use crate::provenance::{NAME, Provenance};
@@ -17,7 +17,7 @@ use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeF
 
 /// Vertices shared by the primitives of one instance with the same attributes.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub(crate) struct VertexGroup {
     pub(crate) instance: Instance,
     /// Indices of the primitives in the mesh.
     pub(crate) primitives: Vec<usize>,
@@ -53,7 +53,7 @@ pub(crate) fn read_gltf(
         }
     }
     // Transformed coordinates have more digits than the file's numbers.
-    let is_plain = |part: &Part| part.instance.matrix == IDENTITY && !part.positions.is_normalized;
+    let is_plain = |part: &VertexGroup| part.instance.matrix == IDENTITY && !part.positions.is_normalized;
     shape.precision = if parts.iter().all(is_plain) { Precision::F32 } else { Precision::F64 };
     shape.points = points.into();
     shape.vertex_fields = fields(&document, &parts, shape.n_vertices, progress)?;
@@ -67,8 +67,8 @@ pub(crate) fn read_gltf(
 }
 
 /// Collects the vertices of the scene, mesh by mesh.
-fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<Part>, ReadError> {
-    let mut parts: Vec<Part> = Vec::new();
+fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<VertexGroup>, ReadError> {
+    let mut parts: Vec<VertexGroup> = Vec::new();
     let mut first = 0;
     for instance in instances(document)? {
         let Some(mesh) = document.json.list_of("meshes").get(instance.mesh) else {
@@ -90,10 +90,10 @@ fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<Part>, ReadErro
             let mut others = Vec::new();
             for (name, value) in members.iter().filter(|(name, _)| name != "POSITION") {
                 if let Some(index) = value.index() {
-                    others.push((name.clone(), Accessor::of(document, index, limits)?));
+                    others.push((name.clone(), Accessor::read(document, index, limits)?));
                 }
             }
-            let positions = Accessor::of(document, positions, limits)?;
+            let positions = Accessor::read(document, positions, limits)?;
             if compressed.is_some() && positions.place.is_none() {
                 return Err(ReadError::Whole(
                     "the meshes are compressed by Draco (KHR_draco_mesh_compression), which is not \
@@ -110,7 +110,7 @@ fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<Part>, ReadErro
             }
             first += positions.count;
             known.push(attributes);
-            parts.push(Part {
+            parts.push(VertexGroup {
                 instance: instance.clone(),
                 primitives: vec![k],
                 first: first - positions.count,
@@ -140,7 +140,7 @@ pub(crate) fn is_texcoord(attribute: &str) -> bool {
 /// Fields of all parts; a part without a field of that name gets NaN, 0 for integers, or white.
 fn fields(
     document: &Document,
-    parts: &[Part],
+    parts: &[VertexGroup],
     n_vertices: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
@@ -152,8 +152,9 @@ fn fields(
     }
     let mut fields: Vec<Field> = Vec::new();
     for attribute in names {
-        let of =
-            |part: &Part| part.attributes.iter().find(|(name, _)| name == attribute).map(|(_, a)| a.clone());
+        let of = |part: &VertexGroup| {
+            part.attributes.iter().find(|(name, _)| name == attribute).map(|(_, a)| a.clone())
+        };
         let n_channels = parts.iter().filter_map(of).map(|a| a.n_channels).max().unwrap_or(1);
         let mut whole: Option<FieldValues> = None;
         for part in parts {
@@ -171,7 +172,7 @@ fn fields(
             };
             whole = Some(match whole {
                 None => values,
-                Some(before) => joined(before, values),
+                Some(before) => concatenate(before, values),
             });
         }
         let Some(values) = whole.filter(|values| values.len() == n_vertices * n_channels) else { continue };
@@ -212,7 +213,7 @@ fn numbered(fields: &[Field], progress: Progress<'_>) -> Result<Vec<Field>, Read
 
 /// Transforms values to the scene: normals are rotated with their mesh, v of texture coordinates points upwards, and
 /// small integers that represent fractions are converted, except for colors.
-fn in_scene(attribute: &str, accessor: &Accessor, values: FieldValues, matrix: &Matrix) -> FieldValues {
+fn in_scene(attribute: &str, accessor: &Accessor, values: FieldValues, matrix: &AffineMatrix) -> FieldValues {
     let is_color = attribute.starts_with("COLOR_");
     let mut values = match accessor.fractions(&values) {
         std::borrow::Cow::Owned(fractions) if !is_color => fractions,
@@ -264,7 +265,7 @@ fn absent(attribute: &str, n: usize) -> FieldValues {
 }
 
 /// Concatenates two lists; lists of different types become floats, colors become fractions.
-fn joined(before: FieldValues, after: FieldValues) -> FieldValues {
+fn concatenate(before: FieldValues, after: FieldValues) -> FieldValues {
     macro_rules! same {
         ($($variant:ident),*) => {
             match (before, after) {
@@ -295,7 +296,7 @@ fn as_floats(values: &FieldValues) -> Vec<f32> {
 /// Faces, edges, and the material of each face.
 fn cells(
     document: &Document,
-    parts: &[Part],
+    parts: &[VertexGroup],
     shape: &mut ShapeFile,
     limits: &ReadLimits,
     progress: Progress<'_>,
@@ -308,7 +309,7 @@ fn cells(
             let primitive = &mesh.list_of("primitives")[k];
             let n = part.positions.count;
             let corners = match primitive.index_of("indices") {
-                Some(index) => Some(Accessor::of(document, index, limits)?.indices(document, progress)?),
+                Some(index) => Some(Accessor::read(document, index, limits)?.indices(document, progress)?),
                 None => None,
             };
             let n_corners = corners.as_ref().map_or(n, Vec::len);

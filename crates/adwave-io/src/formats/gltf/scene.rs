@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::json::Json;
-use super::matrix::{IDENTITY, Matrix, of_node, product};
+use super::matrix::{AffineMatrix, IDENTITY, node_transform, product};
 use crate::ReadError;
 
 /// Largest number of nodes on a path of the tree.
@@ -14,7 +14,7 @@ pub(crate) struct Instance {
     /// Index of the node; `None` if there are no nodes.
     pub(crate) node: Option<usize>,
     pub(crate) mesh: usize,
-    pub(crate) matrix: Matrix,
+    pub(crate) matrix: AffineMatrix,
 }
 
 /// Meshes of the default scene in the order of its nodes; without a scene those of all nodes, without nodes all
@@ -33,7 +33,7 @@ pub(crate) fn instances(document: &Document) -> Result<Vec<Instance>, ReadError>
     let mut found = Vec::new();
     let mut seen = vec![false; nodes.len()];
     // Nodes to be visited, the next one last.
-    let mut open: Vec<(usize, Matrix, usize)> =
+    let mut open: Vec<(usize, AffineMatrix, usize)> =
         roots.into_iter().rev().map(|node| (node, IDENTITY, 0)).collect();
     while let Some((k, parent, depth)) = open.pop() {
         let Some(node) = nodes.get(k) else {
@@ -46,7 +46,7 @@ pub(crate) fn instances(document: &Document) -> Result<Vec<Instance>, ReadError>
                 "node {k} has two parents or is its own ancestor; export the file again"
             )));
         }
-        let own = of_node(node);
+        let own = node_transform(node);
         let matrix = own.map_or(parent, |own| product(&parent, &own));
         if let Some(mesh) = node.index_of("mesh") {
             // A skinned mesh is moved by joints, not by nodes.

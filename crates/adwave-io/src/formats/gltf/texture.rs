@@ -2,7 +2,7 @@
 
 use crate::formats::gltf::document::Document;
 use crate::formats::gltf::json::Json;
-use crate::formats::gltf::read::{Part, field_name};
+use crate::formats::gltf::read::{VertexGroup, field_name};
 use crate::formats::gltf::update::GltfSource;
 use crate::model::texture::{TextureError, TextureRequest};
 use crate::texture::picture::Picture;
@@ -16,45 +16,45 @@ pub(crate) fn colors(shape: &ShapeFile, request: &TextureRequest<'_>) -> Result<
     let given = request.image.map(Picture::open).transpose()?;
     let name = request.name();
     let mut colors = vec![f64::NAN; 3 * shape.n_vertices()];
-    let mut found = Found::Nothing;
+    let mut found = TextureState::Nothing;
     for part in &original.parts {
         for &k in &part.primitives {
-            let painted = Painted::of(&original.document, part, k, given.as_ref(), &name)?;
-            found = found.max(painted.found());
+            let painted = PrimitivePaint::new(&original.document, part, k, given.as_ref(), &name)?;
+            found = found.max(painted.texture_state());
             painted.paint(shape, part, &mut colors[3 * part.first..][..3 * part.positions.count]);
         }
     }
     match found {
-        Found::Picture => Ok(Field::new("texture", 3, FieldValues::F64(colors))),
-        Found::Coordinates => Err(TextureError::NoTexture { shape: name }),
-        Found::Nothing => Err(TextureError::NoCoordinates { shape: name }),
+        TextureState::Picture => Ok(Field::new("texture", 3, FieldValues::F64(colors))),
+        TextureState::Coordinates => Err(TextureError::NoTexture { shape: name }),
+        TextureState::Nothing => Err(TextureError::NoCoordinates { shape: name }),
     }
 }
 
 /// Texture of a primitive, in increasing completeness.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Found {
+enum TextureState {
     Nothing,
     Coordinates,
     Picture,
 }
 
 /// Paint of a primitive.
-enum Painted<'a> {
-    Nothing(Found),
+enum PrimitivePaint<'a> {
+    Nothing(TextureState),
     Factor([f64; 3]),
-    Picture(PictureOf<'a>, [f64; 3], &'a str),
+    Picture(PictureSource<'a>, [f64; 3], &'a str),
 }
 
-enum PictureOf<'a> {
+enum PictureSource<'a> {
     Given(&'a Picture),
     Own(Picture),
 }
 
-impl<'a> Painted<'a> {
-    fn of(
+impl<'a> PrimitivePaint<'a> {
+    fn new(
         document: &'a Document,
-        part: &'a Part,
+        part: &'a VertexGroup,
         k: usize,
         given: Option<&'a Picture>,
         name: &str,
@@ -73,10 +73,14 @@ impl<'a> Painted<'a> {
         let wanted = format!("TEXCOORD_{set}");
         let places = part.attributes.iter().find(|(name, _)| *name == wanted).map(|(name, _)| name.as_str());
         let Some(places) = places else {
-            return Ok(if metallic.is_some() { Self::Factor(factor) } else { Self::Nothing(Found::Nothing) });
+            return Ok(if metallic.is_some() {
+                Self::Factor(factor)
+            } else {
+                Self::Nothing(TextureState::Nothing)
+            });
         };
         if let Some(picture) = given {
-            return Ok(Self::Picture(PictureOf::Given(picture), factor, places));
+            return Ok(Self::Picture(PictureSource::Given(picture), factor, places));
         }
         let image = texture
             .and_then(|t| t.index_of("index"))
@@ -86,24 +90,24 @@ impl<'a> Painted<'a> {
             return Ok(if metallic.is_some() {
                 Self::Factor(factor)
             } else {
-                Self::Nothing(Found::Coordinates)
+                Self::Nothing(TextureState::Coordinates)
             });
         };
         let bytes = picture_bytes(document, image);
         let picture =
-            Picture::of_bytes(bytes.as_deref().unwrap_or_default(), &format!("{name}, picture {image}"))?;
-        Ok(Self::Picture(PictureOf::Own(picture), factor, places))
+            Picture::decode(bytes.as_deref().unwrap_or_default(), &format!("{name}, picture {image}"))?;
+        Ok(Self::Picture(PictureSource::Own(picture), factor, places))
     }
 
-    fn found(&self) -> Found {
+    fn texture_state(&self) -> TextureState {
         match self {
             Self::Nothing(found) => *found,
-            Self::Factor(_) => Found::Coordinates,
-            Self::Picture(..) => Found::Picture,
+            Self::Factor(_) => TextureState::Coordinates,
+            Self::Picture(..) => TextureState::Picture,
         }
     }
 
-    fn paint(&self, shape: &ShapeFile, part: &Part, colors: &mut [f64]) {
+    fn paint(&self, shape: &ShapeFile, part: &VertexGroup, colors: &mut [f64]) {
         match self {
             Self::Nothing(_) => {}
             Self::Factor(factor) => {
@@ -117,8 +121,8 @@ impl<'a> Painted<'a> {
                     return;
                 };
                 let picture = match picture {
-                    PictureOf::Given(picture) => picture,
-                    PictureOf::Own(picture) => picture,
+                    PictureSource::Given(picture) => picture,
+                    PictureSource::Own(picture) => picture,
                 };
                 for (i, color) in colors.as_chunks_mut::<3>().0.iter_mut().enumerate() {
                     let [u, v] = [0, 1].map(|c| places.get(part.first + i, c));

@@ -14,9 +14,9 @@ use super::accessor::Accessor;
 use super::document::Document;
 use super::json::{Json, object};
 use super::matrix::{IDENTITY, inverse, normal, point, turns};
-use super::read::{Part, field_name};
+use super::read::{VertexGroup, field_name};
 use super::write::{
-    Attribute, Numbers, Rows, VERTICES, attributes, finish, positions, range, report_field, rows,
+    Attribute, EncodedRows, NumberBuffer, VERTICES, attributes, finish, positions, range, report_field, rows,
     set_provenance,
 };
 use crate::{Field, Format, ReadError, ShapeFile, ValueType, WriteError};
@@ -25,15 +25,15 @@ use crate::{Field, Format, ReadError, ShapeFile, ValueType, WriteError};
 #[derive(Debug)]
 pub(crate) struct GltfSource {
     pub(crate) document: Document,
-    pub(crate) parts: Vec<Part>,
+    pub(crate) parts: Vec<VertexGroup>,
 }
 
 /// File with the changes applied so far.
-struct Changed<'a> {
+struct RewrittenFile<'a> {
     original: &'a GltfSource,
     json: Json,
     buffers: Vec<Vec<u8>>,
-    added: Numbers,
+    added: NumberBuffer,
     /// New mesh of each node whose mesh is no longer shared.
     meshes: HashMap<usize, usize>,
 }
@@ -71,21 +71,21 @@ fn update_gltf(
     }
     let buffers: Vec<Vec<u8>> =
         (0..document.buffers.len()).map(|k| document.buffer(k).unwrap_or_default().to_vec()).collect();
-    let added = Numbers {
+    let added = NumberBuffer {
         n_views: document.json.list_of("bufferViews").len(),
         n_accessors: document.json.list_of("accessors").len(),
         start: buffers.first().map_or(0, |bytes| bytes.len().next_multiple_of(4)),
-        ..Numbers::default()
+        ..NumberBuffer::default()
     };
     let mut changed =
-        Changed { original, json: document.json.clone(), buffers, added, meshes: HashMap::new() };
+        RewrittenFile { original, json: document.json.clone(), buffers, added, meshes: HashMap::new() };
     if shape.moved {
         let mut is_rounded = false;
         for part in 0..original.parts.len() {
             is_rounded |= changed.move_part(shape, part, progress)?;
         }
         if is_rounded {
-            report.leave_out("digits of coordinates beyond 32-bit floats");
+            report.report_dropped("digits of coordinates beyond 32-bit floats");
         }
     }
     for name in &shape.edited {
@@ -101,7 +101,7 @@ fn update_gltf(
     Ok(Update::Written)
 }
 
-fn of_reading(error: ReadError) -> WriteError {
+fn to_write_error(error: ReadError) -> WriteError {
     match error {
         ReadError::Cancelled(e) => e.into(),
         // Everything that could be read once can be read again.
@@ -109,14 +109,14 @@ fn of_reading(error: ReadError) -> WriteError {
     }
 }
 
-impl Changed<'_> {
+impl RewrittenFile<'_> {
     /// Writes the new positions of a part if it moved; returns true if digits are lost.
     fn move_part(&mut self, shape: &ShapeFile, k: usize, progress: Progress<'_>) -> Result<bool, WriteError> {
         let original = self.original;
         let part = &original.parts[k];
         let (accessor, matrix) = (&part.positions, part.instance.matrix);
         let mut before = Vec::new();
-        accessor.append_points(&original.document, &mut before, |p| p, progress).map_err(of_reading)?;
+        accessor.append_points(&original.document, &mut before, |p| p, progress).map_err(to_write_error)?;
         let in_scene = |p: [f64; 3]| if matrix == IDENTITY { p } else { point(&matrix, p) };
         let after = &shape.points[part.first..part.first + accessor.count];
         let is_same = |i: usize| in_scene(before[i]).map(f64::to_bits) == after[i].map(f64::to_bits);
@@ -142,7 +142,7 @@ impl Changed<'_> {
         if self.is_own(accessor, k) {
             self.put(accessor, &rows);
             let list =
-                |corner: [f32; 3]| Json::List(corner.iter().map(|&x| Json::of_number(x.into())).collect());
+                |corner: [f32; 3]| Json::List(corner.iter().map(|&x| Json::from_number(x.into())).collect());
             let around = range(&local).map(list);
             if let Some(json) = self.json.list_mut("accessors").and_then(|list| list.get_mut(accessor.index))
             {
@@ -233,7 +233,7 @@ impl Changed<'_> {
     }
 
     /// Overwrites the rows of an accessor that belongs to one part.
-    fn put(&mut self, accessor: &Accessor, rows: &Rows) {
+    fn put(&mut self, accessor: &Accessor, rows: &EncodedRows) {
         let Some(place) = accessor.place else { return };
         let row = rows.n_channels * rows.value_type.n_bytes();
         let Some(buffer) = self.buffers.get_mut(place.buffer) else { return };

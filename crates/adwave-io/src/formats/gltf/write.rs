@@ -22,7 +22,7 @@ const INDICES: usize = 34963;
 
 /// Consecutive numbers with their views and accessors.
 #[derive(Default)]
-pub(crate) struct Numbers {
+pub(crate) struct NumberBuffer {
     pub(crate) bytes: Vec<u8>,
     pub(crate) views: Vec<Json>,
     pub(crate) accessors: Vec<Json>,
@@ -34,7 +34,7 @@ pub(crate) struct Numbers {
 }
 
 /// Rows of numbers in the encoding of a buffer.
-pub(crate) struct Rows {
+pub(crate) struct EncodedRows {
     pub(crate) bytes: Vec<u8>,
     pub(crate) count: usize,
     pub(crate) n_channels: usize,
@@ -42,15 +42,15 @@ pub(crate) struct Rows {
     pub(crate) is_normalized: bool,
 }
 
-impl Rows {
+impl EncodedRows {
     fn row(&self) -> usize {
         self.n_channels * self.value_type.n_bytes()
     }
 }
 
-impl Numbers {
+impl NumberBuffer {
     /// Appends rows and returns the index of their accessor.
-    pub(crate) fn add(&mut self, rows: &Rows, target: usize, range: Option<[[f32; 3]; 2]>) -> usize {
+    pub(crate) fn add(&mut self, rows: &EncodedRows, target: usize, range: Option<[[f32; 3]; 2]>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let (at, row) = (self.start + self.bytes.len(), rows.row());
         // Rows of vertices are aligned to four bytes.
@@ -83,7 +83,7 @@ impl Numbers {
         }
         if let Some([low, high]) = range {
             let list =
-                |corner: [f32; 3]| Json::List(corner.iter().map(|&x| Json::of_number(x.into())).collect());
+                |corner: [f32; 3]| Json::List(corner.iter().map(|&x| Json::from_number(x.into())).collect());
             accessor.set("min", list(low));
             accessor.set("max", list(high));
         }
@@ -96,11 +96,16 @@ impl Numbers {
 pub(crate) fn positions(
     points: &[[f32; 3]],
     progress: Progress<'_>,
-) -> Result<(Rows, [[f32; 3]; 2]), WriteError> {
+) -> Result<(EncodedRows, [[f32; 3]; 2]), WriteError> {
     let bytes = collect(points.len(), progress, |i| points[i].map(f32::to_le_bytes))?;
     let bytes = bytes.as_flattened().as_flattened().to_vec();
-    let rows =
-        Rows { bytes, count: points.len(), n_channels: 3, value_type: ValueType::F32, is_normalized: false };
+    let rows = EncodedRows {
+        bytes,
+        count: points.len(),
+        n_channels: 3,
+        value_type: ValueType::F32,
+        is_normalized: false,
+    };
     Ok((rows, range(points)))
 }
 
@@ -159,7 +164,7 @@ pub(crate) fn rows(
     range: Range<usize>,
     turned: impl Fn(&mut [f32]) + Sync + Send,
     progress: Progress<'_>,
-) -> Result<Rows, WriteError> {
+) -> Result<EncodedRows, WriteError> {
     let (first, count) = (range.start, range.len());
     let (from, n) = attribute.channels;
     let flips = attribute.name == "TEXCOORD_0";
@@ -184,7 +189,7 @@ pub(crate) fn rows(
         bytes
     };
     let (value_type, is_normalized) = (attribute.value_type, attribute.is_normalized);
-    Ok(Rows { bytes, count, n_channels: n, value_type, is_normalized })
+    Ok(EncodedRows { bytes, count, n_channels: n, value_type, is_normalized })
 }
 
 /// Checks that the values fit 32-bit floats, and reports digits that do not.
@@ -201,7 +206,7 @@ pub(crate) fn report_field(
     check_range(format, &format!("values of `{}`", field.name), n, progress, value)?;
     let has_more = |x: f64| field.values.value_type().is_integer() && x.abs() >= (1_u64 << 53) as f64;
     if !is_single(n, progress, value)? || (0..n).any(|i| has_more(value(i))) {
-        report.leave_out(format!("digits of `{}` beyond 32-bit floats", field.name));
+        report.report_dropped(format!("digits of `{}` beyond 32-bit floats", field.name));
     }
     Ok(())
 }
@@ -256,9 +261,9 @@ pub(crate) fn write_gltf(
         (f64::from(local[k / 3][k % 3]) + shift[k % 3]).to_bits() == x.to_bits() || x.is_nan() || x == 0.0
     };
     if !crate::progress::all(3 * n, progress, is_exact)? {
-        report.leave_out("digits of coordinates beyond 32-bit floats");
+        report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
-    let mut numbers = Numbers::default();
+    let mut numbers = NumberBuffer::default();
     let (rows_of_points, range) = positions(&local, progress)?;
     let mut named = object([("POSITION", numbers.add(&rows_of_points, VERTICES, Some(range)).into())]);
     for field in &shape.vertex_fields {
@@ -268,21 +273,22 @@ pub(crate) fn write_gltf(
             named.set(&attribute.name, numbers.add(&rows, VERTICES, None).into());
         }
     }
-    report.leave_face_fields(shape, &[]);
+    report.report_face_fields(shape, &[]);
     if !shape.edges.weights.is_empty() {
-        report.leave_out("weights of edges");
+        report.report_dropped("weights of edges");
     }
     let mut primitives = Vec::new();
-    let mut primitive = |corners: &[u32], mode: usize, numbers: &mut Numbers| -> Result<(), WriteError> {
-        let rows = corner_rows(corners, n, progress)?;
-        let indices = numbers.add(&rows, INDICES, None);
-        primitives.push(object([
-            ("attributes", named.clone()),
-            ("indices", indices.into()),
-            ("mode", mode.into()),
-        ]));
-        Ok(())
-    };
+    let mut primitive =
+        |corners: &[u32], mode: usize, numbers: &mut NumberBuffer| -> Result<(), WriteError> {
+            let rows = corner_rows(corners, n, progress)?;
+            let indices = numbers.add(&rows, INDICES, None);
+            primitives.push(object([
+                ("attributes", named.clone()),
+                ("indices", indices.into()),
+                ("mode", mode.into()),
+            ]));
+            Ok(())
+        };
     let triangles = triangles(shape, report);
     if !triangles.is_empty() {
         primitive(triangles.as_flattened(), 4, &mut numbers)?;
@@ -295,7 +301,7 @@ pub(crate) fn write_gltf(
     }
     let mut node = object([("mesh", 0.into())]);
     if let Some(center) = center {
-        node.set("translation", Json::List(center.map(Json::of_number).to_vec()));
+        node.set("translation", Json::List(center.map(Json::from_number).to_vec()));
     }
     let generator = concat!("adwave ", env!("CARGO_PKG_VERSION"));
     let mut json = object([("asset", object([("version", "2.0".into()), ("generator", generator.into())]))]);
@@ -312,7 +318,11 @@ pub(crate) fn write_gltf(
     finish(json, vec![numbers.bytes], format, out, progress)
 }
 
-fn corner_rows(corners: &[u32], n_vertices: usize, progress: Progress<'_>) -> Result<Rows, WriteError> {
+fn corner_rows(
+    corners: &[u32],
+    n_vertices: usize,
+    progress: Progress<'_>,
+) -> Result<EncodedRows, WriteError> {
     let is_short = n_vertices < usize::from(u16::MAX);
     let bytes = if is_short {
         collect(corners.len(), progress, |k| (corners[k] as u16).to_le_bytes())?.as_flattened().to_vec()
@@ -320,7 +330,7 @@ fn corner_rows(corners: &[u32], n_vertices: usize, progress: Progress<'_>) -> Re
         collect(corners.len(), progress, |k| corners[k].to_le_bytes())?.as_flattened().to_vec()
     };
     let value_type = if is_short { ValueType::U16 } else { ValueType::U32 };
-    Ok(Rows { bytes, count: corners.len(), n_channels: 1, value_type, is_normalized: false })
+    Ok(EncodedRows { bytes, count: corners.len(), n_channels: 1, value_type, is_normalized: false })
 }
 
 /// Writes the document with its buffers: the first buffer of a GLB follows the text, all others are embedded in it.

@@ -2,14 +2,14 @@
 
 use adwave::Progress;
 
-use crate::formats::graph::{Names, edges};
-use crate::progress::at_row;
+use crate::formats::graph::{VertexNames, edges};
+use crate::progress::report_row;
 use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
 use crate::{Direction, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Content of the lines.
 #[derive(Default)]
-struct Lines<'a> {
+struct EdgeLines<'a> {
     ends: Vec<[&'a [u8]; 2]>,
     weights: Vec<Option<f64>>,
     /// Number of vertices stated in a comment.
@@ -36,7 +36,7 @@ pub(crate) fn read_edge_list(
         let named = lines.n_vertices.filter(|&n| n <= limit && largest.is_none_or(|l| l < n));
         let (ends, _) = numbers.as_chunks::<2>();
         for (row, pair) in ends.iter().enumerate() {
-            at_row(progress, row as u64, ends.len() as u64)?;
+            report_row(progress, row as u64, ends.len() as u64)?;
             let place = |x: u64| distinct.binary_search(&x).unwrap_or(0) as u32;
             pairs.push(if named.is_some() { pair.map(|x| x as u32) } else { pair.map(place) });
         }
@@ -48,9 +48,9 @@ pub(crate) fn read_edge_list(
         limits.check_points(n)?;
         n as usize
     } else {
-        let mut names = Names::default();
+        let mut names = VertexNames::default();
         for (row, ends) in lines.ends.iter().enumerate() {
-            at_row(progress, row as u64, lines.ends.len() as u64)?;
+            report_row(progress, row as u64, lines.ends.len() as u64)?;
             pairs.push(ends.map(|name| names.add(name)));
         }
         limits.check_points(names.len() as u64)?;
@@ -66,11 +66,11 @@ pub(crate) fn read_edge_list(
     Ok(shape)
 }
 
-fn parse<'a>(bytes: &'a [u8], progress: Progress<'_>) -> Result<Lines<'a>, ReadError> {
-    let mut lines = Lines::default();
+fn parse<'a>(bytes: &'a [u8], progress: Progress<'_>) -> Result<EdgeLines<'a>, ReadError> {
+    let mut lines = EdgeLines::default();
     let mut position = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     while position < bytes.len() {
-        at_row(progress, lines.ends.len() as u64, 0)?;
+        report_row(progress, lines.ends.len() as u64, 0)?;
         let start = position;
         let end = line_end(bytes, start);
         position = end + 1;
@@ -85,7 +85,7 @@ fn parse<'a>(bytes: &'a [u8], progress: Progress<'_>) -> Result<Lines<'a>, ReadE
         let mut parts = line.split(|&b| is_blank(b) || matches!(b, b',' | b';')).filter(|w| !w.is_empty());
         let (Some(a), Some(b)) = (parts.next(), parts.next()) else {
             let message = format!("an edge needs two vertices, got {}; add the other one", show(line));
-            return Err(ReadError::in_line(bytes, start, message));
+            return Err(ReadError::line_error(bytes, start, message));
         };
         lines.ends.push([a, b]);
         let third = parts.next();
@@ -97,7 +97,7 @@ fn parse<'a>(bytes: &'a [u8], progress: Progress<'_>) -> Result<Lines<'a>, ReadE
         lines.weights.push(weight);
     }
     if lines.ends.is_empty() && lines.n_vertices.is_none() {
-        return Err(ReadError::in_line(bytes, bytes.len(), "the file has no edges; get the whole file"));
+        return Err(ReadError::line_error(bytes, bytes.len(), "the file has no edges; get the whole file"));
     }
     Ok(lines)
 }

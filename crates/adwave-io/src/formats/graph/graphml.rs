@@ -7,20 +7,20 @@ use roxmltree::Node;
 
 use crate::formats::graph::edges;
 use crate::model::grouping::group;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::xml::{children, parse, wrong};
 use crate::text::{parse_f64, show};
 use crate::{Direction, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Meaning of a key.
-struct Key<'a> {
+struct AttributeKey<'a> {
     name: &'a str,
     kind: &'a str,
     default: Option<&'a str>,
 }
 
 /// Values of one node attribute read so far.
-struct Column {
+struct NodeColumn {
     name: String,
     kind: String,
     default: f64,
@@ -36,7 +36,7 @@ pub(crate) fn read_graphml(
 ) -> Result<ShapeFile, ReadError> {
     let broken = |e: std::string::FromUtf8Error| {
         let at = e.utf8_error().valid_up_to();
-        ReadError::in_line(e.as_bytes(), at, "the text must be UTF-8; save it as UTF-8")
+        ReadError::line_error(e.as_bytes(), at, "the text must be UTF-8; save it as UTF-8")
     };
     let text = crate::text::encoding::to_utf8(bytes).map_err(broken)?;
     let document = parse(&text)?;
@@ -46,21 +46,21 @@ pub(crate) fn read_graphml(
         let Some(id) = key.attribute("id") else { continue };
         let name = key.attribute("attr.name").unwrap_or(id);
         let default = children(key, "default").next().and_then(|d| d.text()).map(str::trim);
-        keys.insert(id, Key { name, kind: key.attribute("attr.type").unwrap_or("string"), default });
+        keys.insert(id, AttributeKey { name, kind: key.attribute("attr.type").unwrap_or("string"), default });
     }
     let Some(graph) = children(root, "graph").next() else {
         return Err(wrong(root, "the GraphML has no graph; get the whole file"));
     };
     let is_directed = graph.attribute("edgedefault") == Some("directed");
-    let mut nodes = Nodes::default();
+    let mut nodes = GraphNodes::default();
     for (row, node) in children(graph, "node").enumerate() {
-        at_row(progress, row as u64, 0)?;
+        report_row(progress, row as u64, 0)?;
         nodes.add(node, &keys)?;
     }
     limits.check_points(nodes.n as u64)?;
     let (mut pairs, mut weights) = (Vec::new(), Vec::new());
     for (row, edge) in children(graph, "edge").enumerate() {
-        at_row(progress, row as u64, 0)?;
+        report_row(progress, row as u64, 0)?;
         let mut pair = [0; 2];
         for (end, name) in pair.iter_mut().zip(["source", "target"]) {
             let id = edge.attribute(name).unwrap_or("");
@@ -91,7 +91,7 @@ pub(crate) fn read_graphml(
     Ok(shape)
 }
 
-fn weight(edge: Node<'_, '_>, keys: &HashMap<&str, Key<'_>>) -> Option<f64> {
+fn weight(edge: Node<'_, '_>, keys: &HashMap<&str, AttributeKey<'_>>) -> Option<f64> {
     let data = children(edge, "data")
         .find(|data| data.attribute("key").and_then(|k| keys.get(k)).is_some_and(|k| k.name == "weight"))?;
     parse_f64(data.text()?.trim().as_bytes())
@@ -99,18 +99,18 @@ fn weight(edge: Node<'_, '_>, keys: &HashMap<&str, Key<'_>>) -> Option<f64> {
 
 /// Nodes read so far.
 #[derive(Default)]
-struct Nodes<'a> {
+struct GraphNodes<'a> {
     n: usize,
     rows: HashMap<&'a str, u32>,
-    columns: Vec<Column>,
+    columns: Vec<NodeColumn>,
     positions: Vec<[f64; 3]>,
     has_text: bool,
     /// Number of values in the file.
     n_values: usize,
 }
 
-impl<'a> Nodes<'a> {
-    fn add(&mut self, node: Node<'a, '_>, keys: &HashMap<&str, Key<'_>>) -> Result<(), ReadError> {
+impl<'a> GraphNodes<'a> {
+    fn add(&mut self, node: Node<'a, '_>, keys: &HashMap<&str, AttributeKey<'_>>) -> Result<(), ReadError> {
         let id = node.attribute("id").unwrap_or("");
         if self.rows.insert(id, self.n as u32).is_some() {
             return Err(wrong(node, format!("node {} occurs twice; rename one", show(id.as_bytes()))));
@@ -141,7 +141,7 @@ impl<'a> Nodes<'a> {
             let at = self.columns.iter().position(|c| c.name == key.name).unwrap_or_else(|| {
                 let default = key.default.and_then(|d| parse_f64(d.as_bytes())).unwrap_or(f64::NAN);
                 let (name, kind) = (key.name.to_owned(), key.kind.to_owned());
-                self.columns.push(Column { name, kind, default, values: Vec::new() });
+                self.columns.push(NodeColumn { name, kind, default, values: Vec::new() });
                 self.columns.len() - 1
             });
             let column = &mut self.columns[at];

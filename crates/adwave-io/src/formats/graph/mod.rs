@@ -15,11 +15,11 @@ use crate::{Direction, Edges, Format, ShapeFile, WriteError, WriteReport};
 
 /// Rows of vertices by name.
 #[derive(Default)]
-pub(crate) struct Names<'a> {
+pub(crate) struct VertexNames<'a> {
     rows: HashMap<&'a [u8], u32>,
 }
 
-impl<'a> Names<'a> {
+impl<'a> VertexNames<'a> {
     /// Row of a name; a new name gets the next row.
     pub(crate) fn add(&mut self, name: &'a [u8]) -> u32 {
         let next = self.rows.len() as u32;
@@ -48,9 +48,9 @@ pub(crate) fn check(shape: &ShapeFile, format: Format, report: &mut WriteReport)
         return Err(WriteError::CannotHold { format, what });
     }
     if !shape.faces.is_empty() {
-        report.leave_out("faces");
+        report.report_dropped("faces");
     }
-    report.leave_face_fields(shape, &[]);
+    report.report_face_fields(shape, &[]);
     Ok(())
 }
 

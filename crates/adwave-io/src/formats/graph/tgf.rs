@@ -3,8 +3,8 @@
 
 use adwave::Progress;
 
-use crate::formats::graph::{Names, edges};
-use crate::progress::at_row;
+use crate::formats::graph::{VertexNames, edges};
+use crate::progress::report_row;
 use crate::text::{line_end, parse_f64, show, words};
 use crate::{Direction, Format, ReadError, ReadLimits, ShapeFile};
 
@@ -15,14 +15,14 @@ pub(crate) fn read_tgf(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let mut names = Names::default();
+    let mut names = VertexNames::default();
     let (mut points, mut has_labels, mut has_more) = (Some(Vec::new()), false, false);
     let (mut pairs, mut weights) = (Vec::new(), Vec::new());
     let mut part = 0;
     let mut position = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     let mut row = 0;
     while position < bytes.len() {
-        at_row(progress, row, 0)?;
+        report_row(progress, row, 0)?;
         row += 1;
         let start = position;
         let end = line_end(bytes, start);
@@ -42,7 +42,7 @@ pub(crate) fn read_tgf(
                 let n = names.len();
                 if names.add(name) as usize != n {
                     let message = format!("vertex {} occurs twice; rename one", show(name));
-                    return Err(ReadError::in_line(bytes, start, message));
+                    return Err(ReadError::line_error(bytes, start, message));
                 }
                 let label: Vec<&[u8]> = parts.collect();
                 has_labels |= !label.is_empty();
@@ -59,7 +59,7 @@ pub(crate) fn read_tgf(
                     *end = names.get(name).ok_or_else(|| {
                         let message =
                             format!("an edge names vertex {}, which does not exist; add it", show(name));
-                        ReadError::in_line(bytes, start, message)
+                        ReadError::line_error(bytes, start, message)
                     })?;
                 }
                 pairs.push(pair);
@@ -70,7 +70,7 @@ pub(crate) fn read_tgf(
     }
     if part == 0 {
         let message = "the line with # between vertices and edges is missing; get the whole file";
-        return Err(ReadError::in_line(bytes, bytes.len(), message));
+        return Err(ReadError::line_error(bytes, bytes.len(), message));
     }
     limits.check_points(names.len() as u64)?;
     let mut shape = ShapeFile::from_graph(names.len(), edges(pairs, weights, Direction::Both));

@@ -6,21 +6,21 @@ use adwave::Progress;
 
 use crate::formats::graph::check;
 use crate::model::grouping::column_names;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::{escape_xml, push_f64};
 use crate::{Direction, FieldValues, Format, ShapeFile, WriteError, WriteReport};
 
 /// Edges with the weights of their format: if an edge represents both directions, each direction has half the weight.
-struct Weights<'a> {
+struct EdgeWeights<'a> {
     shape: &'a ShapeFile,
     part: f64,
 }
 
-impl<'a> Weights<'a> {
-    fn of(shape: &'a ShapeFile, report: &mut WriteReport) -> Self {
+impl<'a> EdgeWeights<'a> {
+    fn new(shape: &'a ShapeFile, report: &mut WriteReport) -> Self {
         let is_directed = shape.edges.direction == Direction::RowToColumn;
         if is_directed {
-            report.leave_out("directions of edges (half of each weight for each direction)");
+            report.report_dropped("directions of edges (half of each weight for each direction)");
         }
         Self { shape, part: if is_directed { 0.5 } else { 1.0 } }
     }
@@ -43,11 +43,11 @@ pub(crate) fn write_tgf(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     check(shape, Format::TGF, report)?;
-    report.leave_vertex_fields(shape, &[]);
-    let weights = Weights::of(shape, report);
+    report.report_vertex_fields(shape, &[]);
+    let weights = EdgeWeights::new(shape, report);
     let mut line = Vec::new();
     for i in 0..shape.n_vertices {
-        at_row(progress, i as u64, shape.n_vertices as u64)?;
+        report_row(progress, i as u64, shape.n_vertices as u64)?;
         line.clear();
         write!(line, "{}", i + 1)?;
         for &x in shape.points.get(i).into_iter().flatten() {
@@ -59,7 +59,7 @@ pub(crate) fn write_tgf(
     }
     out.write_all(b"#\n")?;
     for (e, [a, b]) in shape.edges.pairs.iter().enumerate() {
-        at_row(progress, e as u64, shape.edges.pairs.len() as u64)?;
+        report_row(progress, e as u64, shape.edges.pairs.len() as u64)?;
         line.clear();
         write!(line, "{} {}", u64::from(*a) + 1, u64::from(*b) + 1)?;
         weights.push(e, &mut line);
@@ -77,15 +77,15 @@ pub(crate) fn write_edge_list(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     check(shape, Format::EDGE_LIST, report)?;
-    report.leave_vertex_fields(shape, &[]);
+    report.report_vertex_fields(shape, &[]);
     if !shape.points.is_empty() {
-        report.leave_out("coordinates");
+        report.report_dropped("coordinates");
     }
-    let weights = Weights::of(shape, report);
+    let weights = EdgeWeights::new(shape, report);
     writeln!(out, "# Nodes: {} Edges: {}", shape.n_vertices, shape.edges.pairs.len())?;
     let mut line = Vec::new();
     for (e, [a, b]) in shape.edges.pairs.iter().enumerate() {
-        at_row(progress, e as u64, shape.edges.pairs.len() as u64)?;
+        report_row(progress, e as u64, shape.edges.pairs.len() as u64)?;
         line.clear();
         write!(line, "{a} {b}")?;
         weights.push(e, &mut line);
@@ -96,21 +96,21 @@ pub(crate) fn write_edge_list(
 }
 
 /// Function that appends number i.
-type Push<'a> = dyn Fn(usize, &mut Vec<u8>) + 'a;
+type AppendNumber<'a> = dyn Fn(usize, &mut Vec<u8>) + 'a;
 
 /// Vertex column: its name, its type, and a function for number i.
-struct Column<'a> {
+struct VertexColumn<'a> {
     name: String,
     kind: &'static str,
-    push: Box<Push<'a>>,
+    push: Box<AppendNumber<'a>>,
 }
 
-fn columns(shape: &ShapeFile) -> Vec<Column<'_>> {
+fn columns(shape: &ShapeFile) -> Vec<VertexColumn<'_>> {
     let mut all = Vec::new();
     if !shape.points.is_empty() {
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let push = Box::new(move |i: usize, out: &mut Vec<u8>| push_f64(out, shape.points[i][axis]));
-            all.push(Column { name: name.into(), kind: "double", push });
+            all.push(VertexColumn { name: name.into(), kind: "double", push });
         }
     }
     for field in &shape.vertex_fields {
@@ -124,7 +124,7 @@ fn columns(shape: &ShapeFile) -> Vec<Column<'_>> {
             let push = Box::new(move |i: usize, out: &mut Vec<u8>| {
                 field.values.write_text(i * field.n_channels + c, out);
             });
-            all.push(Column { name, kind, push });
+            all.push(VertexColumn { name, kind, push });
         }
     }
     all
@@ -155,7 +155,7 @@ pub(crate) fn write_graphml(
     writeln!(out, "<graph edgedefault=\"{direction}\">")?;
     let mut text = Vec::new();
     for i in 0..shape.n_vertices {
-        at_row(progress, i as u64, shape.n_vertices as u64)?;
+        report_row(progress, i as u64, shape.n_vertices as u64)?;
         text.clear();
         write!(text, "<node id=\"n{i}\">")?;
         for (k, column) in columns.iter().enumerate() {
@@ -167,7 +167,7 @@ pub(crate) fn write_graphml(
         out.write_all(&text)?;
     }
     for (e, [a, b]) in edges.pairs.iter().enumerate() {
-        at_row(progress, e as u64, edges.pairs.len() as u64)?;
+        report_row(progress, e as u64, edges.pairs.len() as u64)?;
         text.clear();
         write!(text, "<edge source=\"n{a}\" target=\"n{b}\">")?;
         if let Some(&weight) = edges.weights.get(e) {

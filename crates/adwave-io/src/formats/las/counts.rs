@@ -5,12 +5,12 @@ use crate::formats::las::write::{LONG_HEADER, put};
 
 /// Number of points, and number of points of each return.
 #[derive(Default)]
-pub(crate) struct Counts {
+pub(crate) struct PointCounts {
     pub(crate) n: u64,
     by_return: [u64; 16],
 }
 
-impl Counts {
+impl PointCounts {
     /// Counts one point record.
     pub(crate) fn add(&mut self, row: &[u8], format: u8) {
         let mask = if format < 6 { 7 } else { 15 };

@@ -5,7 +5,7 @@ use adwave::{Cancelled, Progress};
 use crate::formats::las::extra::ExtraBytes;
 use crate::model::field::ByteOrder;
 use crate::model::grouping::{group, unique};
-use crate::progress::{at_row, collect};
+use crate::progress::{collect, report_row};
 use crate::{Field, FieldValues, ValueType};
 
 /// Size of a record of the point format in bytes, without extra bytes.
@@ -38,11 +38,11 @@ pub(crate) fn whole_column(format: u8, name: &str) -> Option<(usize, ValueType, 
 }
 
 /// Bit field: its name, byte offset, first bit and mask.
-pub(crate) type Bits = (&'static str, usize, u8, u8);
+pub(crate) type BitField = (&'static str, usize, u8, u8);
 
 /// Bit fields of the point format.
-pub(crate) fn bit_columns(format: u8) -> &'static [Bits] {
-    const OLD: &[Bits] = &[
+pub(crate) fn bit_columns(format: u8) -> &'static [BitField] {
+    const OLD: &[BitField] = &[
         ("return_number", 14, 0, 7),
         ("number_of_returns", 14, 3, 7),
         ("scan_direction", 14, 6, 1),
@@ -50,7 +50,7 @@ pub(crate) fn bit_columns(format: u8) -> &'static [Bits] {
         ("classification", 15, 0, 31),
         ("classification_flags", 15, 5, 7),
     ];
-    const NEW: &[Bits] = &[
+    const NEW: &[BitField] = &[
         ("return_number", 14, 0, 15),
         ("number_of_returns", 14, 4, 15),
         ("classification_flags", 15, 0, 15),
@@ -62,14 +62,14 @@ pub(crate) fn bit_columns(format: u8) -> &'static [Bits] {
 }
 
 /// Point records, one after the other.
-pub(crate) struct Records<'a> {
+pub(crate) struct PointRecords<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) record_bytes: usize,
     pub(crate) n: usize,
     pub(crate) progress: Progress<'a>,
 }
 
-impl Records<'_> {
+impl PointRecords<'_> {
     fn record(&self, i: usize) -> &[u8] {
         &self.bytes[i * self.record_bytes..][..self.record_bytes]
     }
@@ -78,7 +78,7 @@ impl Records<'_> {
     fn column(&self, t: ValueType, at: usize, n_channels: usize) -> Result<FieldValues, Cancelled> {
         let mut values = t.empty();
         for i in 0..self.n {
-            at_row(self.progress, i as u64, self.n as u64)?;
+            report_row(self.progress, i as u64, self.n as u64)?;
             for c in 0..n_channels {
                 values.push_bytes(&self.record(i)[at + c * t.n_bytes()..], ByteOrder::Little);
             }
@@ -95,7 +95,7 @@ impl Records<'_> {
 /// Reads all attributes of the points, each in its own type.
 pub(crate) fn fields(
     format: u8,
-    records: &Records<'_>,
+    records: &PointRecords<'_>,
     extra: &[ExtraBytes],
 ) -> Result<Vec<Field>, Cancelled> {
     let mut all = Vec::new();

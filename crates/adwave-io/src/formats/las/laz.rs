@@ -7,19 +7,19 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use adwave::{Cancelled, Progress};
 
 use crate::ReadError;
-use crate::formats::las::read::Header;
+use crate::formats::las::read::LasHeader;
 
 /// Chunk size in the description that stands for chunks of different sizes.
 pub(crate) const VARIABLE: u64 = u32::MAX as u64;
 
 /// Part of a record that is compressed separately.
-pub(crate) struct Item {
+pub(crate) struct ChunkItem {
     kind: u16,
     size: u16,
     pub(crate) version: u16,
 }
 
-impl Item {
+impl ChunkItem {
     /// Number of layers per chunk; 0 for parts without layers.
     pub(crate) fn n_layers(&self) -> usize {
         match self.kind {
@@ -43,8 +43,8 @@ pub(crate) fn i64_at(bytes: &[u8], at: usize) -> Option<i64> {
     Some(i64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?))
 }
 
-fn broken(header: &Header, what: &str) -> ReadError {
-    ReadError::at_byte(
+fn broken(header: &LasHeader, what: &str) -> ReadError {
+    ReadError::byte_error(
         header.points_start,
         format!("the LAZ compression is damaged ({what}); get an undamaged file"),
     )
@@ -56,7 +56,7 @@ fn broken(header: &Header, what: &str) -> ReadError {
 /// changed: the default one prints the panic's message to the standard error; a program can install its own.
 pub(crate) fn unpack(
     bytes: &[u8],
-    header: &Header,
+    header: &LasHeader,
     description: &[u8],
     progress: Progress<'_>,
 ) -> Result<Vec<u8>, ReadError> {
@@ -68,8 +68,8 @@ pub(crate) fn unpack(
     let unpacked = catch_unwind(AssertUnwindSafe(|| unpack_checked(bytes, header, description, progress)));
     match unpacked {
         Ok(Ok(points)) => Ok(points),
-        Ok(Err(Stop::Cancelled(cancelled))) => Err(cancelled.into()),
-        Ok(Err(Stop::Broken(what))) => Err(broken(header, &what)),
+        Ok(Err(UnpackError::Cancelled(cancelled))) => Err(cancelled.into()),
+        Ok(Err(UnpackError::Broken(what))) => Err(broken(header, &what)),
         Err(_) => Err(broken(header, "its parts contradict each other")),
     }
 }
@@ -78,18 +78,18 @@ pub(crate) fn unpack(
 const STEP: u64 = 1 << 15;
 
 /// Reasons for an early end of the decompression.
-enum Stop {
+enum UnpackError {
     Cancelled(Cancelled),
     Broken(String),
 }
 
 fn unpack_checked(
     bytes: &[u8],
-    header: &Header,
+    header: &LasHeader,
     description: &[u8],
     progress: Progress<'_>,
-) -> Result<Vec<u8>, Stop> {
-    let one_line = |e: &dyn std::fmt::Display| Stop::Broken(crate::text::one_line(e));
+) -> Result<Vec<u8>, UnpackError> {
+    let one_line = |e: &dyn std::fmt::Display| UnpackError::Broken(crate::text::one_line(e));
     let description = laz::LazVlr::from_buffer(description).map_err(|e| one_line(&e))?;
     let mut source = Cursor::new(bytes);
     source.seek(SeekFrom::Start(header.points_start as u64)).map_err(|e| one_line(&e))?;
@@ -98,7 +98,7 @@ fn unpack_checked(
     let mut points = Vec::new();
     let mut left = header.n_points;
     while left > 0 {
-        progress.step(header.n_points - left, header.n_points).map_err(Stop::Cancelled)?;
+        progress.step(header.n_points - left, header.n_points).map_err(UnpackError::Cancelled)?;
         let n = left.min(STEP);
         let start = points.len();
         points.resize(start + n as usize * header.record_bytes, 0);
@@ -109,7 +109,7 @@ fn unpack_checked(
 }
 
 /// Parts of a record of that many bytes.
-pub(crate) fn items_of(description: &[u8], record_bytes: usize) -> Result<Vec<Item>, &'static str> {
+pub(crate) fn items_of(description: &[u8], record_bytes: usize) -> Result<Vec<ChunkItem>, &'static str> {
     let items = items(description)?;
     let total: usize = items.iter().map(|i| usize::from(i.size)).sum();
     if total != record_bytes {
@@ -118,7 +118,7 @@ pub(crate) fn items_of(description: &[u8], record_bytes: usize) -> Result<Vec<It
     Ok(items)
 }
 
-fn items(description: &[u8]) -> Result<Vec<Item>, &'static str> {
+fn items(description: &[u8]) -> Result<Vec<ChunkItem>, &'static str> {
     let n = u16_at(description, 32) as usize;
     if n == 0 || n > 16 || description.len() < 34 + 6 * n {
         return Err("its description contains no parts of a record");
@@ -126,12 +126,12 @@ fn items(description: &[u8]) -> Result<Vec<Item>, &'static str> {
     let item = |i: usize| {
         let at = 34 + 6 * i;
         let part = |k: usize| u16_at(description, at + k) as u16;
-        Item { kind: part(0), size: part(2), version: part(4) }
+        ChunkItem { kind: part(0), size: part(2), version: part(4) }
     };
     Ok((0..n).map(item).collect())
 }
 
-fn check(bytes: &[u8], header: &Header, description: &[u8]) -> Result<(), &'static str> {
+fn check(bytes: &[u8], header: &LasHeader, description: &[u8]) -> Result<(), &'static str> {
     let items = items_of(description, header.record_bytes)?;
     if u16_at(description, 0) < 2 {
         return Ok(());
@@ -172,12 +172,12 @@ fn check_chunk_table(bytes: &[u8], start: usize) -> Result<Option<usize>, &'stat
 /// ignored, as the library does not use them.
 fn check_layers(
     bytes: &[u8],
-    header: &Header,
-    items: &[Item],
+    header: &LasHeader,
+    items: &[ChunkItem],
     table: Option<usize>,
     n_chunks: u64,
 ) -> Result<(), &'static str> {
-    let n_layers: usize = items.iter().map(Item::n_layers).sum();
+    let n_layers: usize = items.iter().map(ChunkItem::n_layers).sum();
     let mut at = header.points_start + 8;
     let (mut n_points, mut k) = (0, 0);
     loop {

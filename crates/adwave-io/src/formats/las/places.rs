@@ -7,9 +7,9 @@ use crate::formats::las::extra::{
 };
 use crate::formats::las::fields::{bit_columns, record_bytes, whole_column};
 use crate::formats::las::read::RECORD_HEAD;
-use crate::formats::las::write::{Parts, put, variable_record};
+use crate::formats::las::write::{LasParts, put, variable_record};
 use crate::model::field::{ByteOrder, Number as _, with_values};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::{Field, FieldValues, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// User of the record that describes extra bytes.
@@ -41,16 +41,16 @@ pub(crate) fn fits(field: &Field, kind: ValueType) -> bool {
 }
 
 /// Location of a field in the standard record.
-pub(crate) enum Place {
+pub(crate) enum DimensionSlot {
     /// Byte offset, first bit and mask.
     Bits(usize, u8, u8),
     /// First byte and type of each channel.
     Whole(usize, ValueType),
 }
 
-impl Place {
+impl DimensionSlot {
     /// Finds the dimension of the point format that can store all values of a field exactly.
-    pub(crate) fn of(format: u8, field: &Field) -> Option<Self> {
+    pub(crate) fn find(format: u8, field: &Field) -> Option<Self> {
         let is_mine = |bits: &&(&str, usize, u8, u8)| bits.0 == field.name && field.n_channels == 1;
         if let Some(&(_, at, shift, mask)) = bit_columns(format).iter().find(is_mine) {
             let holds = |k: usize| {
@@ -85,7 +85,7 @@ fn standard_names(format: u8) -> Vec<String> {
     whole.chain(bits).chain(others).map(str::to_owned).collect()
 }
 
-impl Parts {
+impl LasParts {
     /// Stores the changed fields, or all fields in a new file; fields without a standard dimension become extra
     /// bytes.
     pub(crate) fn set_fields(
@@ -102,7 +102,7 @@ impl Parts {
             if has_original && !shape.edited.contains(&field.name) {
                 continue;
             }
-            if let Some(place) = Place::of(self.parsed.format, field) {
+            if let Some(place) = DimensionSlot::find(self.parsed.format, field) {
                 self.set_standard(field, &place, progress)?;
                 continue;
             }
@@ -121,7 +121,7 @@ impl Parts {
                     members.iter().flat_map(|e| (0..e.n_channels).map(|c| e.at + c * e.value_type.n_bytes()));
                 self.set_extra(field, &places.collect::<Vec<_>>(), progress)?;
             } else {
-                report.leave_out(format!("vertex field `{}`", field.name));
+                report.report_dropped(format!("vertex field `{}`", field.name));
             }
         }
         self.add_fields(&added, &described, report, progress)
@@ -140,19 +140,19 @@ impl Parts {
     fn set_standard(
         &mut self,
         field: &Field,
-        place: &Place,
+        place: &DimensionSlot,
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
         let (size, factor, n) = (self.parsed.record_bytes, factor(field), field.len());
         for i in 0..n {
-            at_row(progress, i as u64, n as u64)?;
+            report_row(progress, i as u64, n as u64)?;
             let row = &mut self.points[i * size..][..size];
             match *place {
-                Place::Bits(at, shift, mask) => {
+                DimensionSlot::Bits(at, shift, mask) => {
                     let bits = (field.get(i, 0) as u8 & mask) << shift;
                     row[at] = row[at] & !(mask << shift) | bits;
                 }
-                Place::Whole(at, kind) => {
+                DimensionSlot::Whole(at, kind) => {
                     for c in 0..field.n_channels {
                         let (at, value) = (at + c * kind.n_bytes(), factor * field.get(i, c));
                         match kind {
@@ -179,7 +179,7 @@ impl Parts {
         let (size, n, width) = (self.parsed.record_bytes, field.len(), field.values.value_type().n_bytes());
         let mut bytes = Vec::with_capacity(width * places.len());
         with_values!(&field.values, values => for (i, row) in values.chunks_exact(places.len()).enumerate() {
-            at_row(progress, i as u64, n as u64)?;
+            report_row(progress, i as u64, n as u64)?;
             bytes.clear();
             for x in row {
                 x.write_bytes(ByteOrder::Little, &mut bytes);
@@ -200,16 +200,16 @@ impl Parts {
         progress: Progress<'_>,
     ) -> Result<(), WriteError> {
         let old = self.parsed.record_bytes;
-        let mut list = ExtraList::of(self.descriptions(), described, self.parsed.format, old);
+        let mut list = ExtraList::new(self.descriptions(), described, self.parsed.format, old);
         let mut placed: Vec<(&Field, Vec<usize>)> = Vec::new();
         for &field in fields {
             let Some((name, places)) = list.add(&field.name, field.n_channels, field.values.value_type())
             else {
-                report.leave_out(format!("vertex field `{}`", field.name));
+                report.report_dropped(format!("vertex field `{}`", field.name));
                 continue;
             };
             if name != field.name {
-                report.leave_out(format!("the name of `{}` (stored as `{name}`)", field.name));
+                report.report_dropped(format!("the name of `{}` (stored as `{name}`)", field.name));
             }
             placed.push((field, places));
         }
@@ -243,10 +243,10 @@ impl ExtraList {
     /// Reads the descriptions in these records.
     pub(crate) fn read(records: &[Vec<u8>], format: u8, size: usize) -> Self {
         let content = records.iter().find(|record| is_list(record)).map_or(&[][..], |r| &r[RECORD_HEAD..]);
-        Self::of(content, &ExtraBytes::parse(content, record_bytes(format).unwrap_or(size)), format, size)
+        Self::new(content, &ExtraBytes::parse(content, record_bytes(format).unwrap_or(size)), format, size)
     }
 
-    fn of(content: &[u8], described: &[ExtraBytes], format: u8, size: usize) -> Self {
+    fn new(content: &[u8], described: &[ExtraBytes], format: u8, size: usize) -> Self {
         let standard = record_bytes(format).unwrap_or(size);
         let end = described.last().map_or(standard, |last| last.at + last.n_bytes());
         // Content after an unknown description, or beyond the end of short records, cannot be located.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use adwave::Progress;
 
 use crate::formats::las::extra::ExtraBytes;
-use crate::formats::las::fields::{Records, fields, record_bytes};
+use crate::formats::las::fields::{PointRecords, fields, record_bytes};
 use crate::formats::las::write::{LasSource, provenance};
 use crate::progress::collect;
 use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
@@ -21,7 +21,7 @@ pub(crate) const LEAST_HEADER: usize = 227;
 pub(crate) const RECORD_HEAD: usize = 54;
 
 /// Header fields used for reading.
-pub(crate) struct Header {
+pub(crate) struct LasHeader {
     pub(crate) format: u8,
     pub(crate) record_bytes: usize,
     pub(crate) n_points: u64,
@@ -33,7 +33,7 @@ pub(crate) struct Header {
 }
 
 /// Variable-length record of the header.
-pub(crate) struct Record<'a> {
+pub(crate) struct VariableRecord<'a> {
     /// Start of the record.
     pub(crate) start: usize,
     pub(crate) user: &'a [u8],
@@ -44,7 +44,7 @@ pub(crate) struct Record<'a> {
 /// Number of the record that describes the compression.
 pub(crate) const LASZIP: u16 = 22204;
 
-impl Record<'_> {
+impl VariableRecord<'_> {
     /// True if the record describes the compression of the points.
     pub(crate) fn is_compression(&self) -> bool {
         self.user.starts_with(b"laszip encoded") && self.id == LASZIP
@@ -90,9 +90,9 @@ pub(crate) fn read_las(
     if header.is_compressed {
         limits.check_bytes(header.n_points.saturating_mul(header.record_bytes as u64))?;
     }
-    let points = unpacked(bytes, &header, progress)?;
+    let points = unpack_records(bytes, &header, progress)?;
     let records = records(bytes, &header);
-    let extra = |r: &&Record<'_>| r.user.starts_with(b"LASF_Spec") && r.id == 4;
+    let extra = |r: &&VariableRecord<'_>| r.user.starts_with(b"LASF_Spec") && r.id == 4;
     let standard = record_bytes(header.format).unwrap_or(header.record_bytes);
     let extra = ExtraBytes::parse(records.iter().find(extra).map_or(&[], |r| r.content), standard);
     let n = header.n_points as usize;
@@ -108,7 +108,7 @@ pub(crate) fn read_las(
     shape.precision = Precision::F64;
     shape.vertex_fields = fields(
         header.format,
-        &Records { bytes: &points, record_bytes: header.record_bytes, n, progress },
+        &PointRecords { bytes: &points, record_bytes: header.record_bytes, n, progress },
         &extra,
     )?;
     shape.extras.push("the LAS header and its records".into());
@@ -121,9 +121,9 @@ pub(crate) fn read_las(
 }
 
 /// Returns the point records one after the other, decompressed if necessary.
-pub(crate) fn unpacked<'a>(
+pub(crate) fn unpack_records<'a>(
     bytes: &'a [u8],
-    header: &Header,
+    header: &LasHeader,
     progress: Progress<'_>,
 ) -> Result<Cow<'a, [u8]>, ReadError> {
     if !header.is_compressed {
@@ -134,13 +134,13 @@ pub(crate) fn unpacked<'a>(
 }
 
 /// Description of the compression in the file.
-pub(crate) fn compression<'a>(records: &[Record<'a>]) -> Result<&'a [u8], ReadError> {
+pub(crate) fn compression<'a>(records: &[VariableRecord<'a>]) -> Result<&'a [u8], ReadError> {
     let missing =
         || ReadError::Whole("the LAZ has no record of its compression; get an undamaged file".into());
     records.iter().find(|r| r.is_compression()).map(|r| r.content).ok_or_else(missing)
 }
 
-pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
+pub(crate) fn parse_header(bytes: &[u8]) -> Option<LasHeader> {
     let minor = *bytes.get(25)?;
     let format_byte = *bytes.get(104)?;
     let legacy = u64::from(u32_at(bytes, 107)?);
@@ -148,7 +148,7 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
     let long = if minor >= 4 && u16_at(bytes, 94)? >= 255 { u64_at(bytes, 247)? } else { 0 };
     let triple = |at: usize| Some([f64_at(bytes, at)?, f64_at(bytes, at + 8)?, f64_at(bytes, at + 16)?]);
     bytes.get(LEAST_HEADER - 1)?;
-    Some(Header {
+    Some(LasHeader {
         format: format_byte & 0x3f,
         record_bytes: usize::from(u16_at(bytes, 105)?),
         n_points: if long > 0 { long } else { legacy },
@@ -161,27 +161,27 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Option<Header> {
 }
 
 /// Checks the header of a file of that many bytes.
-pub(crate) fn check_header(n_bytes: u64, header: &Header) -> Result<(), ReadError> {
+pub(crate) fn check_header(n_bytes: u64, header: &LasHeader) -> Result<(), ReadError> {
     let Some(least) = record_bytes(header.format) else {
         let message =
             format!("the point format must be in 0..=10, got {}; get an undamaged file", header.format);
-        return Err(ReadError::at_byte(104, message));
+        return Err(ReadError::byte_error(104, message));
     };
     if header.record_bytes < least {
         let message =
             format!("records of {} bytes are too short for format {}", header.record_bytes, header.format);
-        return Err(ReadError::at_byte(105, message));
+        return Err(ReadError::byte_error(105, message));
     }
     if header.bytes < LEAST_HEADER {
         let message = format!("a header of {} bytes is too short; get an undamaged file", header.bytes);
-        return Err(ReadError::at_byte(94, message));
+        return Err(ReadError::byte_error(94, message));
     }
     if header.points_start < header.bytes {
         let message = format!(
             "the points begin at byte {}, inside the header of {} bytes; get an undamaged file",
             header.points_start, header.bytes
         );
-        return Err(ReadError::at_byte(96, message));
+        return Err(ReadError::byte_error(96, message));
     }
     let remaining = n_bytes.saturating_sub(header.points_start as u64);
     let needed = header.n_points.saturating_mul(header.record_bytes as u64);
@@ -197,7 +197,7 @@ pub(crate) fn check_header(n_bytes: u64, header: &Header) -> Result<(), ReadErro
 }
 
 /// Complete records between header and points.
-pub(crate) fn records<'a>(bytes: &'a [u8], header: &Header) -> Vec<Record<'a>> {
+pub(crate) fn records<'a>(bytes: &'a [u8], header: &LasHeader) -> Vec<VariableRecord<'a>> {
     let bytes = bytes.get(..header.points_start).unwrap_or(bytes);
     let mut records = Vec::new();
     let mut at = header.bytes;
@@ -209,7 +209,7 @@ pub(crate) fn records<'a>(bytes: &'a [u8], header: &Header) -> Vec<Record<'a>> {
         };
         let start = at + RECORD_HEAD;
         let Some(content) = bytes.get(start..start + usize::from(n)) else { break };
-        records.push(Record { start: at, user, id, content });
+        records.push(VariableRecord { start: at, user, id, content });
         at = start + usize::from(n);
     }
     records

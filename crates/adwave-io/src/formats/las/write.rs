@@ -8,13 +8,14 @@ use std::sync::Arc;
 
 use adwave::Progress;
 
-use crate::formats::las::counts::Counts;
+use crate::formats::las::counts::PointCounts;
 use crate::formats::las::fields::record_bytes;
-use crate::formats::las::places::{Place, fits};
+use crate::formats::las::places::{DimensionSlot, fits};
 use crate::formats::las::read::{
-    Header, LASZIP, LEAST_HEADER, RECORD_HEAD, Record, is_copc_record, parse_header, records, unpacked,
+    LASZIP, LEAST_HEADER, LasHeader, RECORD_HEAD, VariableRecord, is_copc_record, parse_header, records,
+    unpack_records,
 };
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::provenance::{NAME, Provenance};
 use crate::{Format, ShapeFile, ValueType, WriteError, WriteReport};
 
@@ -50,7 +51,7 @@ pub(crate) const COMPRESSED: u8 = 0x80;
 pub(crate) const LONG_HEADER: usize = 375;
 
 /// Uncompressed file in parts.
-pub(crate) struct Parts {
+pub(crate) struct LasParts {
     pub(crate) header: Vec<u8>,
     /// Complete variable-length records, without that of the compression.
     pub(crate) records: Vec<Vec<u8>>,
@@ -60,7 +61,7 @@ pub(crate) struct Parts {
     /// Content after the points, and its original start.
     tail: Vec<u8>,
     tail_start: usize,
-    pub(crate) parsed: Header,
+    pub(crate) parsed: LasHeader,
 }
 
 /// Writes the shape's points.
@@ -72,18 +73,18 @@ pub(crate) fn write_las(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     if !shape.faces.is_empty() {
-        report.leave_out("faces");
+        report.report_dropped("faces");
     }
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
-    report.leave_face_fields(shape, &[]);
+    report.report_face_fields(shape, &[]);
     let original = shape.source::<LasSource>();
     let mut parts = match original {
         Some(original) => {
-            Parts::read(original, progress).ok_or_else(|| cannot(format, "points of a damaged file"))?
+            LasParts::read(original, progress).ok_or_else(|| cannot(format, "points of a damaged file"))?
         }
-        None => Parts::new(shape, format)?,
+        None => LasParts::new(shape, format)?,
     };
     if shape.moved || original.is_none() {
         parts.set_points(shape, format, progress)?;
@@ -96,7 +97,7 @@ pub(crate) fn write_las(
         parts.records.extend(shape.valid_provenance().and_then(provenance_record));
     }
     if original.is_none() && !parts.is_exact(shape) {
-        report.leave_out("digits of coordinates beyond 1e-9 of the extent");
+        report.report_dropped("digits of coordinates beyond 1e-9 of the extent");
     }
     if original.is_none_or(|original| original.kept.is_some()) {
         parts.count();
@@ -114,12 +115,12 @@ pub(crate) fn put<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
     bytes[at..at + N].copy_from_slice(&value);
 }
 
-impl Parts {
+impl LasParts {
     /// Parses the file that was read before; `None` if that fails, which only a changed library could cause.
     fn read(original: &LasSource, progress: Progress<'_>) -> Option<Self> {
         let bytes = &original.bytes[..];
         let parsed = parse_header(bytes)?;
-        let all = unpacked(bytes, &parsed, progress).ok()?;
+        let all = unpack_records(bytes, &parsed, progress).ok()?;
         let size = parsed.record_bytes;
         let points = match &original.kept {
             Some(kept) => kept.iter().flat_map(|&i| &all[i as usize * size..][..size]).copied().collect(),
@@ -188,7 +189,7 @@ impl Parts {
         }
         let has_color = shape.field("color").is_some_and(|f| f.n_channels == 3 && fits(f, ValueType::U16));
         let old = if has_color { 2 } else { 0 };
-        let is_old = shape.vertex_fields.iter().all(|field| Place::of(old, field).is_some());
+        let is_old = shape.vertex_fields.iter().all(|field| DimensionSlot::find(old, field).is_some());
         let id = if is_old { old } else { 6 + u8::from(has_color) };
         let size = record_bytes(id).unwrap_or(20);
         let (mut scales, mut lows) = ([0.0; 3], [0.0; 3]);
@@ -230,7 +231,7 @@ impl Parts {
         let (size, n) = (self.parsed.record_bytes, shape.points.len() as u64);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (i, point) in shape.points.iter().enumerate() {
-            at_row(progress, i as u64, n)?;
+            report_row(progress, i as u64, n)?;
             let row = &mut self.points[i * size..][..size];
             for axis in 0..3 {
                 let (scale, offset) = (self.parsed.scale[axis], self.parsed.offset[axis]);
@@ -269,7 +270,7 @@ impl Parts {
 
     /// Stores the number of points, in total and per return, in the header.
     fn count(&mut self) {
-        let mut counts = Counts::default();
+        let mut counts = PointCounts::default();
         for row in self.points.chunks_exact(self.parsed.record_bytes) {
             counts.add(row, self.parsed.format);
         }
@@ -310,7 +311,7 @@ impl Parts {
                 let compressed =
                     catch_unwind(AssertUnwindSafe(|| compress(bytes, description, &points, size, progress)));
                 bytes = compressed
-                    .unwrap_or_else(|_| Err(Stop::Refused("these points; write a LAS instead".into())))
+                    .unwrap_or_else(|_| Err(PackError::Refused("these points; write a LAS instead".into())))
                     .map_err(|stop| stop.into_error(format))?;
             }
             _ => bytes.append(&mut self.points),
@@ -387,9 +388,10 @@ pub(crate) fn is_provenance(record: &[u8]) -> bool {
 }
 
 /// Provenance of the points, if a record has it.
-pub(crate) fn provenance(records: &[Record<'_>]) -> Option<Provenance> {
-    let is_own =
-        |r: &&Record<'_>| r.id == PROVENANCE && r.user.split(|&b| b == 0).next() == Some(NAME.as_bytes());
+pub(crate) fn provenance(records: &[VariableRecord<'_>]) -> Option<Provenance> {
+    let is_own = |r: &&VariableRecord<'_>| {
+        r.id == PROVENANCE && r.user.split(|&b| b == 0).next() == Some(NAME.as_bytes())
+    };
     Provenance::from_json(std::str::from_utf8(records.iter().find(is_own)?.content).ok()?)
 }
 
@@ -406,12 +408,12 @@ pub(crate) fn variable_record(user: &[u8], id: u16, content: &[u8]) -> Vec<u8> {
 /// Points compressed between two checks for cancellation.
 const STEP: usize = 1 << 15;
 
-enum Stop {
+enum PackError {
     Cancelled(adwave::Cancelled),
     Refused(String),
 }
 
-impl Stop {
+impl PackError {
     fn into_error(self, format: Format) -> WriteError {
         match self {
             Self::Cancelled(cancelled) => cancelled.into(),
@@ -430,16 +432,16 @@ fn compress(
     points: &[u8],
     record_bytes: usize,
     progress: Progress<'_>,
-) -> Result<Vec<u8>, Stop> {
+) -> Result<Vec<u8>, PackError> {
     let refused =
-        |e: &dyn std::fmt::Display| Stop::Refused(format!("these points: {}", crate::text::one_line(e)));
+        |e: &dyn std::fmt::Display| PackError::Refused(format!("these points: {}", crate::text::one_line(e)));
     let mut target = Cursor::new(before);
     target.set_position(target.get_ref().len() as u64);
     let mut compressor =
         laz::LasZipCompressor::new(&mut target, description.clone()).map_err(|e| refused(&e))?;
     let n = points.len() / record_bytes;
     for (k, chunk) in points.chunks(STEP * record_bytes).enumerate() {
-        progress.step((k * STEP) as u64, n as u64).map_err(Stop::Cancelled)?;
+        progress.step((k * STEP) as u64, n as u64).map_err(PackError::Cancelled)?;
         compressor.compress_many(chunk).map_err(|e| refused(&e))?;
     }
     compressor.done().map_err(|e| refused(&e))?;

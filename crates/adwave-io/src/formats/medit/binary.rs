@@ -4,7 +4,7 @@
 use adwave::Progress;
 
 use crate::bytes::cursor::Cursor;
-use crate::formats::medit::read::{Content, Found, NONE, content_of};
+use crate::formats::medit::read::{KeywordContent, MeditContent, NONE, content_of};
 use crate::formats::medit::write::MeditSource;
 use crate::model::binary_rows::CoordinateRows;
 use crate::model::binary_rows::{BinaryRows, Run};
@@ -24,20 +24,20 @@ pub(crate) fn begins_as_meshb(bytes: &[u8]) -> Option<ByteOrder> {
 }
 
 /// Read position in the file, and its version.
-struct Input<'a> {
+struct MeditInput<'a> {
     cursor: Cursor<'a>,
     version: i32,
     dimension: usize,
 }
 
-impl Input<'_> {
+impl MeditInput<'_> {
     /// Size of a reference, an index or a count in bytes.
     fn n_whole_bytes(&self) -> usize {
         if self.version >= 4 { 8 } else { 4 }
     }
 
     /// Reads a count or the position of the next keyword.
-    fn whole(&mut self, n_bytes: usize, element: &str) -> Result<i64, ReadError> {
+    fn integer(&mut self, n_bytes: usize, element: &str) -> Result<i64, ReadError> {
         if n_bytes == 8 { self.cursor.number(element, 0) } else { self.cursor.i32(element).map(i64::from) }
     }
 }
@@ -53,32 +53,32 @@ pub(crate) fn read_meshb(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let order = begins_as_meshb(&bytes).ok_or_else(|| {
-        ReadError::at_byte(0, "the head of a binary Medit mesh is invalid; get the file again")
+        ReadError::byte_error(0, "the head of a binary Medit mesh is invalid; get the file again")
     })?;
     let version = i32::from_bytes(&bytes[4..], order);
-    let mut input = Input { cursor: Cursor::new(&bytes, 8, order), version, dimension: 3 };
-    let mut found = Found::default();
+    let mut input = MeditInput { cursor: Cursor::new(&bytes, 8, order), version, dimension: 3 };
+    let mut found = MeditContent::default();
     let mut run = None;
     loop {
         progress.check()?;
         let start = input.cursor.position;
         let keyword = input.cursor.i32("keyword")?;
-        let next = input.whole(if version >= 3 { 8 } else { 4 }, "keyword")?;
+        let next = input.integer(if version >= 3 { 8 } else { 4 }, "keyword")?;
         match content_of(keyword) {
-            Some(Content::End) => break,
-            Some(Content::Dimension) => {
+            Some(KeywordContent::End) => break,
+            Some(KeywordContent::Dimension) => {
                 let dimension = input.cursor.i32("the dimension")?;
                 if !matches!(dimension, 2 | 3) {
                     let message =
                         format!("points must have dimension 2 or 3, got {dimension}; save them as 3");
-                    return Err(ReadError::at_byte(start, message));
+                    return Err(ReadError::byte_error(start, message));
                 }
                 input.dimension = dimension as usize;
             }
-            Some(Content::Vertices) if run.is_none() => {
+            Some(KeywordContent::Vertices) if run.is_none() => {
                 run = Some(vertices(&mut input, &mut found, limits, progress)?);
             }
-            Some(content) if content != Content::Vertices => {
+            Some(content) if content != KeywordContent::Vertices => {
                 elements(&mut input, &mut found, content, progress)?;
             }
             _ => found.has_other = true,
@@ -89,7 +89,7 @@ pub(crate) fn read_meshb(
         let next = usize::try_from(next).ok().filter(|&n| n >= input.cursor.position && n <= bytes.len());
         let Some(next) = next else {
             let message = "the position of the next keyword lies outside the file; get the whole file";
-            return Err(ReadError::at_byte(start + 4, message));
+            return Err(ReadError::byte_error(start + 4, message));
         };
         input.cursor.position = next;
     }
@@ -107,8 +107,8 @@ pub(crate) fn read_meshb(
 }
 
 fn vertices(
-    input: &mut Input<'_>,
-    found: &mut Found,
+    input: &mut MeditInput<'_>,
+    found: &mut MeditContent,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<Run, ReadError> {
@@ -137,22 +137,26 @@ fn vertices(
     Ok(Run { start, n: n as usize, stride })
 }
 
-fn count(input: &mut Input<'_>, n_bytes: usize, what: &str) -> Result<u64, ReadError> {
+fn count(input: &mut MeditInput<'_>, n_bytes: usize, what: &str) -> Result<u64, ReadError> {
     let start = input.cursor.position;
-    let n = input.whole(n_bytes, what)?;
-    u64::try_from(n)
-        .map_err(|_| ReadError::at_byte(start, format!("{what} must not be negative; get an undamaged file")))
+    let n = input.integer(n_bytes, what)?;
+    u64::try_from(n).map_err(|_| {
+        ReadError::byte_error(start, format!("{what} must not be negative; get an undamaged file"))
+    })
 }
 
 fn elements(
-    input: &mut Input<'_>,
-    found: &mut Found,
-    content: Content,
+    input: &mut MeditInput<'_>,
+    found: &mut MeditContent,
+    content: KeywordContent,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
     let n_whole = input.n_whole_bytes();
     let n = count(input, n_whole, "the number of elements")?;
-    let (Content::Edges(n_nodes) | Content::Faces(_, n_nodes) | Content::Cells(_, n_nodes)) = content else {
+    let (KeywordContent::Edges(n_nodes)
+    | KeywordContent::Faces(_, n_nodes)
+    | KeywordContent::Cells(_, n_nodes)) = content
+    else {
         return Ok(());
     };
     let stride = n_whole * (n_nodes + 1);

@@ -7,13 +7,13 @@ use crate::formats::medit::write::MeditSource;
 use crate::model::binary_rows::CoordinateRows;
 use crate::model::text_rows::{Separator, TextRows};
 use crate::model::volume::{Cell, Cells};
-use crate::progress::{all, at_row, collect};
+use crate::progress::{all, collect, report_row};
 use crate::text::tokens::Tokens;
 use crate::{Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Content after a keyword.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Content {
+pub(crate) enum KeywordContent {
     Dimension,
     Vertices,
     /// Elements with that many nodes, the corners first.
@@ -24,28 +24,28 @@ pub(crate) enum Content {
 }
 
 /// Names and numbers of the supported keywords.
-const KEYWORDS: &[(&str, i32, Content)] = &[
-    ("Dimension", 3, Content::Dimension),
-    ("Vertices", 4, Content::Vertices),
-    ("Edges", 5, Content::Edges(2)),
-    ("Triangles", 6, Content::Faces(3, 3)),
-    ("Quadrilaterals", 7, Content::Faces(4, 4)),
-    ("Tetrahedra", 8, Content::Cells(Cell::Tetrahedron, 4)),
-    ("Prisms", 9, Content::Cells(Cell::Prism, 6)),
-    ("Pentahedra", 9, Content::Cells(Cell::Prism, 6)),
-    ("Hexahedra", 10, Content::Cells(Cell::Hexahedron, 8)),
-    ("Hexaedra", 10, Content::Cells(Cell::Hexahedron, 8)),
-    ("TrianglesP2", 24, Content::Faces(3, 6)),
-    ("EdgesP2", 25, Content::Edges(3)),
-    ("QuadrilateralsQ2", 27, Content::Faces(4, 9)),
-    ("TetrahedraP2", 30, Content::Cells(Cell::Tetrahedron, 10)),
-    ("HexahedraQ2", 33, Content::Cells(Cell::Hexahedron, 27)),
-    ("Pyramids", 49, Content::Cells(Cell::Pyramid, 5)),
-    ("End", 54, Content::End),
+const KEYWORDS: &[(&str, i32, KeywordContent)] = &[
+    ("Dimension", 3, KeywordContent::Dimension),
+    ("Vertices", 4, KeywordContent::Vertices),
+    ("Edges", 5, KeywordContent::Edges(2)),
+    ("Triangles", 6, KeywordContent::Faces(3, 3)),
+    ("Quadrilaterals", 7, KeywordContent::Faces(4, 4)),
+    ("Tetrahedra", 8, KeywordContent::Cells(Cell::Tetrahedron, 4)),
+    ("Prisms", 9, KeywordContent::Cells(Cell::Prism, 6)),
+    ("Pentahedra", 9, KeywordContent::Cells(Cell::Prism, 6)),
+    ("Hexahedra", 10, KeywordContent::Cells(Cell::Hexahedron, 8)),
+    ("Hexaedra", 10, KeywordContent::Cells(Cell::Hexahedron, 8)),
+    ("TrianglesP2", 24, KeywordContent::Faces(3, 6)),
+    ("EdgesP2", 25, KeywordContent::Edges(3)),
+    ("QuadrilateralsQ2", 27, KeywordContent::Faces(4, 9)),
+    ("TetrahedraP2", 30, KeywordContent::Cells(Cell::Tetrahedron, 10)),
+    ("HexahedraQ2", 33, KeywordContent::Cells(Cell::Hexahedron, 27)),
+    ("Pyramids", 49, KeywordContent::Cells(Cell::Pyramid, 5)),
+    ("End", 54, KeywordContent::End),
 ];
 
 /// Content after the keyword of that number in a binary file.
-pub(crate) fn content_of(number: i32) -> Option<Content> {
+pub(crate) fn content_of(number: i32) -> Option<KeywordContent> {
     KEYWORDS.iter().find(|(_, own, _)| *own == number).map(|(.., content)| *content)
 }
 
@@ -54,7 +54,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// Content read from a file.
 #[derive(Default)]
-pub(crate) struct Found {
+pub(crate) struct MeditContent {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) of_points: Vec<i64>,
     pub(crate) edges: Vec<u32>,
@@ -66,19 +66,19 @@ pub(crate) struct Found {
     pub(crate) has_other: bool,
 }
 
-impl Found {
+impl MeditContent {
     /// List of corners for elements of this kind, with capacity for `n` more.
     pub(crate) fn begin(
         &mut self,
-        content: Content,
+        content: KeywordContent,
         n: usize,
     ) -> (&mut Vec<u32>, Option<&mut Vec<i64>>, usize) {
         match content {
-            Content::Faces(size, _) => {
+            KeywordContent::Faces(size, _) => {
                 self.sizes.extend(std::iter::repeat_n(size, n));
                 (&mut self.corners, Some(&mut self.of_faces), size.into())
             }
-            Content::Cells(cell, _) => {
+            KeywordContent::Cells(cell, _) => {
                 self.cells.kinds.extend(std::iter::repeat_n(cell, n));
                 (&mut self.cells.corners, Some(&mut self.of_cells), cell.n_corners())
             }
@@ -108,7 +108,7 @@ impl Found {
             let mut offsets = vec![0];
             let mut end = 0;
             for (row, &size) in self.sizes.iter().enumerate() {
-                at_row(progress, row as u64, self.sizes.len() as u64)?;
+                report_row(progress, row as u64, self.sizes.len() as u64)?;
                 end += u32::from(size);
                 offsets.push(end);
             }
@@ -149,28 +149,28 @@ pub(crate) fn read_medit(
 ) -> Result<ShapeFile, ReadError> {
     let start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     let mut tokens = Tokens::new(&bytes, start);
-    let mut found = Found::default();
+    let mut found = MeditContent::default();
     let (mut dimension, mut has_vertices, mut rows) = (3, false, Vec::new());
     tokens.next();
-    tokens.whole("the version", 0)?;
+    tokens.integer("the version", 0)?;
     while let Some((start, word)) = tokens.next() {
         let content =
             KEYWORDS.iter().find(|(name, ..)| name.as_bytes() == word).map(|(.., content)| *content);
         match content {
-            Some(Content::End) => break,
-            Some(Content::Dimension) => {
-                dimension = tokens.whole("the dimension", 0)?;
+            Some(KeywordContent::End) => break,
+            Some(KeywordContent::Dimension) => {
+                dimension = tokens.integer("the dimension", 0)?;
                 if !matches!(dimension, 2 | 3) {
                     let message =
                         format!("points must have dimension 2 or 3, got {dimension}; save them as 3");
-                    return Err(ReadError::in_line(&bytes, start, message));
+                    return Err(ReadError::line_error(&bytes, start, message));
                 }
             }
-            Some(Content::Vertices) if !has_vertices => {
+            Some(KeywordContent::Vertices) if !has_vertices => {
                 has_vertices = true;
                 vertices(&mut found, &mut tokens, &mut rows, dimension as usize, limits, progress)?;
             }
-            Some(content) if content != Content::Vertices => {
+            Some(content) if content != KeywordContent::Vertices => {
                 elements(&mut found, &mut tokens, content, progress)?;
             }
             _ if word[0].is_ascii_alphabetic() => {
@@ -181,12 +181,12 @@ pub(crate) fn read_medit(
             _ => {
                 let word = crate::text::show(word);
                 let message = format!("expected a keyword, got {word}; correct the count before it");
-                return Err(ReadError::in_line(&bytes, start, message));
+                return Err(ReadError::line_error(&bytes, start, message));
             }
         }
     }
     if !has_vertices {
-        return Err(ReadError::in_line(
+        return Err(ReadError::line_error(
             &bytes,
             bytes.len(),
             "the keyword Vertices is missing; get the whole file",
@@ -205,7 +205,7 @@ fn skip_numbers(tokens: &mut Tokens<'_>, progress: Progress<'_>) -> Result<(), R
     while let Some(word) = tokens.peek()
         && !word[0].is_ascii_alphabetic()
     {
-        at_row(progress, row, 0)?;
+        report_row(progress, row, 0)?;
         tokens.next();
         row += 1;
     }
@@ -213,7 +213,7 @@ fn skip_numbers(tokens: &mut Tokens<'_>, progress: Progress<'_>) -> Result<(), R
 }
 
 fn vertices(
-    found: &mut Found,
+    found: &mut MeditContent,
     tokens: &mut Tokens<'_>,
     rows: &mut Vec<u64>,
     dimension: usize,
@@ -224,7 +224,7 @@ fn vertices(
     limits.check_points(n)?;
     tokens.check(n, 2 * dimension as u64 + 2, "vertex")?;
     for row in 0..n {
-        at_row(progress, row, n)?;
+        report_row(progress, row, n)?;
         tokens.skip();
         rows.push(tokens.position as u64);
         let mut point = [0.0; 3];
@@ -232,30 +232,33 @@ fn vertices(
             *x = tokens.number("vertex", row)?;
         }
         found.points.push(point);
-        found.of_points.push(tokens.whole("vertex", row)?);
+        found.of_points.push(tokens.integer("vertex", row)?);
     }
     Ok(())
 }
 
 fn elements(
-    found: &mut Found,
+    found: &mut MeditContent,
     tokens: &mut Tokens<'_>,
-    content: Content,
+    content: KeywordContent,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
     let n = tokens.count("the number of elements", 0)?;
-    let (Content::Edges(n_nodes) | Content::Faces(_, n_nodes) | Content::Cells(_, n_nodes)) = content else {
+    let (KeywordContent::Edges(n_nodes)
+    | KeywordContent::Faces(_, n_nodes)
+    | KeywordContent::Cells(_, n_nodes)) = content
+    else {
         return Ok(());
     };
     tokens.check(n, 2 + 2 * n_nodes as u64, "element")?;
     let n_vertices = found.points.len();
     let (corners, mut references, n_corners) = found.begin(content, n as usize);
     for row in 0..n {
-        at_row(progress, row, n)?;
+        report_row(progress, row, n)?;
         for k in 0..n_nodes {
             tokens.skip();
             let start = tokens.position;
-            let index = tokens.whole("element", row)?;
+            let index = tokens.integer("element", row)?;
             if index < 1 || index as u64 > n_vertices as u64 {
                 return Err(ReadError::FaceIndex {
                     place: format!("line {}", crate::text::line_of(tokens.bytes, start)),
@@ -268,7 +271,7 @@ fn elements(
                 corners.push(index as u32 - 1);
             }
         }
-        let reference = tokens.whole("element", row)?;
+        let reference = tokens.integer("element", row)?;
         if let Some(list) = &mut references {
             list.push(reference);
         }

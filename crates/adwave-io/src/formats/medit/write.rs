@@ -8,7 +8,7 @@ use std::io::Write;
 use adwave::Progress;
 
 use crate::model::binary_rows::CoordinateRows;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Field, Format, Precision, ShapeFile, WriteError, WriteReport};
 
@@ -29,7 +29,7 @@ impl SourceDocument for MeditSource {
             return Ok(Update::DoesNotFit);
         }
         for name in &shape.edited {
-            context.report.leave_out(format!("vertex field `{name}`"));
+            context.report.report_dropped(format!("vertex field `{name}`"));
         }
         self.rows.write_all(shape, context)?;
         Ok(Update::Written)
@@ -63,30 +63,30 @@ pub(crate) fn write_medit(
     let of_points = references(&shape.vertex_fields);
     let is_whole = shape.faces.iter().all(|f| matches!(f.len(), 3 | 4));
     let of_faces = references(&shape.face_fields).filter(|_| is_whole);
-    report.leave_vertex_fields(shape, of_points.map(|_| "reference").as_slice());
-    report.leave_face_fields(shape, of_faces.map(|_| "reference").as_slice());
+    report.report_vertex_fields(shape, of_points.map(|_| "reference").as_slice());
+    report.report_face_fields(shape, of_faces.map(|_| "reference").as_slice());
     if !shape.faces.is_empty() && !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     } else if !shape.edges.weights.is_empty() {
-        report.leave_out("weights of edges");
+        report.report_dropped("weights of edges");
     }
     let reference = |field: Option<&Field>, i: usize| field.map_or(0, |f| f.values.get(i) as i32);
     let (mut triangles, mut quadrilaterals) = (Vec::new(), Vec::new());
     for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, shape.faces.len() as u64)?;
+        report_row(progress, f as u64, shape.faces.len() as u64)?;
         match *face {
             [a, b, c] => {
                 if !quadrilaterals.is_empty() {
-                    report.leave_out("the order of faces (triangles come first)");
+                    report.report_dropped("the order of faces (triangles come first)");
                 }
                 triangles.push(([a, b, c], reference(of_faces, f)));
             }
             [a, b, c, d] => quadrilaterals.push(([a, b, c, d], reference(of_faces, f))),
             [first, .., _] if face.len() > 4 => {
-                report.leave_out("polygons (as triangles)");
+                report.report_dropped("polygons (as triangles)");
                 triangles.extend(face.windows(2).skip(1).map(|w| ([first, w[0], w[1]], 0)));
             }
-            _ => report.leave_out("faces of fewer than three corners"),
+            _ => report.report_dropped("faces of fewer than three corners"),
         }
     }
     let edges: Vec<([u32; 2], i32)> = if shape.faces.is_empty() {
@@ -103,7 +103,7 @@ pub(crate) fn write_medit(
     let is_single = shape.precision == Precision::F32;
     let version = if n_bytes > 1 << 30 { 3 } else { 2 - i32::from(is_single) };
     let mut writer =
-        Writer { is_binary: format == Format::MEDIT_BINARY, version, position: 0, out, progress };
+        MeditWriter { is_binary: format == Format::MEDIT_BINARY, version, position: 0, out, progress };
     writer.head()?;
     writer.vertices(shape, |i| reference(of_points, i))?;
     writer.elements(Keyword { name: "Edges", number: 5 }, &edges)?;
@@ -112,7 +112,7 @@ pub(crate) fn write_medit(
     writer.end()
 }
 
-struct Writer<'a, 'p> {
+struct MeditWriter<'a, 'p> {
     is_binary: bool,
     version: i32,
     /// Bytes written to a binary file so far.
@@ -121,7 +121,7 @@ struct Writer<'a, 'p> {
     progress: Progress<'p>,
 }
 
-impl Writer<'_, '_> {
+impl MeditWriter<'_, '_> {
     fn head(&mut self) -> Result<(), WriteError> {
         if !self.is_binary {
             return Ok(writeln!(self.out, "MeshVersionFormatted 2\nDimension 3")?);
@@ -169,7 +169,7 @@ impl Writer<'_, '_> {
         )?;
         let mut row = Vec::new();
         for (i, point) in shape.points.iter().enumerate() {
-            at_row(self.progress, i as u64, shape.points.len() as u64)?;
+            report_row(self.progress, i as u64, shape.points.len() as u64)?;
             row.clear();
             if self.is_binary {
                 for &x in point {
@@ -203,7 +203,7 @@ impl Writer<'_, '_> {
         self.begin(keyword, rows.len(), 4 * (N + 1))?;
         let mut row = Vec::new();
         for (i, (corners, reference)) in rows.iter().enumerate() {
-            at_row(self.progress, i as u64, rows.len() as u64)?;
+            report_row(self.progress, i as u64, rows.len() as u64)?;
             row.clear();
             if self.is_binary {
                 row.extend(corners.iter().flat_map(|v| (v + 1).to_le_bytes()));

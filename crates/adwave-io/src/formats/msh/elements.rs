@@ -5,16 +5,16 @@ use std::collections::HashMap;
 use adwave::Progress;
 
 use crate::ReadError;
-use crate::formats::msh::input::Input;
-use crate::formats::msh::kinds::Kind;
-use crate::formats::msh::nodes::{NONE, Tags};
+use crate::formats::msh::input::MshInput;
+use crate::formats::msh::kinds::ElementKind;
+use crate::formats::msh::nodes::{NONE, NodeTags};
 use crate::model::field::{ByteOrder, Number};
 use crate::model::volume::Cells;
-use crate::progress::{at_row, extend};
+use crate::progress::{extend, report_row};
 
 /// Elements of one dimension: corners as rows of nodes, and their tags.
 #[derive(Default)]
-pub(crate) struct Part {
+pub(crate) struct ElementList {
     /// Number of corners of each element.
     pub(crate) sizes: Vec<u8>,
     pub(crate) corners: Vec<u32>,
@@ -26,9 +26,9 @@ pub(crate) struct Part {
 /// All elements except points.
 #[derive(Default)]
 pub(crate) struct Elements {
-    pub(crate) lines: Part,
-    pub(crate) faces: Part,
-    pub(crate) volumes: Part,
+    pub(crate) lines: ElementList,
+    pub(crate) faces: ElementList,
+    pub(crate) volumes: ElementList,
     pub(crate) cells: Cells,
     pub(crate) n_points: u64,
     /// True if an element has nodes between its corners.
@@ -36,11 +36,11 @@ pub(crate) struct Elements {
 }
 
 /// First physical group of each entity, by dimension and tag.
-pub(crate) type Groups = HashMap<(i64, i64), i32>;
+pub(crate) type PhysicalGroups = HashMap<(i64, i64), i32>;
 
 /// Consecutive elements of one kind.
-struct Block {
-    kind: Kind,
+struct ElementBlock {
+    kind: ElementKind,
     n_nodes: usize,
     n: u64,
     physical: i32,
@@ -48,21 +48,21 @@ struct Block {
 }
 
 impl Elements {
-    fn part(&mut self, kind: Kind) -> Option<&mut Part> {
+    fn part(&mut self, kind: ElementKind) -> Option<&mut ElementList> {
         match kind {
-            Kind::Point => None,
-            Kind::Line => Some(&mut self.lines),
-            Kind::Face(_) => Some(&mut self.faces),
-            Kind::Cell(_) => Some(&mut self.volumes),
+            ElementKind::Point => None,
+            ElementKind::Line => Some(&mut self.lines),
+            ElementKind::Face(_) => Some(&mut self.faces),
+            ElementKind::Cell(_) => Some(&mut self.volumes),
         }
     }
 
     /// Records the properties common to all elements of a block.
-    fn begin(&mut self, kind: Kind, n_nodes: usize, n: u64) {
+    fn begin(&mut self, kind: ElementKind, n_nodes: usize, n: u64) {
         self.is_curved |= n_nodes > kind.n_corners();
         match kind {
-            Kind::Point => self.n_points += n,
-            Kind::Cell(cell) => self.cells.kinds.extend(std::iter::repeat_n(cell, n as usize)),
+            ElementKind::Point => self.n_points += n,
+            ElementKind::Cell(cell) => self.cells.kinds.extend(std::iter::repeat_n(cell, n as usize)),
             _ => {}
         }
     }
@@ -70,9 +70,9 @@ impl Elements {
 
 /// Reads the content of `$Elements`.
 pub(crate) fn read_elements(
-    input: &mut Input<'_>,
-    nodes: &Tags,
-    groups: &Groups,
+    input: &mut MshInput<'_>,
+    nodes: &NodeTags,
+    groups: &PhysicalGroups,
     progress: Progress<'_>,
 ) -> Result<Elements, ReadError> {
     let mut elements = Elements::default();
@@ -83,7 +83,7 @@ pub(crate) fn read_elements(
         } else {
             input.tokens().check(n, 8, "element")?;
             for row in 0..n {
-                at_row(progress, row, n)?;
+                report_row(progress, row, n)?;
                 text_2(&mut elements, input, nodes, row)?;
             }
         }
@@ -95,7 +95,7 @@ pub(crate) fn read_elements(
             input.size("block of elements", 0)?;
         }
         for block in 0..n_blocks {
-            at_row(progress, block, n_blocks)?;
+            report_row(progress, block, n_blocks)?;
             let mut next = || input.int("block of elements", block);
             let [a, b, number] = [next()?, next()?, next()?];
             let n = input.size("block of elements", block)?;
@@ -103,7 +103,7 @@ pub(crate) fn read_elements(
             let entity = if input.version >= 41 { (a, b) } else { (b, a) };
             let (kind, n_nodes) = input.kind(number)?;
             let physical = groups.get(&entity).copied().unwrap_or(0);
-            let block = Block { kind, n_nodes, n, physical, elementary: entity.1 as i32 };
+            let block = ElementBlock { kind, n_nodes, n, physical, elementary: entity.1 as i32 };
             read_block(&mut elements, input, nodes, &block, progress)?;
         }
     }
@@ -117,7 +117,12 @@ pub(crate) fn read_elements(
 }
 
 /// Reads one text element of version 2: tag, kind, number of tags, tags, nodes.
-fn text_2(elements: &mut Elements, input: &mut Input<'_>, nodes: &Tags, row: u64) -> Result<(), ReadError> {
+fn text_2(
+    elements: &mut Elements,
+    input: &mut MshInput<'_>,
+    nodes: &NodeTags,
+    row: u64,
+) -> Result<(), ReadError> {
     let tag = input.size("element", row)?;
     let number = input.int("element", row)?;
     let (kind, n_nodes) = input.kind(number)?;
@@ -140,7 +145,7 @@ fn text_2(elements: &mut Elements, input: &mut Input<'_>, nodes: &Tags, row: u64
 
 /// An element of a text before its nodes.
 struct Element {
-    kind: Kind,
+    kind: ElementKind,
     n_nodes: usize,
     tag: u64,
 }
@@ -148,8 +153,8 @@ struct Element {
 /// Reads the nodes of one text element.
 fn push(
     elements: &mut Elements,
-    input: &mut Input<'_>,
-    nodes: &Tags,
+    input: &mut MshInput<'_>,
+    nodes: &NodeTags,
     element: Element,
     row: u64,
 ) -> Result<(), ReadError> {
@@ -166,7 +171,7 @@ fn push(
             *corner = nodes.row(node);
             if *corner == NONE {
                 let message = format!("element {row} names node {node}, which does not exist; correct it");
-                return Err(ReadError::in_line(tokens.bytes, start, message));
+                return Err(ReadError::line_error(tokens.bytes, start, message));
             }
         }
     }
@@ -182,9 +187,9 @@ fn push(
 /// Reads a block of version 4: elements of a tag and nodes.
 fn read_block(
     elements: &mut Elements,
-    input: &mut Input<'_>,
-    nodes: &Tags,
-    block: &Block,
+    input: &mut MshInput<'_>,
+    nodes: &NodeTags,
+    block: &ElementBlock,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
     if input.is_binary {
@@ -199,7 +204,7 @@ fn read_block(
         input.tokens().check(block.n, 2 + 2 * block.n_nodes as u64, "element")?;
         elements.begin(block.kind, block.n_nodes, block.n);
         for row in 0..block.n {
-            at_row(progress, row, block.n)?;
+            report_row(progress, row, block.n)?;
             let tag = input.size("element", row)?;
             let element = Element { kind: block.kind, n_nodes: block.n_nodes, tag };
             push(elements, input, nodes, element, row)?;
@@ -216,8 +221,8 @@ fn read_block(
 /// Reads blocks of version 2, each with its kind, its number of elements, and their number of tags.
 fn binary_2(
     elements: &mut Elements,
-    input: &mut Input<'_>,
-    nodes: &Tags,
+    input: &mut MshInput<'_>,
+    nodes: &NodeTags,
     n: u64,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
@@ -238,7 +243,7 @@ fn binary_2(
         let head = 1 + n_tags as usize;
         let start = cursor.position;
         let rows = cursor.rows(n_rows as u64, (4 * (head + n_nodes)) as u64, "element")?;
-        let block = Block { kind, n_nodes, n: n_rows as u64, physical: 0, elementary: 0 };
+        let block = ElementBlock { kind, n_nodes, n: n_rows as u64, physical: 0, elementary: 0 };
         let layout = RowLayout { rows, start, n_bytes: 4, head, order: input.order };
         binary_rows(elements, nodes, &block, &layout, progress)?;
         let order = input.order;
@@ -271,8 +276,8 @@ struct RowLayout<'a> {
 /// Reads the rows of a block of a binary file.
 fn binary_rows(
     elements: &mut Elements,
-    nodes: &Tags,
-    block: &Block,
+    nodes: &NodeTags,
+    block: &ElementBlock,
     layout: &RowLayout<'_>,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
@@ -298,7 +303,7 @@ fn binary_rows(
         let k = found.iter().position(|&v| v == NONE).unwrap_or(0);
         let (row, node) = (k / n_corners, whole(place(k)));
         let message = format!("element {row} of a block names node {node}, which does not exist; correct it");
-        return Err(ReadError::at_byte(start + place(k), message));
+        return Err(ReadError::byte_error(start + place(k), message));
     }
     Ok(())
 }

@@ -3,14 +3,14 @@
 use adwave::Progress;
 
 use crate::ReadError;
-use crate::formats::msh::input::Input;
+use crate::formats::msh::input::MshInput;
 use crate::model::field::Number;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::line_end;
 use crate::text::tokens::Tokens;
 
 /// Values of some nodes or elements.
-pub(crate) struct Values {
+pub(crate) struct TagValues {
     pub(crate) name: String,
     pub(crate) n_channels: usize,
     pub(crate) tags: Vec<u64>,
@@ -19,7 +19,7 @@ pub(crate) struct Values {
 }
 
 /// Reads the content of `$NodeData` or `$ElementData`.
-pub(crate) fn read_values(input: &mut Input<'_>, progress: Progress<'_>) -> Result<Values, ReadError> {
+pub(crate) fn read_values(input: &mut MshInput<'_>, progress: Progress<'_>) -> Result<TagValues, ReadError> {
     let mut tokens = Tokens::new(input.bytes, input.position);
     let n_strings = tokens.count("the number of names", 0)?;
     tokens.check(n_strings, 1, "name")?;
@@ -43,7 +43,7 @@ pub(crate) fn read_values(input: &mut Input<'_>, progress: Progress<'_>) -> Resu
     tokens.check(n_wholes, 2, "count")?;
     let mut counts = [0, 1, 0];
     for row in 0..n_wholes {
-        let count = tokens.whole("count", row)?;
+        let count = tokens.integer("count", row)?;
         if let Some(slot) = counts.get_mut(row as usize) {
             *slot = count;
         }
@@ -55,7 +55,7 @@ pub(crate) fn read_values(input: &mut Input<'_>, progress: Progress<'_>) -> Resu
     }
     let (n, n_channels) = (n_rows as u64, n_channels as usize);
     let mut found =
-        Values { name: name.unwrap_or_default(), n_channels, tags: Vec::new(), numbers: Vec::new() };
+        TagValues { name: name.unwrap_or_default(), n_channels, tags: Vec::new(), numbers: Vec::new() };
     if found.name.is_empty() {
         found.name = "field".into();
     }
@@ -66,7 +66,7 @@ pub(crate) fn read_values(input: &mut Input<'_>, progress: Progress<'_>) -> Resu
         let rows = cursor.rows(n, stride as u64, "value")?;
         input.position = cursor.position;
         for (row, bytes) in rows.chunks_exact(stride).enumerate() {
-            at_row(progress, row as u64, n)?;
+            report_row(progress, row as u64, n)?;
             found.tags.push(u32::from_bytes(bytes, input.order).into());
             found.numbers.extend(bytes[4..].chunks_exact(8).map(|b| f64::from_bytes(b, input.order)));
         }
@@ -74,7 +74,7 @@ pub(crate) fn read_values(input: &mut Input<'_>, progress: Progress<'_>) -> Resu
     }
     tokens.check(n, 2 * (1 + n_channels as u64), "value")?;
     for row in 0..n {
-        at_row(progress, row, n)?;
+        report_row(progress, row, n)?;
         found.tags.push(tokens.count("value", row)?);
         for _ in 0..n_channels {
             found.numbers.push(tokens.number("value", row)?);

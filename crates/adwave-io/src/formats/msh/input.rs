@@ -2,13 +2,13 @@
 
 use crate::ReadError;
 use crate::bytes::cursor::Cursor;
-use crate::formats::msh::kinds::{Kind, kind_of};
+use crate::formats::msh::kinds::{ElementKind, kind_of};
 use crate::model::field::ByteOrder;
 use crate::text::tokens::Tokens;
 use crate::text::{is_space, line_end, show};
 
 /// Read position in the file, whose numbers are text or binary.
-pub(crate) struct Input<'a> {
+pub(crate) struct MshInput<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) position: usize,
     pub(crate) is_binary: bool,
@@ -17,7 +17,7 @@ pub(crate) struct Input<'a> {
     pub(crate) version: u32,
 }
 
-impl<'a> Input<'a> {
+impl<'a> MshInput<'a> {
     pub(crate) fn tokens(&self) -> Tokens<'a> {
         Tokens::new(self.bytes, self.position)
     }
@@ -29,9 +29,9 @@ impl<'a> Input<'a> {
     /// Creates the error at the read position.
     pub(crate) fn wrong(&self, message: &str) -> ReadError {
         if self.is_binary {
-            return ReadError::at_byte(self.position, message);
+            return ReadError::byte_error(self.position, message);
         }
-        ReadError::in_line(self.bytes, self.position, message)
+        ReadError::line_error(self.bytes, self.position, message)
     }
 
     /// Reads a 32-bit integer.
@@ -43,7 +43,7 @@ impl<'a> Input<'a> {
             return Ok(x.into());
         }
         let mut tokens = self.tokens();
-        let x = tokens.whole(element, row)?;
+        let x = tokens.integer(element, row)?;
         self.position = tokens.position;
         Ok(x)
     }
@@ -83,7 +83,7 @@ impl<'a> Input<'a> {
         Ok(n)
     }
 
-    pub(crate) fn kind(&self, number: i64) -> Result<(Kind, usize), ReadError> {
+    pub(crate) fn kind(&self, number: i64) -> Result<(ElementKind, usize), ReadError> {
         kind_of(number).ok_or_else(|| {
             self.wrong(&format!("elements of kind {number} are not supported; save polygons as triangles"))
         })

@@ -4,7 +4,7 @@ use crate::model::volume::Cell;
 
 /// Kind of an element, apart from the nodes between its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum ElementKind {
     Point,
     Line,
     /// Triangle or quadrilateral.
@@ -130,28 +130,28 @@ const PYRAMIDS: &[(u32, u32)] = &[
 ];
 
 /// Numbers and node counts of a family, and the kind of its elements.
-type Family = (&'static [(u32, u32)], Kind);
+type Family = (&'static [(u32, u32)], ElementKind);
 
 const FAMILIES: &[Family] = &[
-    (POINTS, Kind::Point),
-    (LINES, Kind::Line),
-    (TRIANGLES, Kind::Face(3)),
-    (QUADRILATERALS, Kind::Face(4)),
-    (TETRAHEDRA, Kind::Cell(Cell::Tetrahedron)),
-    (HEXAHEDRA, Kind::Cell(Cell::Hexahedron)),
-    (PRISMS, Kind::Cell(Cell::Prism)),
-    (PYRAMIDS, Kind::Cell(Cell::Pyramid)),
+    (POINTS, ElementKind::Point),
+    (LINES, ElementKind::Line),
+    (TRIANGLES, ElementKind::Face(3)),
+    (QUADRILATERALS, ElementKind::Face(4)),
+    (TETRAHEDRA, ElementKind::Cell(Cell::Tetrahedron)),
+    (HEXAHEDRA, ElementKind::Cell(Cell::Hexahedron)),
+    (PRISMS, ElementKind::Cell(Cell::Prism)),
+    (PYRAMIDS, ElementKind::Cell(Cell::Pyramid)),
 ];
 
 /// Kind and number of nodes of the elements with that number.
-pub(crate) fn kind_of(number: i64) -> Option<(Kind, usize)> {
+pub(crate) fn kind_of(number: i64) -> Option<(ElementKind, usize)> {
     let number = u32::try_from(number).ok()?;
     FAMILIES.iter().find_map(|(list, kind)| {
         list.iter().find(|(own, _)| *own == number).map(|(_, n_nodes)| (*kind, *n_nodes as usize))
     })
 }
 
-impl Kind {
+impl ElementKind {
     /// Number of corners, which are the first nodes.
     pub(crate) fn n_corners(self) -> usize {
         match self {

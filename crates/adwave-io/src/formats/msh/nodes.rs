@@ -5,14 +5,14 @@ use std::collections::HashMap;
 use adwave::{Cancelled, Progress};
 
 use crate::bytes::cursor::Cursor;
-use crate::formats::msh::input::Input;
+use crate::formats::msh::input::MshInput;
 use crate::model::binary_rows::Run;
 use crate::model::field::{ByteOrder, Number};
-use crate::progress::{at_row, extend};
+use crate::progress::{extend, report_row};
 use crate::{ReadError, ReadLimits};
 
 /// Map from tags to rows.
-pub(crate) enum Tags {
+pub(crate) enum NodeTags {
     /// Consecutive tags from this one on.
     Run(u64, usize),
     /// Row of each tag up to the largest, [`NONE`] for tags that do not exist.
@@ -23,7 +23,7 @@ pub(crate) enum Tags {
 /// Stands for no row.
 pub(crate) const NONE: u32 = u32::MAX;
 
-impl Tags {
+impl NodeTags {
     /// Builds the map; of two rows with the same tag the first one counts.
     pub(crate) fn new(tags: &[u64], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let first = tags.first().copied().unwrap_or(0);
@@ -34,14 +34,14 @@ impl Tags {
         if largest / 4 <= tags.len() as u64 + 1024 {
             let mut table = vec![NONE; largest as usize + 1];
             for (row, &tag) in tags.iter().enumerate().rev() {
-                at_row(progress, row as u64, tags.len() as u64)?;
+                report_row(progress, row as u64, tags.len() as u64)?;
                 table[tag as usize] = row as u32;
             }
             return Ok(Self::Table(table));
         }
         let mut map = HashMap::with_capacity(tags.len());
         for (row, &tag) in tags.iter().enumerate() {
-            at_row(progress, row as u64, tags.len() as u64)?;
+            report_row(progress, row as u64, tags.len() as u64)?;
             map.entry(tag).or_insert(row as u32);
         }
         Ok(Self::Sparse(map))
@@ -63,7 +63,7 @@ impl Tags {
 
 /// Nodes in the order of the file.
 #[derive(Default)]
-pub(crate) struct Nodes {
+pub(crate) struct MshNodes {
     pub(crate) points: Vec<[f64; 3]>,
     pub(crate) tags: Vec<u64>,
     /// Positions of the coordinates in a text.
@@ -74,11 +74,11 @@ pub(crate) struct Nodes {
 
 /// Reads the content of `$Nodes`.
 pub(crate) fn read_nodes(
-    input: &mut Input<'_>,
+    input: &mut MshInput<'_>,
     limits: &ReadLimits,
     progress: Progress<'_>,
-) -> Result<Nodes, ReadError> {
-    let mut nodes = Nodes::default();
+) -> Result<MshNodes, ReadError> {
+    let mut nodes = MshNodes::default();
     if input.version < 40 {
         let n = input.text_count("the number of nodes")?;
         limits.check_points(n)?;
@@ -98,7 +98,7 @@ pub(crate) fn read_nodes(
     }
     limits.check_points(n_nodes)?;
     for block in 0..n_blocks {
-        at_row(progress, block, n_blocks)?;
+        report_row(progress, block, n_blocks)?;
         let [a, b] = [input.int("block of nodes", block)?, input.int("block of nodes", block)?];
         // Version 4.0 has the tag of the entity before its dimension.
         let dimension = if input.version >= 41 { a } else { b };
@@ -124,15 +124,15 @@ pub(crate) fn read_nodes(
 
 /// Reads text rows of a tag and three coordinates.
 fn text_rows(
-    nodes: &mut Nodes,
-    input: &mut Input<'_>,
+    nodes: &mut MshNodes,
+    input: &mut MshInput<'_>,
     n: u64,
     n_parameters: usize,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
     input.tokens().check(n, 8, "node")?;
     for row in 0..n {
-        at_row(progress, row, n)?;
+        report_row(progress, row, n)?;
         nodes.tags.push(input.size("node", row)?);
         text_row(nodes, input, row, n_parameters)?;
     }
@@ -140,8 +140,8 @@ fn text_rows(
 }
 
 fn text_row(
-    nodes: &mut Nodes,
-    input: &mut Input<'_>,
+    nodes: &mut MshNodes,
+    input: &mut MshInput<'_>,
     row: u64,
     n_parameters: usize,
 ) -> Result<(), ReadError> {
@@ -162,8 +162,8 @@ fn text_row(
 
 /// Reads rows of a 32-bit tag and three doubles.
 fn tagged_rows(
-    nodes: &mut Nodes,
-    input: &mut Input<'_>,
+    nodes: &mut MshNodes,
+    input: &mut MshInput<'_>,
     n: u64,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
@@ -187,8 +187,8 @@ fn point(row: &[u8], order: ByteOrder) -> [f64; 3] {
 
 /// Reads all tags of a block, then the coordinates, as in 4.1.
 fn tags_then_rows(
-    nodes: &mut Nodes,
-    input: &mut Input<'_>,
+    nodes: &mut MshNodes,
+    input: &mut MshInput<'_>,
     n: u64,
     n_parameters: usize,
     progress: Progress<'_>,
@@ -196,11 +196,11 @@ fn tags_then_rows(
     if !input.is_binary {
         input.tokens().check(n, 8, "node")?;
         for row in 0..n {
-            at_row(progress, row, n)?;
+            report_row(progress, row, n)?;
             nodes.tags.push(input.size("node", row)?);
         }
         for row in 0..n {
-            at_row(progress, row, n)?;
+            report_row(progress, row, n)?;
             text_row(nodes, input, row, n_parameters)?;
         }
         return Ok(());

@@ -4,28 +4,28 @@ use crate::model::binary_rows::CoordinateRows;
 use adwave::Progress;
 use adwave::shape::Polygons;
 
-use crate::formats::msh::elements::{Elements, Groups, Part, read_elements};
-use crate::formats::msh::fields::{Values, read_values};
-use crate::formats::msh::input::{Input, Skips};
-use crate::formats::msh::nodes::{NONE, Nodes, Tags, read_nodes};
+use crate::formats::msh::elements::{ElementList, Elements, PhysicalGroups, read_elements};
+use crate::formats::msh::fields::{TagValues, read_values};
+use crate::formats::msh::input::{MshInput, Skips};
+use crate::formats::msh::nodes::{MshNodes, NONE, NodeTags, read_nodes};
 use crate::formats::msh::write::MshSource;
 use crate::model::binary_rows::BinaryRows;
 use crate::model::field::ByteOrder;
 use crate::model::grouping::unique;
 use crate::model::text_rows::{Separator, TextRows};
-use crate::progress::{at_row, collect};
+use crate::progress::{collect, report_row};
 use crate::text::line_end;
 use crate::{Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Content read from the file so far.
 #[derive(Default)]
-struct Found {
-    nodes: Option<Nodes>,
-    tags: Option<Tags>,
+struct MshContent {
+    nodes: Option<MshNodes>,
+    tags: Option<NodeTags>,
     elements: Option<Elements>,
-    groups: Groups,
-    of_nodes: Vec<Values>,
-    of_elements: Vec<Values>,
+    groups: PhysicalGroups,
+    of_nodes: Vec<TagValues>,
+    of_elements: Vec<TagValues>,
     /// Name of a node field and the range of its section.
     sections: Vec<(String, usize, usize)>,
     extras: Vec<&'static str>,
@@ -38,7 +38,7 @@ pub(crate) fn read_msh(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let mut input = header(&bytes)?;
-    let mut found = Found::default();
+    let mut found = MshContent::default();
     loop {
         let start = input.position;
         let Some(name) = input.section()? else { break };
@@ -70,14 +70,14 @@ pub(crate) fn read_msh(
         let (columns, separator) = ([0, 1, 2], Separator::OverLines);
         CoordinateRows::Text(TextRows { bytes, rows: nodes.rows, columns, separator, names: None })
     };
-    let tags = if matches!(tags, Tags::Run(1, _)) { Vec::new() } else { nodes.tags };
+    let tags = if matches!(tags, NodeTags::Run(1, _)) { Vec::new() } else { nodes.tags };
     let original = MshSource { rows, tags, sections: found.sections };
     shape.set_source(original);
     Ok(shape)
 }
 
-fn header(bytes: &[u8]) -> Result<Input<'_>, ReadError> {
-    let mut input = Input { bytes, position: 0, is_binary: false, order: ByteOrder::Little, version: 22 };
+fn header(bytes: &[u8]) -> Result<MshInput<'_>, ReadError> {
+    let mut input = MshInput { bytes, position: 0, is_binary: false, order: ByteOrder::Little, version: 22 };
     if bytes.starts_with(b"\xef\xbb\xbf") {
         input.position = 3;
     }
@@ -91,8 +91,8 @@ fn header(bytes: &[u8]) -> Result<Input<'_>, ReadError> {
         }
         let mut tokens = input.tokens();
         let version = tokens.number("the format", 0)?;
-        let is_binary = tokens.whole("the format", 0)?;
-        let n_bytes = tokens.whole("the format", 0)?;
+        let is_binary = tokens.integer("the format", 0)?;
+        let n_bytes = tokens.integer("the format", 0)?;
         if ![2.0, 2.1, 2.2, 4.0, 4.1].contains(&version) {
             let message = format!("MSH of version {version} is not supported; save it as version 2.2 or 4.1");
             return Err(input.wrong(&message));
@@ -125,8 +125,8 @@ fn header(bytes: &[u8]) -> Result<Input<'_>, ReadError> {
 }
 
 fn section(
-    input: &mut Input<'_>,
-    found: &mut Found,
+    input: &mut MshInput<'_>,
+    found: &mut MshContent,
     name: &[u8],
     limits: &ReadLimits,
     progress: Progress<'_>,
@@ -139,7 +139,7 @@ fn section(
     match name {
         b"Nodes" if found.nodes.is_none() => {
             let nodes = read_nodes(input, limits, progress)?;
-            found.tags = Some(Tags::new(&nodes.tags, progress)?);
+            found.tags = Some(NodeTags::new(&nodes.tags, progress)?);
             found.nodes = Some(nodes);
         }
         b"Elements" if found.elements.is_none() => {
@@ -173,8 +173,8 @@ fn section(
 }
 
 /// Reads the content of `$Entities`: points, curves, surfaces and volumes with their physical groups.
-fn entities(input: &mut Input<'_>) -> Result<Groups, ReadError> {
-    let mut groups = Groups::new();
+fn entities(input: &mut MshInput<'_>) -> Result<PhysicalGroups, ReadError> {
+    let mut groups = PhysicalGroups::new();
     let mut counts = [0; 4];
     for count in &mut counts {
         *count = input.size("entity", 0)?;
@@ -208,7 +208,7 @@ fn entities(input: &mut Input<'_>) -> Result<Groups, ReadError> {
 fn attach(
     shape: &mut ShapeFile,
     elements: Elements,
-    fields: &[Values],
+    fields: &[TagValues],
     budget: &mut usize,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
@@ -247,7 +247,7 @@ fn attach(
     if fields.is_empty() {
         return Ok(());
     }
-    let tags = Tags::new(&part.tags, progress)?;
+    let tags = NodeTags::new(&part.tags, progress)?;
     for values in fields {
         let name = unique(&shape.face_fields, values.name.clone());
         let Some(mut field) = field(name, values, &tags, part.tags.len(), budget, progress)? else {
@@ -267,12 +267,12 @@ fn attach(
     Ok(())
 }
 
-fn polygons(faces: &Part, progress: Progress<'_>) -> Result<Polygons, ReadError> {
+fn polygons(faces: &ElementList, progress: Progress<'_>) -> Result<Polygons, ReadError> {
     let mut offsets = Vec::with_capacity(faces.sizes.len() + 1);
     let mut end = 0;
     offsets.push(0);
     for (row, &size) in faces.sizes.iter().enumerate() {
-        at_row(progress, row as u64, faces.sizes.len() as u64)?;
+        report_row(progress, row as u64, faces.sizes.len() as u64)?;
         end += u32::from(size);
         offsets.push(end);
     }
@@ -282,8 +282,8 @@ fn polygons(faces: &Part, progress: Progress<'_>) -> Result<Polygons, ReadError>
 /// Values for `n` tags, NaN for tags without a value; `None` if there are no values.
 fn field(
     name: String,
-    values: &Values,
-    tags: &Tags,
+    values: &TagValues,
+    tags: &NodeTags,
     n: usize,
     budget: &mut usize,
     progress: Progress<'_>,
@@ -301,7 +301,7 @@ fn field(
     *budget = left;
     let mut all = vec![f64::NAN; n * n_channels];
     for (row, &tag) in values.tags.iter().enumerate() {
-        at_row(progress, row as u64, values.tags.len() as u64)?;
+        report_row(progress, row as u64, values.tags.len() as u64)?;
         let place = tags.row(tag);
         if place != NONE {
             let start = place as usize * n_channels;

@@ -13,7 +13,7 @@ use adwave::Progress;
 
 use crate::model::field::ByteOrder;
 use crate::model::text_rows::RowEdit;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, Format, ShapeFile, WriteError, WriteReport};
 
@@ -103,7 +103,7 @@ pub(crate) fn write_msh(
     writeln!(out, "$EndMeshFormat\n$Nodes\n{}", shape.points.len())?;
     let mut row = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, shape.points.len() as u64)?;
+        report_row(progress, i as u64, shape.points.len() as u64)?;
         row.clear();
         let tag = i as i32 + 1;
         if is_binary {
@@ -128,7 +128,7 @@ pub(crate) fn write_msh(
     // If faces are split or dropped, rows of fields are not rows of elements.
     let is_whole = shape.faces.iter().all(|f| matches!(f.len(), 3 | 4));
     let held: Vec<&Field> = shape.face_fields.iter().filter(|_| is_whole).collect();
-    report.leave_face_fields(shape, &held.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
+    report.report_face_fields(shape, &held.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
     for field in held.iter().filter(|f| tags(shape, &f.name).is_none()) {
         write_values("ElementData", field, &|i| i as u32 + 1, encoding, out, progress)?;
     }
@@ -159,7 +159,7 @@ fn write_elements(
 ) -> Result<(), WriteError> {
     let (physical, elementary) = (tags(shape, "physical"), tags(shape, "elementary"));
     let of_face = |f: usize| [physical.map_or(0, |t| t[f]), elementary.map_or(1, |t| t[f])];
-    let mut writer = Elements { is_binary, n: 0, run: Vec::new(), run_size: 0, n_run: 0, out };
+    let mut writer = ElementWriter { is_binary, n: 0, run: Vec::new(), run_size: 0, n_run: 0, out };
     let n_faces = shape.faces.len() as u64;
     let mut count = 0_u64;
     for face in shape.faces.iter() {
@@ -171,21 +171,21 @@ fn write_elements(
     }
     let has_faces = !shape.faces.is_empty();
     if has_faces && !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     } else if !shape.edges.weights.is_empty() {
-        report.leave_out("weights of edges");
+        report.report_dropped("weights of edges");
     }
     if !has_faces {
         count = shape.edges.pairs.len() as u64;
     }
     writeln!(writer.out, "$Elements\n{count}")?;
     for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, n_faces)?;
+        report_row(progress, f as u64, n_faces)?;
         match face.len() {
-            0..=2 => report.leave_out("faces of fewer than three corners"),
+            0..=2 => report.report_dropped("faces of fewer than three corners"),
             3 | 4 => writer.push(face, of_face(f))?,
             _ => {
-                report.leave_out("polygons (as triangles)");
+                report.report_dropped("polygons (as triangles)");
                 for w in face.windows(2).skip(1) {
                     writer.push(&[face[0], w[0], w[1]], of_face(f))?;
                 }
@@ -196,7 +196,7 @@ fn write_elements(
         }
     }
     for (e, pair) in shape.edges.pairs.iter().enumerate().filter(|_| !has_faces) {
-        at_row(progress, e as u64, shape.edges.pairs.len() as u64)?;
+        report_row(progress, e as u64, shape.edges.pairs.len() as u64)?;
         writer.push(pair, [0, 1])?;
         if writer.n_run >= RUN {
             writer.flush()?;
@@ -208,7 +208,7 @@ fn write_elements(
 }
 
 /// Writer of elements: in a binary file, elements of one kind follow their number.
-struct Elements<'a> {
+struct ElementWriter<'a> {
     is_binary: bool,
     n: i32,
     run: Vec<u8>,
@@ -217,7 +217,7 @@ struct Elements<'a> {
     out: &'a mut dyn Write,
 }
 
-impl Elements<'_> {
+impl ElementWriter<'_> {
     fn push(&mut self, corners: &[u32], tags: [i32; 2]) -> Result<(), WriteError> {
         if corners.len() != self.run_size {
             self.flush()?;
@@ -274,7 +274,7 @@ fn write_values(
     writeln!(out, "${section}\n1\n\"{name}\"\n1\n0\n3\n0\n{}\n{n}", field.n_channels)?;
     let mut row = Vec::new();
     for i in 0..n {
-        at_row(progress, i as u64, n as u64)?;
+        report_row(progress, i as u64, n as u64)?;
         row.clear();
         let values = (0..field.n_channels).map(|c| field.get(i, c));
         if let Some(order) = order {

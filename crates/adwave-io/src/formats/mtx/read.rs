@@ -2,13 +2,13 @@
 
 use adwave::Progress;
 
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::{line_end, line_of, parse_f64, parse_u64, show, words};
 use crate::{Direction, Edges, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Type of an entry's value.
 #[derive(PartialEq)]
-enum Value {
+enum EntryKind {
     Pattern,
     Number,
 }
@@ -21,7 +21,7 @@ pub(crate) fn read_mtx(
 ) -> Result<ShapeFile, ReadError> {
     let (value, symmetry, mut position) = banner(bytes)?;
     let Some((start, size)) = next_line(bytes, &mut position) else {
-        return Err(ReadError::in_line(
+        return Err(ReadError::line_error(
             bytes,
             bytes.len(),
             "the line of sizes is missing; get the whole file",
@@ -30,11 +30,11 @@ pub(crate) fn read_mtx(
     let sizes: Option<Vec<u64>> = words(size).map(parse_u64).collect();
     let Some([n_rows, n_columns, n_entries]) = sizes.as_deref().and_then(|s| <[u64; 3]>::try_from(s).ok())
     else {
-        return Err(ReadError::in_line(bytes, start, "the line of sizes must be: rows columns entries"));
+        return Err(ReadError::line_error(bytes, start, "the line of sizes must be: rows columns entries"));
     };
     if n_rows != n_columns {
         let message = format!("a graph needs a square matrix, got {n_rows} × {n_columns}");
-        return Err(ReadError::in_line(bytes, start, message));
+        return Err(ReadError::line_error(bytes, start, message));
     }
     limits.check_points(n_rows)?;
     // Vertices without edges take no bytes in the file, but memory in every later computation.
@@ -42,7 +42,7 @@ pub(crate) fn read_mtx(
     if n_rows > limit {
         return Err(ReadError::Limit { what: "rows for the size of the file", found: n_rows, limit });
     }
-    let entry_bytes = if value == Value::Pattern { 4 } else { 6 };
+    let entry_bytes = if value == EntryKind::Pattern { 4 } else { 6 };
     let remaining = bytes.len().saturating_sub(position) as u64 + 1;
     if remaining / entry_bytes < n_entries {
         return Err(ReadError::Truncated {
@@ -54,10 +54,10 @@ pub(crate) fn read_mtx(
     }
     let mut edges = Edges { direction: symmetry, ..Edges::default() };
     for entry in 0..n_entries {
-        at_row(progress, entry, n_entries)?;
+        report_row(progress, entry, n_entries)?;
         let Some((start, line)) = next_line(bytes, &mut position) else {
             let message = format!("the file ends at entry {entry} of {n_entries}; get the whole file");
-            return Err(ReadError::in_line(bytes, bytes.len(), message));
+            return Err(ReadError::line_error(bytes, bytes.len(), message));
         };
         let wrong = |message: String| ReadError::Line { line: line_of(bytes, start), message };
         let mut values = words(line);
@@ -71,7 +71,7 @@ pub(crate) fn read_mtx(
                 - 1;
         }
         edges.pairs.push(pair);
-        if value == Value::Number {
+        if value == EntryKind::Number {
             let word = values.next().unwrap_or(b"");
             edges.weights.push(parse_f64(word).ok_or_else(|| {
                 wrong(format!("a weight must be a number, got {}; correct it", show(word)))
@@ -83,7 +83,7 @@ pub(crate) fn read_mtx(
     Ok(shape)
 }
 
-fn banner(bytes: &[u8]) -> Result<(Value, Direction, usize), ReadError> {
+fn banner(bytes: &[u8]) -> Result<(EntryKind, Direction, usize), ReadError> {
     let end = line_end(bytes, 0);
     let line = bytes[..end].to_ascii_lowercase();
     let parts: Vec<&[u8]> = words(&line).collect();
@@ -93,8 +93,8 @@ fn banner(bytes: &[u8]) -> Result<(Value, Direction, usize), ReadError> {
         return wrong("a graph needs `matrix coordinate`; write the matrix in coordinate form".into());
     }
     let value = match part(3) {
-        b"pattern" => Value::Pattern,
-        b"real" | b"integer" | b"double" => Value::Number,
+        b"pattern" => EntryKind::Pattern,
+        b"real" | b"integer" | b"double" => EntryKind::Number,
         other => {
             return wrong(format!("entries of kind {} cannot be weights; use real or pattern", show(other)));
         }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use adwave::Progress;
 
-use crate::progress::{Watched, at_row};
+use crate::progress::{CancellableWriter, report_row};
 use crate::text::push_f64;
 use crate::{Direction, Format, ShapeFile, WriteError, WriteReport, atomic_write_with};
 
@@ -25,17 +25,17 @@ pub(crate) fn write_mtx(
     }
     for (is_there, what) in [(!shape.points.is_empty(), "coordinates"), (!shape.faces.is_empty(), "faces")] {
         if is_there {
-            report.leave_out(what);
+            report.report_dropped(what);
         }
     }
-    report.leave_vertex_fields(shape, &[]);
-    report.leave_face_fields(shape, &[]);
+    report.report_vertex_fields(shape, &[]);
+    report.report_face_fields(shape, &[]);
     let kind = if edges.weights.is_empty() { "pattern" } else { "real" };
     let symmetry = if edges.direction == Direction::Both { "symmetric" } else { "general" };
     let n = shape.n_vertices;
     writeln!(out, "%%MatrixMarket matrix coordinate {kind} {symmetry}\n{n} {n} {}", edges.pairs.len())?;
     for (e, &[a, b]) in edges.pairs.iter().enumerate() {
-        at_row(progress, e as u64, edges.pairs.len() as u64)?;
+        report_row(progress, e as u64, edges.pairs.len() as u64)?;
         // A symmetric matrix is written as its lower triangle.
         let (row, column) = if edges.direction == Direction::Both { (a.max(b), a.min(b)) } else { (a, b) };
         write_entry(out, row, column, |line| {
@@ -79,11 +79,11 @@ pub fn write_matrix_market_with(
 ) -> Result<(), WriteError> {
     matrix.check()?;
     atomic_write_with(path, progress, |out| {
-        let out = &mut Watched::new(out, progress);
+        let out = &mut CancellableWriter::new(out, progress);
         let (n_rows, n_columns, n) = (matrix.n_rows(), matrix.n_columns, matrix.values.len());
         writeln!(out, "%%MatrixMarket matrix coordinate real general\n{n_rows} {n_columns} {n}")?;
         for row in 0..n_rows {
-            at_row(progress, row as u64, n_rows as u64)?;
+            report_row(progress, row as u64, n_rows as u64)?;
             for entry in matrix.offsets[row]..matrix.offsets[row + 1] {
                 write_entry(out, row as u32, matrix.indices[entry], |line| {
                     line.push(b' ');

@@ -61,7 +61,7 @@ pub fn read_npy_bytes(bytes: &[u8]) -> Result<NpyArray, ReadError> {
 }
 
 fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NpyArray, ReadError> {
-    let wrong = |at: usize, message: &str| ReadError::at_byte(at, message);
+    let wrong = |at: usize, message: &str| ReadError::byte_error(at, message);
     if !bytes.starts_with(b"\x93NUMPY") {
         return Err(wrong(0, "the file is not a NumPy array; save it with numpy.save"));
     }

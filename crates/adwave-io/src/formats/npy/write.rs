@@ -68,7 +68,7 @@ impl ArrayValues<'_> {
 
     /// Writes the numbers chunk by chunk, without a copy of the array.
     fn write(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        fn by_chunks<T: Copy, const N: usize>(
+        fn write_chunks<T: Copy, const N: usize>(
             values: &[T],
             bytes: impl Fn(T) -> [u8; N],
             out: &mut dyn Write,
@@ -83,14 +83,16 @@ impl ArrayValues<'_> {
         }
         match self {
             Self::U8(v) => out.write_all(v),
-            Self::U32(v) => by_chunks(v, u32::to_le_bytes, out),
-            Self::I32(v) => by_chunks(v, i32::to_le_bytes, out),
-            Self::U64(v) => by_chunks(v, u64::to_le_bytes, out),
-            Self::I64(v) => by_chunks(v, i64::to_le_bytes, out),
-            Self::F32(v) => by_chunks(v, f32::to_le_bytes, out),
-            Self::F64(v) => by_chunks(v, f64::to_le_bytes, out),
-            Self::F64Parts(parts) => parts.iter().try_for_each(|part| by_chunks(part, f64::to_le_bytes, out)),
-            Self::Usize(v) => by_chunks(v, |x| (x as i64).to_le_bytes(), out),
+            Self::U32(v) => write_chunks(v, u32::to_le_bytes, out),
+            Self::I32(v) => write_chunks(v, i32::to_le_bytes, out),
+            Self::U64(v) => write_chunks(v, u64::to_le_bytes, out),
+            Self::I64(v) => write_chunks(v, i64::to_le_bytes, out),
+            Self::F32(v) => write_chunks(v, f32::to_le_bytes, out),
+            Self::F64(v) => write_chunks(v, f64::to_le_bytes, out),
+            Self::F64Parts(parts) => {
+                parts.iter().try_for_each(|part| write_chunks(part, f64::to_le_bytes, out))
+            }
+            Self::Usize(v) => write_chunks(v, |x| (x as i64).to_le_bytes(), out),
             Self::Text(t) => out.write_all(if t.is_empty() { b"\0" } else { t.as_bytes() }),
         }
     }

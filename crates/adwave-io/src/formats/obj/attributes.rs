@@ -3,7 +3,7 @@
 use adwave::{Cancelled, Progress};
 
 use crate::formats::obj::read::{Chunk, NONE};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::{Field, FieldValues, ShapeFile};
 
 /// Index of the texture coordinate and of the normal for each corner of each face, or [`NONE`]; empty if no corner
@@ -27,7 +27,7 @@ impl CornerIndices {
         let mut normals = join_list(chunks, n_corners, progress, |p| &mut p.corner_normals)?;
         for (list, n) in [(&mut texcoords, n_texcoords), (&mut normals, n_normals)] {
             for (k, index) in list.iter_mut().enumerate() {
-                at_row(progress, k as u64, n_corners as u64)?;
+                report_row(progress, k as u64, n_corners as u64)?;
                 if *index as usize >= n {
                     *index = NONE;
                 }
@@ -65,14 +65,14 @@ pub(crate) fn attach(
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
     tails(shape, chunks, progress)?;
-    let texcoords = joined(chunks, progress, |p| &mut p.texcoords)?;
+    let texcoords = join_values(chunks, progress, |p| &mut p.texcoords)?;
     let n_channels = chunks.iter().map(|p| p.n_texcoord_channels).max().unwrap_or(0).max(2);
     let name = "texcoord";
     let list = CornerValues { list: &texcoords, indices: &indices.texcoords, name, n_channels };
     if !corner_field(shape, &list, progress)? {
         shape.extras.push("texture coordinates of face corners".into());
     }
-    let normals = joined(chunks, progress, |p| &mut p.normals)?;
+    let normals = join_values(chunks, progress, |p| &mut p.normals)?;
     let list = CornerValues { list: &normals, indices: &indices.normals, name: "normal", n_channels: 3 };
     if !corner_field(shape, &list, progress)? {
         shape.extras.push("normals of face corners".into());
@@ -80,7 +80,7 @@ pub(crate) fn attach(
     Ok(())
 }
 
-fn joined(
+fn join_values(
     chunks: &mut [Chunk],
     progress: Progress<'_>,
     list: fn(&mut Chunk) -> &mut Vec<[f64; 3]>,
@@ -143,7 +143,7 @@ fn corner_field(
     let mut values = Vec::with_capacity(of_vertex.len() * n_channels);
     let n = of_vertex.len() as u64;
     for (i, index) in of_vertex.into_iter().enumerate() {
-        at_row(progress, i as u64, n)?;
+        report_row(progress, i as u64, n)?;
         let value = list.get(index as usize).copied().unwrap_or([f64::NAN; 3]);
         values.extend_from_slice(&value[..n_channels]);
     }
@@ -166,7 +166,7 @@ fn one_per_vertex(
     }
     let mut of_vertex = vec![NONE; n];
     for (k, (&vertex, &index)) in shape.faces.corners().iter().zip(corner_indices).enumerate() {
-        at_row(progress, k as u64, corner_indices.len() as u64)?;
+        report_row(progress, k as u64, corner_indices.len() as u64)?;
         if index == NONE {
             return Ok(None);
         }

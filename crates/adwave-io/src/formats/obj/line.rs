@@ -1,6 +1,6 @@
 //! Parser of one statement of an OBJ.
 
-use crate::formats::obj::read::{Chunk, Kind, NONE};
+use crate::formats::obj::read::{Chunk, IndexList, NONE};
 use crate::text::{is_space, parse_f64, parse_f64_at, show};
 
 /// One line, or several lines joined by `\`.
@@ -10,7 +10,7 @@ pub(crate) struct Line<'a> {
     pub(crate) end: usize,
 }
 
-type Wrong = (usize, String);
+type StatementError = (usize, String);
 
 /// Within a statement, the `\` of a continued line is a blank.
 fn is_gap(byte: u8) -> bool {
@@ -22,12 +22,12 @@ pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|&b| is_gap(b)).filter(|w| !w.is_empty()).take_while(|w| w[0] != b'#')
 }
 
-struct Cursor<'a> {
+struct LineCursor<'a> {
     line: &'a [u8],
     position: usize,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> LineCursor<'a> {
     fn skip_gaps(&mut self) {
         while self.line.get(self.position).is_some_and(|&b| is_gap(b)) {
             self.position += 1;
@@ -59,8 +59,8 @@ impl<'a> Cursor<'a> {
 }
 
 /// Parses a statement into the chunk; an error has the byte position and the message.
-pub(crate) fn parse_line(chunk: &mut Chunk, line: &Line<'_>) -> Result<(), Wrong> {
-    let mut cursor = Cursor { line: &line.bytes[line.start..line.end], position: 0 };
+pub(crate) fn parse_line(chunk: &mut Chunk, line: &Line<'_>) -> Result<(), StatementError> {
+    let mut cursor = LineCursor { line: &line.bytes[line.start..line.end], position: 0 };
     let Some(keyword) = cursor.word() else { return Ok(()) };
     let wrong = |message: String| (line.start, message);
     match keyword {
@@ -83,7 +83,7 @@ pub(crate) fn parse_line(chunk: &mut Chunk, line: &Line<'_>) -> Result<(), Wrong
                 chunk.flat.get_or_insert(line.start);
                 chunk.n_flat += 1;
             } else if n < 3 {
-                let mut again = Cursor { line: cursor.line, position: 0 };
+                let mut again = LineCursor { line: cursor.line, position: 0 };
                 again.word();
                 numbers(&mut again, 3, "a vertex").map_err(wrong)?;
             }
@@ -116,7 +116,7 @@ pub(crate) fn parse_line(chunk: &mut Chunk, line: &Line<'_>) -> Result<(), Wrong
     Ok(())
 }
 
-fn numbers(cursor: &mut Cursor<'_>, n: usize, what: &str) -> Result<[f64; 3], String> {
+fn numbers(cursor: &mut LineCursor<'_>, n: usize, what: &str) -> Result<[f64; 3], String> {
     let mut xyz = [0.0; 3];
     for (i, x) in xyz.iter_mut().take(n).enumerate() {
         *x = match cursor.number() {
@@ -129,7 +129,7 @@ fn numbers(cursor: &mut Cursor<'_>, n: usize, what: &str) -> Result<[f64; 3], St
 }
 
 /// Parses the weight or color after z. A word that is not a number ends it, because some programs add comments.
-fn vertex_tail(chunk: &mut Chunk, cursor: &mut Cursor<'_>) {
+fn vertex_tail(chunk: &mut Chunk, cursor: &mut LineCursor<'_>) {
     let mut tail = [f64::NAN; 4];
     let mut n = 0;
     while n < 4
@@ -147,7 +147,7 @@ fn vertex_tail(chunk: &mut Chunk, cursor: &mut Cursor<'_>) {
     }
 }
 
-fn face(chunk: &mut Chunk, cursor: &mut Cursor<'_>) -> Result<(), String> {
+fn face(chunk: &mut Chunk, cursor: &mut LineCursor<'_>) -> Result<(), String> {
     let first = chunk.corners.len();
     while let Some(word) = cursor.word() {
         corner(chunk, word)?;
@@ -165,9 +165,9 @@ fn corner(chunk: &mut Chunk, word: &[u8]) -> Result<(), String> {
     let at = chunk.corners.len();
     let mut parts = word.split(|&b| b == b'/');
     let index = index(parts.next().unwrap_or(b"")).ok_or_else(bad)?;
-    let vertex = absolute(chunk, Kind::Vertex, at, index).map_err(|()| zero(word))?;
+    let vertex = absolute(chunk, IndexList::Vertex, at, index).map_err(|()| zero(word))?;
     chunk.corners.push(vertex);
-    for (kind, part) in [(Kind::Texcoord, parts.next()), (Kind::Normal, parts.next())] {
+    for (kind, part) in [(IndexList::Texcoord, parts.next()), (IndexList::Normal, parts.next())] {
         let value = match part {
             None | Some(b"") => NONE,
             Some(part) => {
@@ -176,7 +176,7 @@ fn corner(chunk: &mut Chunk, word: &[u8]) -> Result<(), String> {
             }
         };
         let list =
-            if kind == Kind::Texcoord { &mut chunk.corner_texcoords } else { &mut chunk.corner_normals };
+            if kind == IndexList::Texcoord { &mut chunk.corner_texcoords } else { &mut chunk.corner_normals };
         if value != NONE || part.is_some_and(|p| !p.is_empty()) {
             list.resize(at, NONE);
             list.push(value);
@@ -189,7 +189,7 @@ fn zero(word: &[u8]) -> String {
     format!("the index in {} must not be 0 or too large; OBJ counts from 1, or backwards from -1", show(word))
 }
 
-fn polyline(chunk: &mut Chunk, cursor: &mut Cursor<'_>) -> Result<(), String> {
+fn polyline(chunk: &mut Chunk, cursor: &mut LineCursor<'_>) -> Result<(), String> {
     let mut previous: Option<i64> = None;
     while let Some(word) = cursor.word() {
         let bad = || format!("a line element must name vertices, got {}; correct it", show(word));
@@ -198,7 +198,7 @@ fn polyline(chunk: &mut Chunk, cursor: &mut Cursor<'_>) -> Result<(), String> {
         if let Some(previous) = previous {
             for end in [previous, next] {
                 let at = chunk.edges.len();
-                let vertex = absolute(chunk, Kind::EdgeEnd, at, end).map_err(|()| zero(word))?;
+                let vertex = absolute(chunk, IndexList::EdgeEnd, at, end).map_err(|()| zero(word))?;
                 chunk.edges.push(vertex);
             }
         }
@@ -228,7 +228,7 @@ fn index(word: &[u8]) -> Option<i64> {
 }
 
 /// Converts an index to count from 0; a negative one is recorded and resolved when the preceding chunks are known.
-fn absolute(chunk: &mut Chunk, kind: Kind, at: usize, index: i64) -> Result<u32, ()> {
+fn absolute(chunk: &mut Chunk, kind: IndexList, at: usize, index: i64) -> Result<u32, ()> {
     if index > 0 {
         return u32::try_from(index - 1).ok().filter(|&i| i < NONE - 1).ok_or(());
     }
@@ -236,9 +236,9 @@ fn absolute(chunk: &mut Chunk, kind: Kind, at: usize, index: i64) -> Result<u32,
         return Err(());
     }
     let n = match kind {
-        Kind::Vertex | Kind::EdgeEnd => chunk.points.len(),
-        Kind::Texcoord => chunk.texcoords.len(),
-        Kind::Normal => chunk.normals.len(),
+        IndexList::Vertex | IndexList::EdgeEnd => chunk.points.len(),
+        IndexList::Texcoord => chunk.texcoords.len(),
+        IndexList::Normal => chunk.normals.len(),
     };
     chunk.relative.push((kind, at, n as i64 + index));
     Ok(0)

@@ -23,7 +23,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// List that an index refers to.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum IndexList {
     Vertex,
     Texcoord,
     Normal,
@@ -55,7 +55,7 @@ pub(crate) struct Chunk {
     pub(crate) corner_normals: Vec<u32>,
     pub(crate) edges: Vec<u32>,
     /// Negative indices: their list, their position, and the index counted from the start of this chunk.
-    pub(crate) relative: Vec<(Kind, usize, i64)>,
+    pub(crate) relative: Vec<(IndexList, usize, i64)>,
     pub(crate) has_points_elements: bool,
     pub(crate) has_groups: bool,
     pub(crate) has_materials: bool,
@@ -79,7 +79,8 @@ pub(crate) fn read_obj(
             _ => together.par_iter().map(parse).collect(),
         };
         for chunk in some? {
-            parsed.push(chunk.map_err(|(position, message)| ReadError::in_line(&bytes, position, message))?);
+            parsed
+                .push(chunk.map_err(|(position, message)| ReadError::line_error(&bytes, position, message))?);
         }
         progress.step(together.last().map_or(0, |c| c.1) as u64, bytes.len() as u64)?;
     }
@@ -156,7 +157,7 @@ fn join(
     let n_flat = sum(&|p| p.n_flat);
     if let Some(start) = chunks.iter().find_map(|p| p.flat).filter(|_| n_flat < n_vertices) {
         let message = "a vertex needs 3 numbers, got 2; add the missing ones";
-        return Err(ReadError::in_line(&bytes, start, message));
+        return Err(ReadError::line_error(&bytes, start, message));
     }
     if n_corners >= NONE as usize {
         return Err(ReadError::Limit {
@@ -207,10 +208,10 @@ pub(crate) fn resolve_relative(chunks: &mut [Chunk], before: [i64; 3]) -> [i64; 
     for chunk in chunks {
         for (kind, at, local) in std::mem::take(&mut chunk.relative) {
             let (base, list) = match kind {
-                Kind::Vertex => (n_points, &mut chunk.corners),
-                Kind::Texcoord => (n_texcoords, &mut chunk.corner_texcoords),
-                Kind::Normal => (n_normals, &mut chunk.corner_normals),
-                Kind::EdgeEnd => (n_points, &mut chunk.edges),
+                IndexList::Vertex => (n_points, &mut chunk.corners),
+                IndexList::Texcoord => (n_texcoords, &mut chunk.corner_texcoords),
+                IndexList::Normal => (n_normals, &mut chunk.corner_normals),
+                IndexList::EdgeEnd => (n_points, &mut chunk.edges),
             };
             list[at] = u32::try_from(base + local).unwrap_or(NONE);
         }
@@ -222,10 +223,10 @@ pub(crate) fn resolve_relative(chunks: &mut [Chunk], before: [i64; 3]) -> [i64; 
 }
 
 /// Points, positions of their rows, and faces.
-type Lists = (Vec<[f64; 3]>, Vec<u64>, Polygons);
+type JoinedLists = (Vec<[f64; 3]>, Vec<u64>, Polygons);
 
 /// Destination of one chunk's part of each list.
-struct Place<'a> {
+struct ChunkDestination<'a> {
     /// Number of corners before the chunk.
     first: u32,
     points: &'a mut [[f64; 3]],
@@ -235,7 +236,7 @@ struct Place<'a> {
     chunk: &'a mut Chunk,
 }
 
-impl Place<'_> {
+impl ChunkDestination<'_> {
     fn fill(self) {
         self.points.copy_from_slice(&std::mem::take(&mut self.chunk.points));
         self.rows.copy_from_slice(&std::mem::take(&mut self.chunk.rows));
@@ -253,7 +254,7 @@ fn lists(
     chunks: &mut [Chunk],
     [n_vertices, n_faces, n_corners]: [usize; 3],
     progress: Progress<'_>,
-) -> Result<Lists, ReadError> {
+) -> Result<JoinedLists, ReadError> {
     let mut points = vec![[0.0; 3]; n_vertices];
     let mut rows = vec![0; n_vertices];
     let mut corners = vec![0; n_corners];
@@ -265,7 +266,7 @@ fn lists(
         let mut first = 0;
         for chunk in chunks.iter_mut() {
             let (n, n_faces, n_corners) = (chunk.n_points, chunk.face_sizes.len(), chunk.corners.len());
-            places.push(Place {
+            places.push(ChunkDestination {
                 first,
                 points: take_front(&mut points, n),
                 rows: take_front(&mut rows, n),
@@ -275,7 +276,7 @@ fn lists(
             });
             first += n_corners as u32;
         }
-        let copy = |place: Place<'_>| progress.check().map(|()| place.fill());
+        let copy = |place: ChunkDestination<'_>| progress.check().map(|()| place.fill());
         if places.len() == 1 {
             places.into_iter().try_for_each(copy)?;
         } else {
@@ -341,7 +342,7 @@ fn check_edges(bytes: &[u8], edges: &[u32], n_vertices: usize) -> Result<(), Rea
         })
     };
     let position = statements(bytes, b"l").find(|(_, line)| bad(line)).map_or(0, |(position, _)| position);
-    Err(ReadError::in_line(
+    Err(ReadError::line_error(
         bytes,
         position,
         format!("a line element must name one of the {n_vertices} vertices; correct it"),

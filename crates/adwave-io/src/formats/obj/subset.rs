@@ -7,7 +7,7 @@ use crate::text::parse_f64;
 
 /// Content that the faces of an OBJ refer to.
 #[derive(Default)]
-struct Content<'a> {
+struct ObjContent<'a> {
     /// Lines before the first vertex, and the libraries of materials.
     head: Vec<&'a [u8]>,
     texcoords: Vec<&'a [u8]>,
@@ -22,9 +22,9 @@ struct Content<'a> {
     lines: Vec<Vec<i64>>,
 }
 
-impl<'a> Content<'a> {
+impl<'a> ObjContent<'a> {
     fn parse(bytes: &'a [u8]) -> Self {
-        let mut content = Content::default();
+        let mut content = ObjContent::default();
         let mut now: [&[u8]; 4] = [b""; 4];
         let mut known = std::collections::HashMap::new();
         let (mut n_seen, mut position) = (0_usize, if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 });
@@ -87,7 +87,7 @@ fn vertex(word: &[u8], n_seen: usize) -> i64 {
 
 /// Labels of the corners: equal if texture coordinate and state are.
 pub(super) fn labels(bytes: &[u8], n_corners: usize) -> Option<Vec<u32>> {
-    let content = Content::parse(bytes);
+    let content = ObjContent::parse(bytes);
     if content.corners.len() != n_corners || (content.texcoords.is_empty() && content.states.len() < 2) {
         return None;
     }
@@ -106,7 +106,7 @@ pub(super) fn labels(bytes: &[u8], n_corners: usize) -> Option<Vec<u32>> {
 /// Text of the subset: the unchanged lines of kept vertices, the used texture coordinates and normals, and the new
 /// triangles under the object, group, smoothing group and material of their corners.
 pub(super) fn text(bytes: &[u8], rows: &[u64], n_corners: usize, subset: &Subset<'_>) -> Vec<u8> {
-    let content = Content::parse(bytes);
+    let content = ObjContent::parse(bytes);
     let known = content.corners.len() == n_corners;
     let mut out = Vec::with_capacity(bytes.len() / 4 + 64);
     let push = |out: &mut Vec<u8>, line: &[u8]| {
@@ -156,7 +156,7 @@ pub(super) fn text(bytes: &[u8], rows: &[u64], n_corners: usize, subset: &Subset
 
 fn push_faces(
     out: &mut Vec<u8>,
-    content: &Content<'_>,
+    content: &ObjContent<'_>,
     used: &[Vec<u32>; 2],
     subset: &Subset<'_>,
     known: bool,

@@ -7,7 +7,7 @@ use crate::text::{line_end, parse_f64, words};
 
 /// Vertex with a texture coordinate and a material; each combination occurs once.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Place {
+pub(super) struct TextureVertex {
     pub(super) vertex: u32,
     pub(super) material: u32,
     pub(super) texcoord: u32,
@@ -16,7 +16,7 @@ pub(super) struct Place {
 /// Texture-related content of an OBJ.
 pub(super) struct Corners {
     pub(super) texcoords: Vec<[f64; 2]>,
-    pub(super) places: Vec<Place>,
+    pub(super) places: Vec<TextureVertex>,
     /// Names of the materials; the first (empty) one is for faces before any `usemtl`.
     pub(super) materials: Vec<String>,
     /// Files of materials.
@@ -85,7 +85,7 @@ impl Corners {
         if let (Some(vertex), Some(texcoord)) = (vertex, texcoord)
             && (vertex as usize) < n_vertices
         {
-            self.places.push(Place { vertex, material, texcoord });
+            self.places.push(TextureVertex { vertex, material, texcoord });
         }
     }
 }

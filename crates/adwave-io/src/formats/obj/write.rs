@@ -7,7 +7,7 @@ use adwave::Progress;
 use crate::model::context::WriteContext;
 use crate::model::source_document::Update;
 use crate::model::text_rows::{RowEdit, TextRows};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
@@ -26,9 +26,9 @@ pub(crate) fn update_obj(
         match name.as_str() {
             "color" => {}
             "normal" | "texcoord" => {
-                report.leave_out(format!("the new `{name}` (the original values are kept)"))
+                report.report_dropped(format!("the new `{name}` (the original values are kept)"))
             }
-            _ => report.leave_out(format!("vertex field `{name}`")),
+            _ => report.report_dropped(format!("vertex field `{name}`")),
         }
     }
     let color = shape.field("color").filter(|f| shape.edited.contains(&f.name) && is_color(f));
@@ -78,18 +78,18 @@ pub(crate) fn write_obj(
     let texcoord = shape.field("texcoord").filter(|f| matches!(f.n_channels, 2 | 3));
     let held: Vec<&str> =
         [color, weight, normal, texcoord].iter().flatten().map(|f| f.name.as_str()).collect();
-    report.leave_vertex_fields(shape, &held);
-    report.leave_face_fields(shape, &[]);
+    report.report_vertex_fields(shape, &held);
+    report.report_face_fields(shape, &[]);
     if shape.points.is_empty() {
         // An empty file would not be recognized as an OBJ.
         writeln!(out, "# no vertices")?;
     }
     if shape.faces.iter().any(<[u32]>::is_empty) {
-        report.leave_out("faces without corners");
+        report.report_dropped("faces without corners");
     }
     let mut line = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, shape.points.len() as u64)?;
+        report_row(progress, i as u64, shape.points.len() as u64)?;
         line.clear();
         push_line(&mut line, "v", point.iter().copied().chain(weight.map(|w| w.get(i, 0))));
         if let Some(color) = color {
@@ -108,7 +108,7 @@ pub(crate) fn write_obj(
         }
     }
     for (f, face) in shape.faces.iter().enumerate().filter(|(_, face)| !face.is_empty()) {
-        at_row(progress, f as u64, shape.faces.len() as u64)?;
+        report_row(progress, f as u64, shape.faces.len() as u64)?;
         line.clear();
         line.push(b'f');
         for &v in face {
@@ -127,7 +127,7 @@ pub(crate) fn write_obj(
         writeln!(out, "l {} {}", u64::from(*a) + 1, u64::from(*b) + 1)?;
     }
     if !shape.edges.weights.is_empty() {
-        report.leave_out("weights of edges");
+        report.report_dropped("weights of edges");
     }
     Ok(())
 }

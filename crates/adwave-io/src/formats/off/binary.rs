@@ -8,21 +8,21 @@ use adwave::Progress;
 use adwave::shape::Polygons;
 
 use crate::bytes::cursor::Cursor;
-use crate::formats::off::read::{Layout, divide};
+use crate::formats::off::read::{OffLayout, divide};
 use crate::model::binary_rows::{BinaryRows, Run};
 use crate::model::field::{ByteOrder, Number};
-use crate::progress::{all, at_row, collect};
+use crate::progress::{all, collect, report_row};
 use crate::{
     Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, WriteError, WriteReport,
 };
 
 /// Layout named by the first line, and the start of the numbers; `None` if the file is not a binary OFF.
-pub(crate) fn head(bytes: &[u8]) -> Option<(Layout, usize)> {
+pub(crate) fn head(bytes: &[u8]) -> Option<(OffLayout, usize)> {
     let end = memchr::memchr(b'\n', &bytes[..bytes.len().min(256)])?;
     let mut words = crate::text::words(&bytes[..end]);
-    let (letters, rest) = crate::formats::off::off_keyword(words.next()?)?;
+    let (letters, rest) = crate::formats::off::split_keyword(words.next()?)?;
     let is_binary = rest.is_empty() && words.next() == Some(b"BINARY");
-    (is_binary && !letters.contains(&b'n')).then(|| (Layout::of(letters), end + 1))
+    (is_binary && !letters.contains(&b'n')).then(|| (OffLayout::from_letters(letters), end + 1))
 }
 
 /// Reads a binary OFF.
@@ -32,7 +32,7 @@ pub(crate) fn read_off_binary(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let Some((layout, start)) = head(&bytes) else {
-        return Err(ReadError::at_byte(0, "the head of a binary OFF is invalid; get the whole file"));
+        return Err(ReadError::byte_error(0, "the head of a binary OFF is invalid; get the whole file"));
     };
     let mut cursor = Cursor::new(&bytes, start, ByteOrder::Big);
     let mut count = |what: &str| {
@@ -40,7 +40,7 @@ pub(crate) fn read_off_binary(
         let n = cursor.i32(what)?;
         u32::try_from(n)
             .map(u64::from)
-            .map_err(|_| ReadError::at_byte(place, format!("{what} must not be negative")))
+            .map_err(|_| ReadError::byte_error(place, format!("{what} must not be negative")))
     };
     let (n_vertices, n_faces) = (count("the number of vertices")?, count("the number of faces")?);
     count("the number of edges")?;
@@ -102,7 +102,7 @@ fn read_faces(
     let (mut colors, mut ends) = (Vec::new(), Vec::with_capacity(n as usize));
     let mut face = Vec::new();
     for row in 0..n {
-        at_row(progress, row, n)?;
+        report_row(progress, row, n)?;
         let n_corners: u32 = cursor.number("face", row)?;
         let start = cursor.position;
         let corners = cursor.rows(n_corners.into(), 4, "face")?;
@@ -126,7 +126,7 @@ fn read_faces(
                 "the color of face {row} must have at most 4 numbers, got {n_numbers}; get the \
                         file again"
             );
-            return Err(ReadError::at_byte(cursor.position - 4, message));
+            return Err(ReadError::byte_error(cursor.position - 4, message));
         }
         let numbers = cursor.rows(n_numbers.into(), 4, "face")?;
         colors.extend(numbers.chunks_exact(4).map(|b| f32::from_bytes(b, ByteOrder::Big)));
@@ -163,15 +163,15 @@ pub(crate) fn write_off_binary(
         .filter_map(|(name, n)| Some(&shape.vertex_fields[singles(&shape.vertex_fields, name, &[n])?]))
         .collect();
     let names: Vec<&str> = held.iter().map(|f| f.name.as_str()).collect();
-    report.leave_vertex_fields(shape, &names);
+    report.report_vertex_fields(shape, &names);
     let of_faces = singles(&shape.face_fields, "color", &[3, 4]).map(|k| &shape.face_fields[k]);
-    report.leave_face_fields(shape, of_faces.map(|_| "color").as_slice());
+    report.report_face_fields(shape, of_faces.map(|_| "color").as_slice());
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
     let is_single = |i: usize| shape.points[i].iter().all(|&x| f64::from(x as f32) == x || x.is_nan());
     if shape.precision == Precision::F64 && !all(shape.points.len(), progress, is_single)? {
-        report.leave_out("digits of coordinates beyond 32-bit floats");
+        report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
     let counts = [shape.points.len(), shape.faces.len()].map(i32::try_from);
     let [Ok(n_vertices), Ok(n_faces)] = counts else {
@@ -186,7 +186,7 @@ pub(crate) fn write_off_binary(
     }
     let mut row = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, shape.points.len() as u64)?;
+        report_row(progress, i as u64, shape.points.len() as u64)?;
         row.clear();
         row.extend(point.iter().flat_map(|&x| (x as f32).to_be_bytes()));
         for field in &held {
@@ -197,7 +197,7 @@ pub(crate) fn write_off_binary(
         out.write_all(&row)?;
     }
     for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, shape.faces.len() as u64)?;
+        report_row(progress, f as u64, shape.faces.len() as u64)?;
         row.clear();
         row.extend_from_slice(&(face.len() as u32).to_be_bytes());
         row.extend(face.iter().flat_map(|v| v.to_be_bytes()));

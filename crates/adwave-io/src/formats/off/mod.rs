@@ -27,7 +27,7 @@ impl SourceDocument for OffSource {
 }
 
 /// Letters before `OFF`, and the rest of the word: `COFF` is `(C, )`, `OFF8` is `(, 8)`.
-pub(crate) fn off_keyword(word: &[u8]) -> Option<(&[u8], &[u8])> {
+pub(crate) fn split_keyword(word: &[u8]) -> Option<(&[u8], &[u8])> {
     let at = memchr::memmem::find(word, b"OFF")?;
     let (letters, rest) = (&word[..at], &word[at + 3..]);
     let known = letters.iter().all(|b| matches!(b, b'S' | b'T' | b'C' | b'N' | b'4' | b'n'));
@@ -41,7 +41,7 @@ fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
     if !file.is_text() {
         return None;
     }
-    if file.keyword().is_some_and(|word| off_keyword(word).is_some()) {
+    if file.keyword().is_some_and(|word| split_keyword(word).is_some()) {
         return Some(Evidence::Statement);
     }
     let begins_with_counts = || file.statements().next().is_some_and(is_counts);

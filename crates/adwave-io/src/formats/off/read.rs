@@ -6,26 +6,26 @@ use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
 
 use crate::formats::off::OffSource;
-use crate::formats::off::off_keyword;
+use crate::formats::off::split_keyword;
 use crate::model::binary_rows::CoordinateRows;
 use crate::model::text_rows::{Separator, TextRows};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::lines::{Statement, Statements};
 use crate::text::{parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Attributes of a vertex according to the letters before `OFF`.
 #[allow(clippy::struct_excessive_bools)] // one for each letter
-pub(crate) struct Layout {
+pub(crate) struct OffLayout {
     pub(crate) has_w: bool,
     pub(crate) has_normal: bool,
     pub(crate) has_color: bool,
     pub(crate) has_texcoord: bool,
 }
 
-impl Layout {
+impl OffLayout {
     /// Parses the letters before `OFF`.
-    pub(crate) fn of(letters: &[u8]) -> Self {
+    pub(crate) fn from_letters(letters: &[u8]) -> Self {
         Self {
             has_w: letters.contains(&b'4'),
             has_normal: letters.contains(&b'N'),
@@ -37,13 +37,13 @@ impl Layout {
 
 /// Content of the rows of vertices and faces.
 #[derive(Default)]
-pub(crate) struct Values {
+pub(crate) struct OffValues {
     pub(crate) points: Vec<[f64; 3]>,
     /// Start of the coordinates of each vertex.
     pub(crate) rows: Vec<u64>,
-    pub(crate) tails: Tails,
+    pub(crate) tails: TrailingColumns,
     pub(crate) faces: Polygons,
-    pub(crate) face_tails: Tails,
+    pub(crate) face_tails: TrailingColumns,
 }
 
 /// Reads an OFF.
@@ -73,15 +73,15 @@ fn read_lines(
     bytes: &[u8],
     limits: &ReadLimits,
     progress: Progress<'_>,
-) -> Result<(Layout, Values), ReadError> {
+) -> Result<(OffLayout, OffValues), ReadError> {
     let mut lines = Statements::new(bytes);
     let (layout, [n_vertices, n_faces]) = header(bytes, &mut lines)?;
     limits.check_points(n_vertices)?;
     // `0 0 0` and a line end.
     check_size(bytes, lines.position, n_vertices, 6, "vertex")?;
-    let mut found = Values::default();
+    let mut found = OffValues::default();
     for row in 0..n_vertices {
-        at_row(progress, row, n_vertices)?;
+        report_row(progress, row, n_vertices)?;
         let Some(line) = lines.next() else { return Err(ends(bytes, "vertex", row, n_vertices)) };
         found.rows.push(line.start as u64);
         let mut values = words(line.text);
@@ -89,7 +89,7 @@ fn read_lines(
         for (i, x) in xyz.iter_mut().enumerate() {
             let word = values.next().ok_or_else(|| {
                 let message = format!("vertex {row} needs 3 numbers, got {i}; add the missing ones");
-                ReadError::in_line(bytes, line.start, message)
+                ReadError::line_error(bytes, line.start, message)
             })?;
             *x = number(bytes, &line, word, "vertex", row)?;
         }
@@ -108,12 +108,12 @@ fn read_lines(
 /// Builds the shape with its fields and with its text for rewriting.
 pub(crate) fn finish(
     bytes: Vec<u8>,
-    layout: &Layout,
-    values: Values,
+    layout: &OffLayout,
+    values: OffValues,
     separator: Separator,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let Values { points, rows, tails, faces, face_tails } = values;
+    let OffValues { points, rows, tails, faces, face_tails } = values;
     let mut shape = ShapeFile::from_mesh(points, faces);
     shape.format = Some(Format::OFF);
     vertex_fields(&mut shape, layout, &tails, progress)?;
@@ -158,14 +158,14 @@ pub(crate) fn divide(shape: &mut ShapeFile) -> bool {
     true
 }
 
-pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout, [u64; 2]), ReadError> {
+pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(OffLayout, [u64; 2]), ReadError> {
     let Some(first) = lines.next() else { return Err(ReadError::Empty) };
-    let wrong = |message: &str| Err(ReadError::in_line(bytes, first.start, message));
+    let wrong = |message: &str| Err(ReadError::line_error(bytes, first.start, message));
     let mut first_words = words(first.text).peekable();
     let mut letters: &[u8] = b"";
     let mut counts: Vec<u64> = Vec::new();
     // The keyword may be missing, and the counts may follow it on its line or even in its word.
-    if let Some((before, after)) = first_words.peek().and_then(|w| off_keyword(w)) {
+    if let Some((before, after)) = first_words.peek().and_then(|w| split_keyword(w)) {
         letters = before;
         counts.extend(parse_u64(after));
         first_words.next();
@@ -196,7 +196,7 @@ pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout
                     "the count of vertices or faces must be a number, got {}; correct it",
                     show(word)
                 );
-                ReadError::in_line(bytes, line.start, message)
+                ReadError::line_error(bytes, line.start, message)
             })?;
             counts.push(count);
         }
@@ -210,13 +210,13 @@ pub(crate) fn header(bytes: &[u8], lines: &mut Statements<'_>) -> Result<(Layout
     let [n_vertices, n_faces, ..] = counts[..] else {
         return wrong("two counts, of vertices and of faces, are needed; add them");
     };
-    let layout = Layout::of(letters);
+    let layout = OffLayout::from_letters(letters);
     Ok((layout, [n_vertices, n_faces]))
 }
 
 fn ends(bytes: &[u8], element: &str, row: u64, n: u64) -> ReadError {
     let message = format!("the file ends at {element} {row} of {n}; get the whole file");
-    ReadError::in_line(bytes, bytes.len(), message)
+    ReadError::line_error(bytes, bytes.len(), message)
 }
 
 /// Fails early if rows of at least `row_bytes` each do not fit the remaining bytes.
@@ -242,13 +242,13 @@ fn number(
 ) -> Result<f64, ReadError> {
     parse_f64(word).ok_or_else(|| {
         let message = format!("{element} {row} must have numbers, got {}; correct it", show(word));
-        ReadError::in_line(bytes, line.start, message)
+        ReadError::line_error(bytes, line.start, message)
     })
 }
 
 /// Values after the coordinates or corners, any number in each row.
 #[derive(Default)]
-pub(crate) struct Tails {
+pub(crate) struct TrailingColumns {
     values: Vec<f64>,
     ends: Vec<usize>,
     pub(crate) longest: usize,
@@ -256,7 +256,7 @@ pub(crate) struct Tails {
     has_fraction: Vec<bool>,
 }
 
-impl Tails {
+impl TrailingColumns {
     pub(crate) fn push(&mut self, x: f64, word: &[u8]) {
         let column = self.values.len() - self.ends.last().copied().unwrap_or(0);
         if self.has_fraction.len() <= column {
@@ -282,7 +282,7 @@ impl Tails {
         let mut values = Vec::with_capacity(self.ends.len() * n);
         let mut start = 0;
         for (i, &end) in self.ends.iter().enumerate() {
-            at_row(progress, i as u64, self.ends.len() as u64)?;
+            report_row(progress, i as u64, self.ends.len() as u64)?;
             let row = &self.values[start..end];
             values.extend((from..from + n).map(|c| row.get(c).copied().unwrap_or(f64::NAN)));
             start = end;
@@ -298,8 +298,8 @@ impl Tails {
 
 fn vertex_fields(
     shape: &mut ShapeFile,
-    layout: &Layout,
-    tails: &Tails,
+    layout: &OffLayout,
+    tails: &TrailingColumns,
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
     let mut from = 0;
@@ -339,19 +339,19 @@ fn read_faces(
     bytes: &[u8],
     lines: &mut Statements<'_>,
     n_faces: u64,
-    found: &mut Values,
+    found: &mut OffValues,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
     let n_vertices = found.points.len();
     let mut face = Vec::new();
     for row in 0..n_faces {
-        at_row(progress, row, n_faces)?;
+        report_row(progress, row, n_faces)?;
         let Some(line) = lines.next() else { return Err(ends(bytes, "face", row, n_faces)) };
         let mut values = words(line.text);
         let first = values.next().unwrap_or(b"");
         let n_corners = parse_u64(first).ok_or_else(|| {
             let message = format!("face {row} must begin with a number of corners, got {}", show(first));
-            ReadError::in_line(bytes, line.start, message)
+            ReadError::line_error(bytes, line.start, message)
         })?;
         face.clear();
         for corner in 0..n_corners {
@@ -360,12 +360,12 @@ fn read_faces(
                     "face {row} needs {n_corners} corners, got {corner}; add the missing \
                                       ones"
                 );
-                ReadError::in_line(bytes, line.start, message)
+                ReadError::line_error(bytes, line.start, message)
             })?;
             let index: i64 =
                 std::str::from_utf8(word).ok().and_then(|t| t.parse().ok()).ok_or_else(|| {
                     let message = format!("face {row} must name vertices, got {}", show(word));
-                    ReadError::in_line(bytes, line.start, message)
+                    ReadError::line_error(bytes, line.start, message)
                 })?;
             let vertex = u32::try_from(index).ok().filter(|&v| (v as usize) < n_vertices);
             face.push(vertex.ok_or_else(|| ReadError::FaceIndex {

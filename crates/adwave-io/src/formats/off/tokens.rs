@@ -3,9 +3,9 @@
 use adwave::Progress;
 use adwave::shape::Polygons;
 
-use crate::formats::off::read::{Layout, Tails, Values, finish, header};
+use crate::formats::off::read::{OffLayout, OffValues, TrailingColumns, finish, header};
 use crate::model::text_rows::Separator;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::lines::Statements;
 use crate::text::tokens::Tokens;
 use crate::text::{is_blank, parse_f64};
@@ -23,9 +23,9 @@ pub(crate) fn read_by_tokens(
     let start = after_counts(&bytes).unwrap_or(lines.position);
     let mut tokens = Tokens::new(&bytes, start.min(bytes.len()));
     tokens.check(n_vertices, 6, "vertex")?;
-    let mut values = Values::default();
+    let mut values = OffValues::default();
     for row in 0..n_vertices {
-        at_row(progress, row, n_vertices)?;
+        report_row(progress, row, n_vertices)?;
         tokens.skip();
         values.rows.push(tokens.position as u64);
         let mut point = [0.0; 3];
@@ -63,7 +63,7 @@ pub(crate) fn read_by_tokens(
 fn after_counts(bytes: &[u8]) -> Option<usize> {
     let mut tokens = Tokens::new(bytes, if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 });
     let (start, keyword) = tokens.next()?;
-    let (letters, rest) = crate::formats::off::off_keyword(keyword)?;
+    let (letters, rest) = crate::formats::off::split_keyword(keyword)?;
     let end = crate::text::line_end(bytes, start);
     for _ in 0..if letters.contains(&b'n') { 4 } else { 3 } {
         tokens.count("the counts", 0).ok()?;
@@ -73,7 +73,7 @@ fn after_counts(bytes: &[u8]) -> Option<usize> {
 }
 
 /// Faces and the content after their corners.
-type Faces = (Polygons, Tails);
+type Faces = (Polygons, TrailingColumns);
 
 #[derive(Clone, Copy, PartialEq)]
 enum Colors {
@@ -88,23 +88,23 @@ fn faces(
     colors: Colors,
     progress: Progress<'_>,
 ) -> Result<(Faces, usize), ReadError> {
-    let (mut faces, mut tails) = (Polygons::new(), Tails::default());
+    let (mut faces, mut tails) = (Polygons::new(), TrailingColumns::default());
     let mut face = Vec::new();
     for row in 0..n {
-        at_row(progress, row, n)?;
+        report_row(progress, row, n)?;
         tokens.skip();
         let start = tokens.position;
         let n_corners = tokens.count("face", row)?;
         // Words shifted by a missing one must not be taken for faces.
         if n_corners < 2 {
             let message = format!("face {row} has the invalid number of {n_corners} corners; correct it");
-            return Err(ReadError::in_line(tokens.bytes, start, message));
+            return Err(ReadError::line_error(tokens.bytes, start, message));
         }
         face.clear();
         for _ in 0..n_corners {
             tokens.skip();
             let start = tokens.position;
-            let index = tokens.whole("face", row)?;
+            let index = tokens.integer("face", row)?;
             if index < 0 || index as u64 >= n_vertices {
                 let place = format!("line {}", crate::text::line_of(tokens.bytes, start));
                 return Err(ReadError::FaceIndex { place, face: row, index, n_vertices });
@@ -138,7 +138,7 @@ fn faces(
     Ok(((faces, tails), tokens.position))
 }
 
-impl Layout {
+impl OffLayout {
     /// Number of values of a vertex after its coordinates.
     fn n_tail(&self) -> usize {
         usize::from(self.has_w)

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use adwave::Progress;
 
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Field, ShapeFile, WriteError, WriteReport};
 
@@ -28,19 +28,19 @@ pub(crate) fn write_off(
     let (normal, color, texcoord) =
         (channels("normal", &[3]), channels("color", &[3, 4]), channels("texcoord", &[2]));
     let held: Vec<&Field> = [normal, color, texcoord].into_iter().flatten().collect();
-    report.leave_vertex_fields(shape, &held.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
+    report.report_vertex_fields(shape, &held.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
     let face_color = shape.face_fields.iter().find(|f| f.name == "color" && matches!(f.n_channels, 3 | 4));
     let face_held: Vec<&Field> = face_color.into_iter().collect();
-    report.leave_face_fields(shape, &face_held.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
+    report.report_face_fields(shape, &face_held.iter().map(|f| f.name.as_str()).collect::<Vec<_>>());
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
     let letter = |field: Option<&Field>, letters| if field.is_some() { letters } else { "" };
     writeln!(out, "{}{}{}OFF", letter(texcoord, "ST"), letter(color, "C"), letter(normal, "N"))?;
     writeln!(out, "{} {} 0", shape.points.len(), shape.faces.len())?;
     let mut line = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, shape.points.len() as u64)?;
+        report_row(progress, i as u64, shape.points.len() as u64)?;
         line.clear();
         for (axis, &x) in point.iter().enumerate() {
             if axis > 0 {
@@ -53,7 +53,7 @@ pub(crate) fn write_off(
         out.write_all(&line)?;
     }
     for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, shape.faces.len() as u64)?;
+        report_row(progress, f as u64, shape.faces.len() as u64)?;
         line.clear();
         write!(line, "{}", face.len())?;
         for v in face {

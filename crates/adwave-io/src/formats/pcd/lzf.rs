@@ -4,7 +4,7 @@
 
 use adwave::{Cancelled, Progress};
 
-use crate::progress::at_row;
+use crate::progress::report_row;
 
 /// Decompresses `n` bytes; the error is the position in `packed` at which it is invalid.
 pub(crate) fn decompress(
@@ -15,7 +15,7 @@ pub(crate) fn decompress(
     let mut plain = Vec::with_capacity(n);
     let (mut i, mut block) = (0, 0);
     while i < packed.len() {
-        at_row(progress, block, 0)?;
+        report_row(progress, block, 0)?;
         block += 1;
         if let Err(at) = step(packed, n, &mut plain, &mut i) {
             return Ok(Err(at));
@@ -61,7 +61,7 @@ pub(crate) fn compress(plain: &[u8], progress: Progress<'_>) -> Result<Vec<u8>, 
     let mut packed = Vec::with_capacity(plain.len() / 2 + 64);
     let (mut i, mut literal, mut block) = (0, 0, 0);
     while i + 2 < plain.len() {
-        at_row(progress, block, 0)?;
+        report_row(progress, block, 0)?;
         block += 1;
         let three = u32::from_le_bytes([plain[i], plain[i + 1], plain[i + 2], 0]);
         let slot = &mut places[(three.wrapping_mul(0x9e37_79b1) >> (32 - BITS)) as usize];

@@ -5,12 +5,12 @@ use adwave::{Cancelled, Progress};
 
 use crate::model::field::FieldValues;
 use crate::model::subset::selected;
-use crate::progress::{all, at_row};
+use crate::progress::{all, report_row};
 use crate::{Field, ReadError, ShapeFile};
 
 /// Cloud with all its points, and the indices of those with a position.
 #[derive(Debug)]
-pub(crate) struct Whole {
+pub(crate) struct OrganizedCloud {
     file: ShapeFile,
     kept: Vec<u32>,
 }
@@ -23,7 +23,7 @@ pub(crate) fn without_missing(file: ShapeFile, progress: Progress<'_>) -> Result
     }
     let mut kept = Vec::new();
     for i in 0..file.n_vertices {
-        at_row(progress, i as u64, file.n_vertices as u64)?;
+        report_row(progress, i as u64, file.n_vertices as u64)?;
         if is_there(i) {
             kept.push(i as u32);
         }
@@ -38,20 +38,20 @@ pub(crate) fn without_missing(file: ShapeFile, progress: Progress<'_>) -> Result
     shape.extras.push(format!("{} points without a position", file.n_vertices - kept.len()));
     let Some(own) = file.source::<super::read::PcdSource>() else { return Ok(shape) };
     let (viewpoint, width, height) = (own.viewpoint.clone(), own.width, own.height);
-    let whole = Some(Box::new(Whole { file, kept }));
+    let whole = Some(Box::new(OrganizedCloud { file, kept }));
     let original = super::read::PcdSource { viewpoint, width, height, rows: None, whole };
     shape.set_source(original);
     Ok(shape)
 }
 
-impl Whole {
+impl OrganizedCloud {
     /// Restores the whole cloud with the present positions and fields of the shape. A new field is 0 or NaN at points
     /// that are not part of the shape.
     pub(crate) fn with(&self, shape: &ShapeFile, progress: Progress<'_>) -> Result<ShapeFile, Cancelled> {
         let mut file = self.file.clone();
         let mut points = file.points.to_vec();
         for (row, &i) in self.kept.iter().enumerate() {
-            at_row(progress, row as u64, self.kept.len() as u64)?;
+            report_row(progress, row as u64, self.kept.len() as u64)?;
             points[i as usize] = shape.points[row];
         }
         file.points = points.into();

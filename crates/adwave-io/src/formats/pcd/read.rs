@@ -8,11 +8,11 @@ use crate::model::source_document::Update;
 use adwave::Progress;
 use std::sync::Arc;
 
-use crate::formats::pcd::missing::{Whole, without_missing};
+use crate::formats::pcd::missing::{OrganizedCloud, without_missing};
 use crate::model::field::ByteOrder;
 use crate::model::grouping::group;
 use crate::model::text_rows::{Separator, TextRows};
-use crate::progress::{at_row, collect};
+use crate::progress::{collect, report_row};
 use crate::text::{line_end, parse_f32, parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
@@ -26,7 +26,7 @@ pub(crate) struct PcdSource {
     /// Rows of a text PCD.
     pub(crate) rows: Option<CoordinateRows>,
     /// Whole cloud, if it has points without a position.
-    pub(crate) whole: Option<Box<Whole>>,
+    pub(crate) whole: Option<Box<OrganizedCloud>>,
 }
 
 impl SourceDocument for PcdSource {
@@ -59,15 +59,15 @@ impl SourceDocument for PcdSource {
 }
 
 /// Number within a row.
-struct Column {
+struct PcdColumn {
     name: String,
     value_type: ValueType,
     /// Offset in a binary row.
     offset: usize,
 }
 
-struct Header {
-    columns: Vec<Column>,
+struct PcdHeader {
+    columns: Vec<PcdColumn>,
     /// `(offset, bytes, count)` of each field in a row.
     fields: Vec<(usize, usize)>,
     row_bytes: usize,
@@ -96,7 +96,7 @@ pub(crate) fn read_pcd(
             check_rows(&bytes, &header)?;
             let rows = plain.chunks_exact(header.row_bytes.max(1)).take(header.n_points as usize);
             for (i, row) in rows.enumerate() {
-                at_row(progress, i as u64, header.n_points)?;
+                report_row(progress, i as u64, header.n_points)?;
                 for (column, list) in header.columns.iter().zip(&mut values) {
                     list.push_bytes(&row[column.offset..], ByteOrder::Little);
                 }
@@ -108,7 +108,7 @@ pub(crate) fn read_pcd(
         }
         other => {
             let message = format!("DATA must be ascii, binary or binary_compressed, got {}", show(other));
-            return Err(ReadError::in_line(&bytes, header.body.saturating_sub(1), message));
+            return Err(ReadError::line_error(&bytes, header.body.saturating_sub(1), message));
         }
     }
     let mut shape = to_shape(&header, values, progress)?;
@@ -122,20 +122,20 @@ pub(crate) fn read_pcd(
         let columns = [axis("x"), axis("y"), axis("z")];
         CoordinateRows::Text(TextRows { bytes, rows, columns, separator: Separator::Blanks, names: None })
     });
-    let Header { viewpoint, width, height, .. } = header;
+    let PcdHeader { viewpoint, width, height, .. } = header;
     let original = PcdSource { viewpoint, width, height, rows, whole: None };
     shape.set_source(original);
     without_missing(shape, progress)
 }
 
-fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
+fn parse_header(bytes: &[u8]) -> Result<PcdHeader, ReadError> {
     let mut position = 0;
     let mut lists: [Vec<String>; 4] = Default::default();
     let (mut width, mut height, mut points) = (None, None, None);
     let mut viewpoint = "0 0 0 1 0 0 0".to_string();
     let kind = loop {
         if position >= bytes.len() {
-            return Err(ReadError::in_line(
+            return Err(ReadError::line_error(
                 bytes,
                 bytes.len(),
                 "the header has no DATA line; get the whole file",
@@ -149,7 +149,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
         let mut count = || {
             let word = parts.next().unwrap_or(b"");
             let wrong = || {
-                ReadError::in_line(
+                ReadError::line_error(
                     bytes,
                     start,
                     format!("the number of points must be an integer, got {}", show(word)),
@@ -173,7 +173,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
             }
         }
     };
-    let mut header = Header {
+    let mut header = PcdHeader {
         columns: Vec::new(),
         fields: Vec::new(),
         row_bytes: 0,
@@ -204,7 +204,10 @@ fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
     Ok(header)
 }
 
-fn columns(header: &mut Header, [names, sizes, types, counts]: &[Vec<String>; 4]) -> Result<(), ReadError> {
+fn columns(
+    header: &mut PcdHeader,
+    [names, sizes, types, counts]: &[Vec<String>; 4],
+) -> Result<(), ReadError> {
     for (i, name) in names.iter().enumerate() {
         let (size, kind) =
             (sizes.get(i).map_or("4", String::as_str), types.get(i).map_or("F", String::as_str));
@@ -232,7 +235,7 @@ fn columns(header: &mut Header, [names, sizes, types, counts]: &[Vec<String>; 4]
         header.fields.push((header.row_bytes, n_bytes * count));
         for c in 0..count {
             let name = if count == 1 { name.clone() } else { format!("{name}_{c}") };
-            header.columns.push(Column { name, value_type, offset: header.row_bytes + c * n_bytes });
+            header.columns.push(PcdColumn { name, value_type, offset: header.row_bytes + c * n_bytes });
         }
         header.row_bytes += n_bytes * count;
     }
@@ -244,7 +247,7 @@ fn columns(header: &mut Header, [names, sizes, types, counts]: &[Vec<String>; 4]
     Ok(())
 }
 
-fn check_rows(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
+fn check_rows(bytes: &[u8], header: &PcdHeader) -> Result<(), ReadError> {
     let remaining = (bytes.len() - header.body) as u64;
     let row = header.row_bytes.max(1) as u64;
     if remaining / row >= header.n_points {
@@ -260,7 +263,7 @@ fn check_rows(bytes: &[u8], header: &Header) -> Result<(), ReadError> {
 
 fn read_rows(
     bytes: &[u8],
-    header: &Header,
+    header: &PcdHeader,
     values: &mut [FieldValues],
     progress: Progress<'_>,
 ) -> Result<Vec<u64>, ReadError> {
@@ -274,11 +277,11 @@ fn read_rows(
         let mut parts = words(line);
         let Some(blanks) = line.iter().position(|&b| !crate::text::is_space(b)) else { continue };
         let row = rows.len();
-        at_row(progress, row as u64, header.n_points)?;
+        report_row(progress, row as u64, header.n_points)?;
         for (column, list) in header.columns.iter().zip(&mut *values) {
             let word = parts.next().ok_or_else(|| {
                 let n = header.columns.len();
-                ReadError::in_line(
+                ReadError::line_error(
                     bytes,
                     start,
                     format!("point {row} needs {n} values; add the missing ones"),
@@ -292,7 +295,7 @@ fn read_rows(
                 let name = &column.name;
                 let message =
                     format!("{} does not fit field {name:?} of point {row}; correct it", show(word));
-                return Err(ReadError::in_line(bytes, start, message));
+                return Err(ReadError::line_error(bytes, start, message));
             }
         }
         rows.push((start + blanks) as u64);
@@ -300,12 +303,12 @@ fn read_rows(
     if (rows.len() as u64) < header.n_points {
         let message =
             format!("the file ends at point {} of {}; get the whole file", rows.len(), header.n_points);
-        return Err(ReadError::in_line(bytes, bytes.len(), message));
+        return Err(ReadError::line_error(bytes, bytes.len(), message));
     }
     Ok(rows)
 }
 
-fn unpack(bytes: &[u8], header: &Header, progress: Progress<'_>) -> Result<Vec<u8>, ReadError> {
+fn unpack(bytes: &[u8], header: &PcdHeader, progress: Progress<'_>) -> Result<Vec<u8>, ReadError> {
     let size = |at: usize| {
         let b = bytes.get(at..at + 4)?;
         Some(u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])))
@@ -328,20 +331,20 @@ fn unpack(bytes: &[u8], header: &Header, progress: Progress<'_>) -> Result<Vec<u
     {
         let n = header.n_points;
         let message = format!("{n} points do not fit {n_plain} uncompressed bytes; get an undamaged file");
-        return Err(ReadError::at_byte(header.body + 4, message));
+        return Err(ReadError::byte_error(header.body + 4, message));
     }
     crate::formats::pcd::lzf::decompress(
         &bytes[start..start + n_packed as usize],
         n_plain as usize,
         progress,
     )?
-    .map_err(|at| ReadError::at_byte(start + at, "the LZF compression is damaged; get an undamaged file"))
+    .map_err(|at| ReadError::byte_error(start + at, "the LZF compression is damaged; get an undamaged file"))
 }
 
 /// Reads compressed points, which are stored field by field: all of the first field, all of the second, …
 fn read_field_by_field(
     plain: &[u8],
-    header: &Header,
+    header: &PcdHeader,
     values: &mut [FieldValues],
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
@@ -350,7 +353,7 @@ fn read_field_by_field(
         let field = header.fields.iter().rfind(|f| f.0 <= column.offset).copied().unwrap_or((0, 1));
         let first = n * field.0 + (column.offset - field.0);
         for i in 0..n {
-            at_row(progress, i as u64, header.n_points)?;
+            report_row(progress, i as u64, header.n_points)?;
             list.push_bytes(&plain[first + i * field.1..], ByteOrder::Little);
         }
     }
@@ -358,7 +361,7 @@ fn read_field_by_field(
 }
 
 fn to_shape(
-    header: &Header,
+    header: &PcdHeader,
     values: Vec<FieldValues>,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
@@ -398,7 +401,7 @@ fn unpack_color(list: &FieldValues, n_channels: usize, progress: Progress<'_>) -
     };
     let mut colors = Vec::with_capacity(list.len() * n_channels);
     for i in 0..list.len() {
-        at_row(progress, i as u64, list.len() as u64)?;
+        report_row(progress, i as u64, list.len() as u64)?;
         let [blue, green, red, alpha] = bits(i).to_le_bytes();
         colors.extend_from_slice(&[red, green, blue, alpha][..n_channels]);
     }

@@ -7,7 +7,7 @@ use adwave::Progress;
 
 use crate::model::field::ByteOrder;
 use crate::model::grouping::one_word;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::{push_f32, push_f64};
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
 
@@ -16,7 +16,7 @@ fn is_packed(field: &Field) -> bool {
     field.name == "color" && matches!(field.n_channels, 3 | 4) && matches!(field.values, FieldValues::U8(_))
 }
 
-fn packed(field: &Field, i: usize) -> u32 {
+fn pack_color(field: &Field, i: usize) -> u32 {
     let byte = |c: usize| if c < field.n_channels { field.get(i, c) as u8 } else { 0 };
     u32::from_le_bytes([byte(2), byte(1), byte(0), byte(3)])
 }
@@ -46,11 +46,11 @@ pub(crate) fn write_pcd(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     if !shape.faces.is_empty() {
-        report.leave_out("faces");
+        report.report_dropped("faces");
     }
-    report.leave_face_fields(shape, &[]);
+    report.report_face_fields(shape, &[]);
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
     let coordinate = if shape.precision == Precision::F32 { ValueType::F32 } else { ValueType::F64 };
     let mut all: Vec<_> = ["x", "y", "z"].map(|n| (n.to_string(), coordinate, 1)).to_vec();
@@ -82,7 +82,7 @@ pub(crate) fn write_pcd(
     }
     let mut row = Vec::new();
     for i in 0..shape.points.len() {
-        at_row(progress, i as u64, n)?;
+        report_row(progress, i as u64, n)?;
         row.clear();
         if format == Format::PCD {
             binary_row(shape, i, &mut row);
@@ -103,7 +103,7 @@ fn write_compressed(
 ) -> Result<(), WriteError> {
     let (n, mut rows) = (shape.points.len(), Vec::new());
     for i in 0..n {
-        at_row(progress, i as u64, n as u64)?;
+        report_row(progress, i as u64, n as u64)?;
         binary_row(shape, i, &mut rows);
     }
     let stride: usize = columns.iter().map(|(_, kind, count)| kind.n_bytes() * count).sum();
@@ -112,7 +112,7 @@ fn write_compressed(
     for (_, kind, count) in columns {
         let size = kind.n_bytes() * count;
         for i in 0..n {
-            at_row(progress, i as u64, n as u64)?;
+            report_row(progress, i as u64, n as u64)?;
             plain.extend_from_slice(&rows[i * stride + start..][..size]);
         }
         start += size;
@@ -137,7 +137,7 @@ fn binary_row(shape: &ShapeFile, i: usize, row: &mut Vec<u8>) {
     }
     for field in &shape.vertex_fields {
         if is_packed(field) {
-            row.extend_from_slice(&packed(field, i).to_le_bytes());
+            row.extend_from_slice(&pack_color(field, i).to_le_bytes());
             continue;
         }
         for c in 0..field.n_channels {
@@ -158,7 +158,7 @@ fn text_row(shape: &ShapeFile, i: usize, row: &mut Vec<u8>) {
     }
     for field in &shape.vertex_fields {
         if is_packed(field) {
-            row.extend_from_slice(format!(" {}", packed(field, i)).as_bytes());
+            row.extend_from_slice(format!(" {}", pack_color(field, i)).as_bytes());
             continue;
         }
         for c in 0..field.n_channels {

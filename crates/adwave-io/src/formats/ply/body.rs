@@ -2,13 +2,13 @@
 
 use adwave::Progress;
 
-use crate::formats::ply::header::{Element, Encoding, Kind};
+use crate::formats::ply::header::{Element, Encoding, PropertyKind};
 use crate::model::field::ByteOrder;
 use crate::text::{Words, parse_f32, parse_f64, show};
 use crate::{FieldValues, ReadError, ValueType};
 
 /// Read position in the body.
-pub(crate) struct Body<'a> {
+pub(crate) struct PlyBody<'a> {
     pub(crate) bytes: &'a [u8],
     pub(crate) position: usize,
     pub(crate) encoding: Encoding,
@@ -16,7 +16,7 @@ pub(crate) struct Body<'a> {
     pub(crate) progress: Progress<'a>,
 }
 
-impl<'a> Body<'a> {
+impl<'a> PlyBody<'a> {
     /// Fails early if the element's rows do not fit the remaining bytes.
     pub(crate) fn check_size(&self, element: &Element) -> Result<(), ReadError> {
         let row_bytes = element.min_row_bytes(self.encoding);
@@ -97,7 +97,7 @@ impl<'a> Body<'a> {
         let name = &element.name;
         let message =
             format!("expected a {kind}, got {} (element `{name}`, row {row}); correct it", show(word));
-        ReadError::in_line(self.bytes, position, message)
+        ReadError::line_error(self.bytes, position, message)
     }
 
     /// Reads one integer.
@@ -123,11 +123,11 @@ impl<'a> Body<'a> {
     /// Reads the length of a list and checks its size against the remaining bytes.
     fn read_count(
         &mut self,
-        kind: Kind,
+        kind: PropertyKind,
         element: &Element,
         row: u64,
     ) -> Result<(usize, ValueType), ReadError> {
-        let Kind::List { count, item } = kind else { return Ok((1, ValueType::F64)) };
+        let PropertyKind::List { count, item } = kind else { return Ok((1, ValueType::F64)) };
         let start = self.position;
         let n = self.read_integer(count, element, row)?;
         let Ok(n) = u64::try_from(n) else {
@@ -137,8 +137,8 @@ impl<'a> Body<'a> {
                                   correct it"
             );
             return Err(match self.encoding {
-                Encoding::Ascii => ReadError::in_line(self.bytes, start, message),
-                Encoding::Binary(_) => ReadError::at_byte(start, message),
+                Encoding::Ascii => ReadError::line_error(self.bytes, start, message),
+                Encoding::Binary(_) => ReadError::byte_error(start, message),
             });
         };
         let size = if self.encoding == Encoding::Ascii { 2 } else { item.n_bytes() as u64 };
@@ -153,13 +153,13 @@ impl<'a> Body<'a> {
     /// Reads a list of integers.
     pub(crate) fn read_list(
         &mut self,
-        kind: Kind,
+        kind: PropertyKind,
         element: &Element,
         row: u64,
         list: &mut Vec<i64>,
     ) -> Result<(), ReadError> {
         list.clear();
-        if let Kind::Scalar(_) = kind {
+        if let PropertyKind::Scalar(_) = kind {
             return self.skip(kind, element, row);
         }
         let (n, item) = self.read_count(kind, element, row)?;
@@ -170,10 +170,10 @@ impl<'a> Body<'a> {
     }
 
     /// Skips one value or list.
-    pub(crate) fn skip(&mut self, kind: Kind, element: &Element, row: u64) -> Result<(), ReadError> {
+    pub(crate) fn skip(&mut self, kind: PropertyKind, element: &Element, row: u64) -> Result<(), ReadError> {
         let (n, item) = match kind {
-            Kind::Scalar(t) => (1, t),
-            Kind::List { .. } => self.read_count(kind, element, row)?,
+            PropertyKind::Scalar(t) => (1, t),
+            PropertyKind::List { .. } => self.read_count(kind, element, row)?,
         };
         if let Encoding::Binary(_) = self.encoding {
             self.take(n * item.n_bytes(), element, row)?;

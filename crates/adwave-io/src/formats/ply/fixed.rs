@@ -4,22 +4,22 @@
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
 
-use super::body::Body;
-use super::header::{Element, Encoding, Kind};
+use super::body::PlyBody;
+use super::header::{Element, Encoding, PropertyKind};
 use crate::model::field::{ByteOrder, Number, with_values};
 use crate::progress::{collect, extend};
 use crate::{FieldValues, ReadError, ValueType};
 
 /// Rows of equal size: each property has the same offset in all of them.
 #[derive(Clone, Copy)]
-struct Rows<'a> {
+struct FixedRows<'a> {
     bytes: &'a [u8],
     row_bytes: usize,
     n: usize,
     order: ByteOrder,
 }
 
-impl Rows<'_> {
+impl FixedRows<'_> {
     #[inline]
     fn number<T: Number>(&self, row: usize, offset: usize) -> T {
         T::from_bytes(&self.bytes[row * self.row_bytes + offset..], self.order)
@@ -52,7 +52,7 @@ impl Rows<'_> {
 }
 
 /// Content of vertex rows.
-pub(crate) struct Vertices {
+pub(crate) struct VertexRows {
     pub(crate) points: Vec<[f64; 3]>,
     /// True if all coordinates are 32-bit floats.
     pub(crate) is_single: bool,
@@ -61,12 +61,15 @@ pub(crate) struct Vertices {
 }
 
 /// Reads vertices whose properties are all numbers; `None` if one is a list or the file is text.
-pub(crate) fn read_vertices(body: &mut Body<'_>, element: &Element) -> Result<Option<Vertices>, ReadError> {
+pub(crate) fn read_vertices(
+    body: &mut PlyBody<'_>,
+    element: &Element,
+) -> Result<Option<VertexRows>, ReadError> {
     let Encoding::Binary(order) = body.encoding else { return Ok(None) };
     let mut row_bytes = 0;
     let mut places = Vec::with_capacity(element.properties.len());
     for property in &element.properties {
-        let Kind::Scalar(t) = property.kind else { return Ok(None) };
+        let PropertyKind::Scalar(t) = property.kind else { return Ok(None) };
         places.push((t, row_bytes));
         row_bytes += t.n_bytes();
     }
@@ -75,7 +78,7 @@ pub(crate) fn read_vertices(body: &mut Body<'_>, element: &Element) -> Result<Op
     // The size of all rows was checked before.
     let n = element.n_rows as usize;
     let end = body.position + n * row_bytes;
-    let rows = Rows { bytes: &body.bytes[body.position..end], row_bytes, n, order };
+    let rows = FixedRows { bytes: &body.bytes[body.position..end], row_bytes, n, order };
     let progress = body.progress;
     let types = [x, y, z].map(|p| places[p].0);
     let offsets = [x, y, z].map(|p| places[p].1);
@@ -96,7 +99,7 @@ pub(crate) fn read_vertices(body: &mut Body<'_>, element: &Element) -> Result<Op
         columns.push(if is_axis { None } else { Some(rows.column(t, offset, progress)?) });
     }
     body.position = end;
-    Ok(Some(Vertices { points, is_single: types == [ValueType::F32; 3], columns }))
+    Ok(Some(VertexRows { points, is_single: types == [ValueType::F32; 3], columns }))
 }
 
 /// Face rows processed together.
@@ -119,7 +122,7 @@ impl FaceLayout {
     /// Layout of rows with one list of integers of at most 32 bits and otherwise fixed size.
     pub(crate) fn new(element: &Element, encoding: Encoding, corners: usize) -> Option<Self> {
         let Encoding::Binary(order) = encoding else { return None };
-        let Kind::List { count, item } = element.properties[corners].kind else { return None };
+        let PropertyKind::List { count, item } = element.properties[corners].kind else { return None };
         let fits = |t: ValueType| t.is_integer() && t.n_bytes() <= 4;
         if !fits(count) || !fits(item) {
             return None;
@@ -127,16 +130,16 @@ impl FaceLayout {
         let (mut at, mut count_at, mut scalars) = (0, 0, Vec::with_capacity(element.properties.len()));
         for (p, property) in element.properties.iter().enumerate() {
             match property.kind {
-                Kind::Scalar(t) => {
+                PropertyKind::Scalar(t) => {
                     scalars.push(Some((t, at, p > corners)));
                     at += t.n_bytes();
                 }
-                Kind::List { .. } if p == corners => {
+                PropertyKind::List { .. } if p == corners => {
                     scalars.push(None);
                     count_at = at;
                     at += count.n_bytes();
                 }
-                Kind::List { .. } => return None,
+                PropertyKind::List { .. } => return None,
             }
         }
         Some(Self { order, count_at, count, item, own_bytes: at, scalars })
@@ -146,7 +149,7 @@ impl FaceLayout {
     #[inline]
     pub(crate) fn n_corners(&self, row: &[u8]) -> Option<usize> {
         let bytes = row.get(self.count_at..)?;
-        let n = whole(bytes.get(..self.count.n_bytes())?, self.count, self.order)?;
+        let n = decode_count(bytes.get(..self.count.n_bytes())?, self.count, self.order)?;
         Some(n as usize)
     }
 
@@ -157,7 +160,7 @@ impl FaceLayout {
 
 /// Decodes the integer at the start of the bytes; `None` if it is negative.
 #[inline]
-pub(crate) fn whole(bytes: &[u8], t: ValueType, order: ByteOrder) -> Option<u32> {
+pub(crate) fn decode_count(bytes: &[u8], t: ValueType, order: ByteOrder) -> Option<u32> {
     match t {
         ValueType::U8 => bytes.first().copied().map(u32::from),
         ValueType::U32 => Some(Number::from_bytes(bytes, order)),
@@ -170,7 +173,7 @@ pub(crate) fn whole(bytes: &[u8], t: ValueType, order: ByteOrder) -> Option<u32>
 }
 
 /// Content of face rows.
-pub(crate) struct Faces {
+pub(crate) struct FaceRows {
     pub(crate) polygons: Polygons,
     pub(crate) columns: Vec<Option<FieldValues>>,
     /// Number of rows read; the slow parser reads the next one and reports its error.
@@ -179,11 +182,11 @@ pub(crate) struct Faces {
 
 /// Reads the faces up to the first invalid one. `None` if the layout is not supported.
 pub(crate) fn read_faces(
-    body: &mut Body<'_>,
+    body: &mut PlyBody<'_>,
     element: &Element,
     corners: usize,
     n_vertices: usize,
-) -> Result<Option<Faces>, ReadError> {
+) -> Result<Option<FaceRows>, ReadError> {
     let Some(layout) = FaceLayout::new(element, body.encoding, corners) else { return Ok(None) };
     let mut columns: Vec<Option<FieldValues>> =
         layout.scalars.iter().map(|s| s.map(|(t, ..)| t.empty())).collect();
@@ -200,7 +203,7 @@ pub(crate) fn read_faces(
         let Some((k, row_bytes)) = length else { break };
         let rows = bytes.chunks_exact(row_bytes).take(ROWS_PER_BLOCK.min(n_rows - row));
         let n = rows.take_while(|row| layout.n_corners(row) == Some(k)).count();
-        let rows = Rows { bytes: &bytes[..n * row_bytes], row_bytes, n, order: layout.order };
+        let rows = FixedRows { bytes: &bytes[..n * row_bytes], row_bytes, n, order: layout.order };
         if n == 0 || !list.add(&layout, rows, k, n_vertices, body.progress)? {
             break;
         }
@@ -216,7 +219,7 @@ pub(crate) fn read_faces(
         row += n;
     }
     let polygons = list.into_polygons(body.progress)?;
-    Ok(Some(Faces { polygons, columns, n_rows: row as u64 }))
+    Ok(Some(FaceRows { polygons, columns, n_rows: row as u64 }))
 }
 
 /// Corners of faces: stored as triangles as long as there are no other faces, so that each is written once in its
@@ -243,7 +246,7 @@ impl CornerLists {
     fn add(
         &mut self,
         layout: &FaceLayout,
-        rows: Rows<'_>,
+        rows: FixedRows<'_>,
         k: usize,
         n_vertices: usize,
         progress: Progress<'_>,
@@ -264,7 +267,7 @@ impl CornerLists {
 
     fn add_as<T: Number + TryInto<u32>>(
         &mut self,
-        rows: Rows<'_>,
+        rows: FixedRows<'_>,
         at: usize,
         k: usize,
         n_vertices: usize,

@@ -14,7 +14,7 @@ pub(crate) enum Encoding {
 
 /// Kind of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum PropertyKind {
     Scalar(ValueType),
     List { count: ValueType, item: ValueType },
 }
@@ -22,7 +22,7 @@ pub(crate) enum Kind {
 #[derive(Clone, Debug)]
 pub(crate) struct Property {
     pub(crate) name: String,
-    pub(crate) kind: Kind,
+    pub(crate) kind: PropertyKind,
     /// Index of the header line that declares it.
     pub(crate) line: usize,
 }
@@ -37,7 +37,7 @@ pub(crate) struct Element {
 }
 
 #[derive(Debug)]
-pub(crate) struct Header {
+pub(crate) struct PlyHeader {
     pub(crate) encoding: Encoding,
     /// Range of every line with its line end.
     pub(crate) lines: Vec<(usize, usize)>,
@@ -50,7 +50,7 @@ pub(crate) struct Header {
 #[derive(Debug)]
 pub(crate) struct PlySource {
     pub(crate) bytes: Vec<u8>,
-    pub(crate) header: Header,
+    pub(crate) header: PlyHeader,
     /// Index of the vertex element, and the range of its rows.
     pub(crate) vertex: usize,
     pub(crate) rows: (usize, usize),
@@ -95,8 +95,8 @@ impl Element {
         let property = |p: &Property| match (encoding, p.kind) {
             // One digit and one separator.
             (Encoding::Ascii, _) => 2,
-            (Encoding::Binary(_), Kind::Scalar(t)) => t.n_bytes() as u64,
-            (Encoding::Binary(_), Kind::List { count, .. }) => count.n_bytes() as u64,
+            (Encoding::Binary(_), PropertyKind::Scalar(t)) => t.n_bytes() as u64,
+            (Encoding::Binary(_), PropertyKind::List { count, .. }) => count.n_bytes() as u64,
         };
         self.properties.iter().map(property).sum()
     }
@@ -108,7 +108,7 @@ impl Element {
 }
 
 /// Parses the header at the start of `bytes`.
-pub(crate) fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
+pub(crate) fn parse_header(bytes: &[u8]) -> Result<PlyHeader, ReadError> {
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
     let mut lines = Vec::new();
@@ -116,7 +116,7 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
     loop {
         if start >= bytes.len() {
             let message = "the header has no `end_header`; get the whole file";
-            return Err(ReadError::in_line(bytes, bytes.len(), message));
+            return Err(ReadError::line_error(bytes, bytes.len(), message));
         }
         let end = line_end(bytes, start);
         let line = &bytes[start..end];
@@ -164,7 +164,7 @@ pub(crate) fn parse_header(bytes: &[u8]) -> Result<Header, ReadError> {
     let Some(encoding) = encoding else {
         return Err(ReadError::Line { line: 1, message: "the header has no `format` line; add it".into() });
     };
-    Ok(Header { encoding, lines, elements, body: start.min(bytes.len()) })
+    Ok(PlyHeader { encoding, lines, elements, body: start.min(bytes.len()) })
 }
 
 fn property<'a>(parts: &mut impl Iterator<Item = &'a [u8]>, line: usize) -> Result<Property, String> {
@@ -178,9 +178,9 @@ fn property<'a>(parts: &mut impl Iterator<Item = &'a [u8]>, line: usize) -> Resu
         if !count.is_integer() {
             return Err("the count of a list must have an integer type".into());
         }
-        Kind::List { count, item: next_type(parts.next())? }
+        PropertyKind::List { count, item: next_type(parts.next())? }
     } else {
-        Kind::Scalar(next_type(first)?)
+        PropertyKind::Scalar(next_type(first)?)
     };
     let name = parts.next().ok_or("a property has no name; add one")?;
     Ok(Property { name: String::from_utf8_lossy(name).into_owned(), kind, line })

@@ -3,11 +3,11 @@
 //! The parser is our own: the crates store rows as maps from names to values, which takes many times the memory of
 //! the file, and allocate the sizes stated in the header.
 
-use crate::formats::ply::body::Body;
+use crate::formats::ply::body::PlyBody;
 use crate::formats::ply::fixed;
-use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlySource, parse_header};
+use crate::formats::ply::header::{Element, Encoding, PlyHeader, PlySource, PropertyKind, parse_header};
 use crate::model::grouping::group;
-use crate::progress::{at_row, collect};
+use crate::progress::{collect, report_row};
 use crate::provenance::in_comments;
 use crate::text::line_of;
 use crate::{Direction, Edges, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
@@ -30,7 +30,7 @@ pub(crate) fn read_ply(
     shape.format = Some(if header.encoding == Encoding::Ascii { Format::PLY_ASCII } else { Format::PLY });
     let mut rows = (header.body, header.body);
     let mut field_properties = Vec::new();
-    let mut body = Body { bytes: &bytes, position: header.body, encoding: header.encoding, progress };
+    let mut body = PlyBody { bytes: &bytes, position: header.body, encoding: header.encoding, progress };
     for (e, element) in header.elements.iter().enumerate() {
         body.check_size(element)?;
         let start = body.position;
@@ -47,7 +47,7 @@ pub(crate) fn read_ply(
             _ => {
                 if element.min_row_bytes(header.encoding) > 0 {
                     for row in 0..element.n_rows {
-                        at_row(progress, row, element.n_rows)?;
+                        report_row(progress, row, element.n_rows)?;
                         body.skip_row(element, row)?;
                     }
                 }
@@ -66,7 +66,7 @@ pub(crate) fn read_ply(
     Ok(shape)
 }
 
-fn name_comments(bytes: &[u8], header: &Header, shape: &mut ShapeFile) {
+fn name_comments(bytes: &[u8], header: &PlyHeader, shape: &mut ShapeFile) {
     let is_comment = |&(start, end): &(usize, usize)| {
         bytes[start..end].starts_with(b"comment") || bytes[start..end].starts_with(b"obj_info")
     };
@@ -78,8 +78,8 @@ fn name_comments(bytes: &[u8], header: &Header, shape: &mut ShapeFile) {
 /// Empty list for each scalar property, by its position; `None` for lists.
 fn empty_columns(element: &Element) -> Vec<Option<FieldValues>> {
     let column = |kind| match kind {
-        Kind::Scalar(t) => Some(t.empty()),
-        Kind::List { .. } => None,
+        PropertyKind::Scalar(t) => Some(t.empty()),
+        PropertyKind::List { .. } => None,
     };
     element.properties.iter().map(|p| column(p.kind)).collect()
 }
@@ -87,7 +87,7 @@ fn empty_columns(element: &Element) -> Vec<Option<FieldValues>> {
 /// Checks that vertices have coordinates; a file without vertices may omit them.
 pub(crate) fn check_axes(element: &Element) -> Result<(), ReadError> {
     let is_number = |name: &&str| {
-        element.property(name).is_some_and(|p| matches!(element.properties[p].kind, Kind::Scalar(_)))
+        element.property(name).is_some_and(|p| matches!(element.properties[p].kind, PropertyKind::Scalar(_)))
     };
     match ["x", "y", "z"].iter().find(|name| !is_number(name)) {
         Some(name) if element.n_rows > 0 => {
@@ -99,7 +99,7 @@ pub(crate) fn check_axes(element: &Element) -> Result<(), ReadError> {
 }
 
 fn read_vertices(
-    body: &mut Body<'_>,
+    body: &mut PlyBody<'_>,
     element: &Element,
     shape: &mut ShapeFile,
 ) -> Result<Vec<(String, Vec<usize>)>, ReadError> {
@@ -112,7 +112,7 @@ fn read_vertices(
         return attach_columns(element, vertices.columns, fields, extras, body.progress);
     }
     for row in 0..element.n_rows {
-        at_row(body.progress, row, element.n_rows)?;
+        report_row(body.progress, row, element.n_rows)?;
         for (property, column) in element.properties.iter().zip(&mut columns) {
             match column {
                 Some(column) => body.read_into(column, element, row)?,
@@ -146,7 +146,7 @@ fn attach_columns(
         if let Some(column) = column {
             positions.push(p);
             named.push((property.name.clone(), column));
-        } else if matches!(property.kind, Kind::List { .. }) && !is_corner_list(&property.name) {
+        } else if matches!(property.kind, PropertyKind::List { .. }) && !is_corner_list(&property.name) {
             extras.push(format!("list `{}` of element `{}`", property.name, element.name));
         }
     }
@@ -166,7 +166,7 @@ fn is_corner_list(name: &str) -> bool {
 
 /// List of corners; a scalar property of that name does not count.
 pub(crate) fn corner_list(element: &Element) -> Option<usize> {
-    let is_list = |kind| matches!(kind, Kind::List { .. });
+    let is_list = |kind| matches!(kind, PropertyKind::List { .. });
     element.properties.iter().position(|p| is_corner_list(&p.name) && is_list(p.kind))
 }
 
@@ -179,7 +179,7 @@ fn keep_fields_of_all_faces(shape: &mut ShapeFile) {
     shape.extras.extend(others.iter().map(|field| format!("field `{}` of some faces only", field.name)));
 }
 
-fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
+fn read_faces(body: &mut PlyBody<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
     let mut columns = empty_columns(element);
     let corners = corner_list(element);
     if corners.is_none() && element.n_rows > 0 {
@@ -195,7 +195,7 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
     }
     let mut face = Vec::new();
     for row in first..element.n_rows {
-        at_row(body.progress, row, element.n_rows)?;
+        report_row(body.progress, row, element.n_rows)?;
         let start = body.position;
         for (p, property) in element.properties.iter().enumerate() {
             match &mut columns[p] {
@@ -213,7 +213,7 @@ fn read_faces(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
 }
 
 fn push_face(
-    body: &Body<'_>,
+    body: &PlyBody<'_>,
     shape: &mut ShapeFile,
     face: &[i64],
     row: u64,
@@ -237,7 +237,7 @@ fn push_face(
 }
 
 /// `line 12` or `byte 345`.
-fn place(body: &Body<'_>, start: usize) -> String {
+fn place(body: &PlyBody<'_>, start: usize) -> String {
     if body.encoding == Encoding::Ascii {
         let blanks = body.bytes[start..].iter().take_while(|b| b.is_ascii_whitespace()).count();
         format!("line {}", line_of(body.bytes, start + blanks))
@@ -260,11 +260,11 @@ pub(crate) fn strip_triangles(
     Ok(())
 }
 
-fn read_strips(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
+fn read_strips(body: &mut PlyBody<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
     let list = corner_list(element);
     let mut strip = Vec::new();
     for row in 0..element.n_rows {
-        at_row(body.progress, row, element.n_rows)?;
+        report_row(body.progress, row, element.n_rows)?;
         let start = body.position;
         for (p, property) in element.properties.iter().enumerate() {
             if Some(p) != list {
@@ -281,10 +281,10 @@ fn read_strips(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) ->
     Ok(())
 }
 
-fn read_edges(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
+fn read_edges(body: &mut PlyBody<'_>, element: &Element, shape: &mut ShapeFile) -> Result<(), ReadError> {
     let ends = [element.property("vertex1"), element.property("vertex2")];
     for row in 0..element.n_rows {
-        at_row(body.progress, row, element.n_rows)?;
+        report_row(body.progress, row, element.n_rows)?;
         let start = body.position;
         let mut pair = [0_u32; 2];
         for (p, property) in element.properties.iter().enumerate() {
@@ -292,7 +292,7 @@ fn read_edges(body: &mut Body<'_>, element: &Element, shape: &mut ShapeFile) -> 
                 body.skip(property.kind, element, row)?;
                 continue;
             };
-            let Kind::Scalar(t) = property.kind else {
+            let PropertyKind::Scalar(t) = property.kind else {
                 body.skip(property.kind, element, row)?;
                 continue;
             };

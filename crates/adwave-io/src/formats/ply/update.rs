@@ -5,12 +5,12 @@ use std::io::Write;
 
 use adwave::Progress;
 
-use crate::formats::ply::body::Body;
-use crate::formats::ply::header::{Element, Encoding, Header, Kind, PlySource};
-use crate::formats::ply::write::{Style, note_rounding, property_lines, push_fields};
+use crate::formats::ply::body::PlyBody;
+use crate::formats::ply::header::{Element, Encoding, PlyHeader, PlySource, PropertyKind};
+use crate::formats::ply::write::{ValueStyle, note_rounding, property_lines, push_fields};
 use crate::model::context::WriteContext;
 use crate::model::source_document::{SourceDocument, Update};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::{is_space, parse_f32, parse_f64};
 use crate::{Field, FieldValues, ReadError, ShapeFile, ValueType, WriteError};
 
@@ -38,7 +38,7 @@ impl SourceDocument for PlySource {
 /// Writes the header with the properties of new fields; `bytes` are those it was parsed from.
 pub(crate) fn write_header(
     bytes: &[u8],
-    header: &Header,
+    header: &PlyHeader,
     vertex: usize,
     dropped: &[bool],
     fields: &[&Field],
@@ -68,7 +68,7 @@ pub(crate) struct RowWriter<'a> {
     axes: Vec<Option<usize>>,
     /// True for each property that is dropped.
     dropped: &'a [bool],
-    style: Style,
+    style: ValueStyle,
 }
 
 impl<'a> RowWriter<'a> {
@@ -79,8 +79,8 @@ impl<'a> RowWriter<'a> {
             (element.property(&property.name) == Some(p)).then_some(axis)
         });
         let style = match encoding {
-            Encoding::Ascii => Style::Text,
-            Encoding::Binary(order) => Style::Bytes(order),
+            Encoding::Ascii => ValueStyle::Text,
+            Encoding::Binary(order) => ValueStyle::Bytes(order),
         };
         Self { element, axes: axes.collect(), dropped, style }
     }
@@ -88,7 +88,7 @@ impl<'a> RowWriter<'a> {
     /// Appends the row at the body's position, its number being `at`, with the coordinates that are not `None`.
     pub(crate) fn push(
         &self,
-        body: &mut Body<'_>,
+        body: &mut PlyBody<'_>,
         at: u64,
         point: [Option<f64>; 3],
         row: &mut Vec<u8>,
@@ -98,7 +98,7 @@ impl<'a> RowWriter<'a> {
             body.skip(property.kind, self.element, at)?;
             let old = &body.bytes[start..body.position];
             match (self.axes[p].and_then(|axis| point[axis]), property.kind) {
-                (Some(x), Kind::Scalar(t)) => push_coordinate(old, t, x, self.style, row),
+                (Some(x), PropertyKind::Scalar(t)) => push_coordinate(old, t, x, self.style, row),
                 _ if self.dropped[p] => {}
                 _ => row.extend_from_slice(old),
             }
@@ -122,10 +122,11 @@ fn write_rows(
 ) -> Result<(), WriteError> {
     let element = &ply.header.elements[ply.vertex];
     let writer = RowWriter::new(element, ply.header.encoding, dropped);
-    let mut body = Body { bytes: &ply.bytes, position: ply.rows.0, encoding: ply.header.encoding, progress };
+    let mut body =
+        PlyBody { bytes: &ply.bytes, position: ply.rows.0, encoding: ply.header.encoding, progress };
     let mut row = Vec::new();
     for i in 0..shape.n_vertices {
-        at_row(progress, i as u64, element.n_rows)?;
+        report_row(progress, i as u64, element.n_rows)?;
         row.clear();
         // The same bytes were read before, so this cannot fail; otherwise the error is reported.
         let point = shape.points[i].map(Some);
@@ -137,7 +138,7 @@ fn write_rows(
 }
 
 /// Writes a coordinate in the file's type; bytes of equal value stay unchanged.
-fn push_coordinate(old: &[u8], t: ValueType, x: f64, style: Style, row: &mut Vec<u8>) {
+fn push_coordinate(old: &[u8], t: ValueType, x: f64, style: ValueStyle, row: &mut Vec<u8>) {
     let mut value = t.empty();
     // Coordinates of an integer type are rounded.
     if !value.push_f64(x) {
@@ -147,7 +148,7 @@ fn push_coordinate(old: &[u8], t: ValueType, x: f64, style: Style, row: &mut Vec
         row.extend_from_slice(old);
         return;
     }
-    let Style::Bytes(order) = style else {
+    let ValueStyle::Bytes(order) = style else {
         let blanks = old.iter().take_while(|&&b| is_space(b)).count();
         let word = &old[blanks..];
         let before = if t == ValueType::F32 { parse_f32(word).map(f64::from) } else { parse_f64(word) };

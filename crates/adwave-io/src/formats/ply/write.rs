@@ -7,33 +7,33 @@ use adwave::Progress;
 use crate::formats::ply::header::type_name;
 use crate::model::field::ByteOrder;
 use crate::model::grouping::column_names;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::{push_f32, push_f64};
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Encoding of values.
 #[derive(Clone, Copy)]
-pub(crate) enum Style {
+pub(crate) enum ValueStyle {
     Text,
     Bytes(ByteOrder),
 }
 
 /// Writes number `i` of a field; 64-bit integers, which PLY does not have, become doubles.
-pub(crate) fn push_value(values: &FieldValues, i: usize, style: Style, out: &mut Vec<u8>) {
+pub(crate) fn push_value(values: &FieldValues, i: usize, style: ValueStyle, out: &mut Vec<u8>) {
     match (values, style) {
-        (FieldValues::U64(_) | FieldValues::I64(_), Style::Bytes(order)) => {
+        (FieldValues::U64(_) | FieldValues::I64(_), ValueStyle::Bytes(order)) => {
             FieldValues::F64(vec![values.get(i)]).write_bytes(0, order, out);
         }
-        (_, Style::Bytes(order)) => values.write_bytes(i, order, out),
-        (_, Style::Text) => values.write_text(i, out),
+        (_, ValueStyle::Bytes(order)) => values.write_bytes(i, order, out),
+        (_, ValueStyle::Text) => values.write_text(i, out),
     }
 }
 
 /// Writes row `i` of the fields; in text each value follows a blank.
-pub(crate) fn push_fields(fields: &[&Field], i: usize, style: Style, out: &mut Vec<u8>) {
+pub(crate) fn push_fields(fields: &[&Field], i: usize, style: ValueStyle, out: &mut Vec<u8>) {
     for field in fields {
         for c in 0..field.n_channels {
-            if let Style::Text = style {
+            if let ValueStyle::Text = style {
                 out.push(b' ');
             }
             push_value(&field.values, i * field.n_channels + c, style, out);
@@ -63,7 +63,7 @@ pub(crate) fn note_rounding(fields: &[&Field], report: &mut WriteReport) {
             _ => false,
         };
         if too_large {
-            report.leave_out(format!("digits of `{}` beyond 2^53", field.name));
+            report.report_dropped(format!("digits of `{}` beyond 2^53", field.name));
         }
     }
 }
@@ -76,7 +76,7 @@ pub(crate) fn write_ply(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let style = if format == Format::PLY { Style::Bytes(ByteOrder::Little) } else { Style::Text };
+    let style = if format == Format::PLY { ValueStyle::Bytes(ByteOrder::Little) } else { ValueStyle::Text };
     let encoding = if format == Format::PLY { "binary_little_endian" } else { "ascii" };
     let fields: Vec<&Field> = shape.vertex_fields.iter().collect();
     let face_fields: Vec<&Field> = shape.face_fields.iter().collect();
@@ -103,7 +103,7 @@ pub(crate) fn write_ply(
             shape.edges.pairs.len()
         )?;
         if !shape.edges.weights.is_empty() {
-            report.leave_out("weights of edges");
+            report.report_dropped("weights of edges");
         }
     }
     writeln!(out, "end_header")?;
@@ -113,7 +113,7 @@ pub(crate) fn write_ply(
 fn write_body(
     shape: &ShapeFile,
     count: ValueType,
-    style: Style,
+    style: ValueStyle,
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
@@ -121,7 +121,7 @@ fn write_body(
     let face_fields: Vec<&Field> = shape.face_fields.iter().collect();
     let mut row = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, shape.points.len() as u64)?;
+        report_row(progress, i as u64, shape.points.len() as u64)?;
         row.clear();
         push_point(*point, shape.precision, style, &mut row);
         push_fields(&fields, i, style, &mut row);
@@ -129,12 +129,12 @@ fn write_body(
         out.write_all(&row)?;
     }
     for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, shape.faces.len() as u64)?;
+        report_row(progress, f as u64, shape.faces.len() as u64)?;
         row.clear();
         match (style, count) {
-            (Style::Text, _) => write!(row, "{}", face.len())?,
-            (Style::Bytes(_), ValueType::U8) => row.push(face.len() as u8),
-            (Style::Bytes(_), _) => row.extend_from_slice(&(face.len() as u32).to_le_bytes()),
+            (ValueStyle::Text, _) => write!(row, "{}", face.len())?,
+            (ValueStyle::Bytes(_), ValueType::U8) => row.push(face.len() as u8),
+            (ValueStyle::Bytes(_), _) => row.extend_from_slice(&(face.len() as u32).to_le_bytes()),
         }
         push_indices(face, style, true, &mut row)?;
         push_fields(&face_fields, f, style, &mut row);
@@ -150,29 +150,29 @@ fn write_body(
     Ok(())
 }
 
-fn push_indices(indices: &[u32], style: Style, continues: bool, row: &mut Vec<u8>) -> io::Result<()> {
+fn push_indices(indices: &[u32], style: ValueStyle, continues: bool, row: &mut Vec<u8>) -> io::Result<()> {
     for (k, &v) in indices.iter().enumerate() {
         match style {
-            Style::Text if k > 0 || continues => write!(row, " {v}")?,
-            Style::Text => write!(row, "{v}")?,
-            Style::Bytes(_) => row.extend_from_slice(&v.to_le_bytes()),
+            ValueStyle::Text if k > 0 || continues => write!(row, " {v}")?,
+            ValueStyle::Text => write!(row, "{v}")?,
+            ValueStyle::Bytes(_) => row.extend_from_slice(&v.to_le_bytes()),
         }
     }
     Ok(())
 }
 
-fn end_row(style: Style, row: &mut Vec<u8>) {
-    if let Style::Text = style {
+fn end_row(style: ValueStyle, row: &mut Vec<u8>) {
+    if let ValueStyle::Text = style {
         row.push(b'\n');
     }
 }
 
-fn push_point(point: [f64; 3], precision: Precision, style: Style, row: &mut Vec<u8>) {
+fn push_point(point: [f64; 3], precision: Precision, style: ValueStyle, row: &mut Vec<u8>) {
     for (axis, x) in point.into_iter().enumerate() {
         match (style, precision) {
-            (Style::Bytes(_), Precision::F32) => row.extend_from_slice(&(x as f32).to_le_bytes()),
-            (Style::Bytes(_), Precision::F64) => row.extend_from_slice(&x.to_le_bytes()),
-            (Style::Text, precision) => {
+            (ValueStyle::Bytes(_), Precision::F32) => row.extend_from_slice(&(x as f32).to_le_bytes()),
+            (ValueStyle::Bytes(_), Precision::F64) => row.extend_from_slice(&x.to_le_bytes()),
+            (ValueStyle::Text, precision) => {
                 if axis > 0 {
                     row.push(b' ');
                 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::model::source_document::SourceDocument;
-use crate::progress::{all, at_row, collect};
+use crate::progress::{all, collect, report_row};
 use crate::text::lines::{Statement, Statements};
 use crate::text::{parse_f64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile};
@@ -111,7 +111,7 @@ pub(crate) fn read_stl_ascii(
     let mut names: Vec<Vec<u8>> = Vec::new();
     let mut ended = true;
     for (row, line) in Statements::new(bytes).enumerate() {
-        at_row(progress, row as u64, 0)?;
+        report_row(progress, row as u64, 0)?;
         let mut values = words(line.text);
         let keyword = values.next().unwrap_or(b"").to_ascii_lowercase();
         match keyword.as_slice() {
@@ -130,7 +130,7 @@ pub(crate) fn read_stl_ascii(
                 in_facet += 1;
                 if in_facet > 3 || normals.is_empty() {
                     let message = "a facet must have three vertices; remove the additional one";
-                    return Err(ReadError::in_line(bytes, line.start, message));
+                    return Err(ReadError::line_error(bytes, line.start, message));
                 }
                 points.push(numbers(bytes, &line, values)?);
             }
@@ -138,7 +138,7 @@ pub(crate) fn read_stl_ascii(
                 if in_facet != 3 {
                     let message =
                         format!("a facet needs three vertices, got {in_facet}; add the missing ones");
-                    return Err(ReadError::in_line(bytes, line.start, message));
+                    return Err(ReadError::line_error(bytes, line.start, message));
                 }
                 in_facet = 0;
             }
@@ -146,14 +146,14 @@ pub(crate) fn read_stl_ascii(
             b"outer" | b"endloop" | b"color" => {}
             other => {
                 let message = format!("{} is not a keyword of a text STL; correct it", show(other));
-                return Err(ReadError::in_line(bytes, line.start, message));
+                return Err(ReadError::line_error(bytes, line.start, message));
             }
         }
     }
     if points.len() != normals.len() || (!ended && in_facet > 0) {
         let message =
             format!("the file ends inside facet {}; get the whole file", solids.len().saturating_sub(1));
-        return Err(ReadError::in_line(bytes, bytes.len(), message));
+        return Err(ReadError::line_error(bytes, bytes.len(), message));
     }
     limits.check_points(points.len() as u64)?;
     let mut shape = soup(points, progress)?;
@@ -178,7 +178,7 @@ fn numbers<'a>(
         let word = values.next().unwrap_or(b"");
         *x = parse_f64(word).ok_or_else(|| {
             let message = format!("expected three numbers, got {}; correct it", show(word));
-            ReadError::in_line(bytes, line.start, message)
+            ReadError::line_error(bytes, line.start, message)
         })?;
     }
     Ok(xyz)

@@ -6,7 +6,7 @@ use adwave::Progress;
 
 use crate::formats::stl::read::StlSource;
 use crate::model::f32_limits::{is_single, triangles_with_faces};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
 
@@ -22,24 +22,24 @@ pub(crate) fn write_stl(
     if shape.faces.is_empty() && !shape.points.is_empty() {
         return Err(WriteError::CannotHold { format, what: "points without faces".into() });
     }
-    report.leave_vertex_fields(shape, &[]);
+    report.report_vertex_fields(shape, &[]);
     let original = shape.source::<StlSource>();
     let normal = shape.face_fields.iter().find(|f| f.name == "normal" && f.n_channels == 3);
-    let normals = Normals { shape, normal, original };
+    let normals = TriangleNormals { shape, normal, original };
     let attribute = shape.face_fields.iter().find_map(|f| match &f.values {
         FieldValues::U16(values) if f.name == "attribute" && format == Format::STL => Some(values),
         _ => None,
     });
     let solids = solids(shape).filter(|_| format == Format::STL_ASCII);
     let held = [Some("normal"), attribute.map(|_| "attribute"), solids.as_ref().map(|_| "solid")];
-    report.leave_face_fields(shape, &held.into_iter().flatten().collect::<Vec<_>>());
+    report.report_face_fields(shape, &held.into_iter().flatten().collect::<Vec<_>>());
     let triangles = triangles_with_faces(shape, report);
     if format == Format::STL_ASCII {
         return write_ascii(&normals, &triangles, solids.as_deref(), out, progress);
     }
     let coordinates = shape.points.as_flattened();
     if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
-        report.leave_out("digits of coordinates beyond 32-bit floats");
+        report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
     let n = u32::try_from(triangles.len());
     let n = n.map_err(|_| WriteError::CannotHold { format, what: "2^32 triangles".into() })?;
@@ -50,9 +50,9 @@ pub(crate) fn write_stl(
     out.write_all(&head)?;
     out.write_all(&n.to_le_bytes())?;
     for (row, &(f, corners)) in triangles.iter().enumerate() {
-        at_row(progress, row as u64, triangles.len() as u64)?;
+        report_row(progress, row as u64, triangles.len() as u64)?;
         let mut record = [0; 50];
-        let normal = normals.of(f, corners);
+        let normal = normals.normal(f, corners);
         let xyz = normal.into_iter().chain(corners.into_iter().flat_map(|v| shape.points[v as usize]));
         for (slot, x) in record.chunks_exact_mut(4).zip(xyz) {
             slot.copy_from_slice(&(x as f32).to_le_bytes());
@@ -64,15 +64,15 @@ pub(crate) fn write_stl(
 }
 
 /// Normals of the triangles.
-struct Normals<'a> {
+struct TriangleNormals<'a> {
     shape: &'a ShapeFile,
     normal: Option<&'a Field>,
     original: Option<&'a StlSource>,
 }
 
-impl Normals<'_> {
+impl TriangleNormals<'_> {
     /// Normal of the file if no corner of the triangle moved, else the normal of the corners.
-    fn of(&self, f: usize, corners: [u32; 3]) -> [f64; 3] {
+    fn normal(&self, f: usize, corners: [u32; 3]) -> [f64; 3] {
         let points = corners.map(|v| self.shape.points[v as usize]);
         let stayed = |v: u32, p: [f64; 3]| {
             let old = self.original.and_then(|original| original.points.get(v as usize));
@@ -108,7 +108,7 @@ fn solids(shape: &ShapeFile) -> Option<Vec<u32>> {
 }
 
 fn write_ascii(
-    normals: &Normals<'_>,
+    normals: &TriangleNormals<'_>,
     triangles: &[(usize, [u32; 3])],
     solids: Option<&[u32]>,
     out: &mut dyn Write,
@@ -135,14 +135,14 @@ fn write_ascii(
         text.push(b'\n');
     };
     for (row, &(f, corners)) in triangles.iter().enumerate() {
-        at_row(progress, row as u64, triangles.len() as u64)?;
+        report_row(progress, row as u64, triangles.len() as u64)?;
         if let Some(next) = solids.map(|solids| solids[f]).filter(|&next| next != solid) {
             end(&mut text, solid);
             text.extend_from_slice(name(next));
             text.push(b'\n');
             solid = next;
         }
-        push(&mut text, "facet normal", normals.of(f, corners));
+        push(&mut text, "facet normal", normals.normal(f, corners));
         text.extend_from_slice(b"outer loop\n");
         for v in corners {
             push(&mut text, "vertex", normals.shape.points[v as usize]);

@@ -7,8 +7,8 @@ use roxmltree::Node;
 
 use crate::ReadError;
 use crate::model::instances::Transform;
-use crate::progress::at_row;
-use crate::text::xml::{child, children, number, parse, whole, wrong};
+use crate::progress::report_row;
+use crate::text::xml::{child, children, integer, number, parse, wrong};
 use crate::text::{parse_f64, show};
 
 /// Red, green, blue, alpha.
@@ -103,7 +103,7 @@ impl Model {
         element: &'static str,
         attribute: &str,
     ) -> Result<(), ReadError> {
-        let Some(id) = whole(node, "id")? else { return Ok(()) };
+        let Some(id) = integer(node, "id")? else { return Ok(()) };
         let mut colors = Vec::new();
         for own in children(node, element) {
             let color = own.attribute(attribute).and_then(color);
@@ -120,7 +120,7 @@ impl Model {
         groups: &Groups,
         progress: Progress<'_>,
     ) -> Result<(), ReadError> {
-        let Some(id) = whole(node, "id")? else { return Err(wrong(node, "an object has no id; add it")) };
+        let Some(id) = integer(node, "id")? else { return Err(wrong(node, "an object has no id; add it")) };
         let mut object = Object::default();
         if let Some(components) = child(node, "components") {
             for own in children(components, "component") {
@@ -131,14 +131,14 @@ impl Model {
             for (row, vertex) in
                 child(mesh, "vertices").iter().flat_map(|v| children(*v, "vertex")).enumerate()
             {
-                at_row(progress, row as u64, 0)?;
+                report_row(progress, row as u64, 0)?;
                 object.points.push([number(vertex, "x")?, number(vertex, "y")?, number(vertex, "z")?]);
             }
-            let own = Property { group: whole(node, "pid")?, index: whole(node, "pindex")? };
+            let own = Property { group: integer(node, "pid")?, index: integer(node, "pindex")? };
             for (row, face) in
                 child(mesh, "triangles").iter().flat_map(|t| children(*t, "triangle")).enumerate()
             {
-                at_row(progress, row as u64, 0)?;
+                report_row(progress, row as u64, 0)?;
                 self.triangle(face, row, &mut object, own, groups)?;
             }
         }
@@ -162,7 +162,7 @@ impl Model {
     ) -> Result<(), ReadError> {
         let mut corners = [0; 3];
         for (corner, name) in corners.iter_mut().zip(["v1", "v2", "v3"]) {
-            let index = whole::<i64>(node, name)?.unwrap_or(-1);
+            let index = integer::<i64>(node, name)?.unwrap_or(-1);
             let vertex = u32::try_from(index).ok().filter(|&v| (v as usize) < object.points.len());
             *corner = vertex.ok_or_else(|| ReadError::FaceIndex {
                 place: format!("line {}", node.document().text_pos_at(node.range().start).row),
@@ -172,15 +172,15 @@ impl Model {
             })?;
         }
         object.triangles.push(corners);
-        let group = whole(node, "pid")?.or(own.group).and_then(|pid: u32| groups.get(&pid));
+        let group = integer(node, "pid")?.or(own.group).and_then(|pid: u32| groups.get(&pid));
         let Some(group) = group else {
             if !object.colors.is_empty() {
                 object.colors.push([None; 3]);
             }
             return Ok(());
         };
-        let first = whole::<u32>(node, "p1")?;
-        let others = [whole::<u32>(node, "p2")?, whole::<u32>(node, "p3")?];
+        let first = integer::<u32>(node, "p1")?;
+        let others = [integer::<u32>(node, "p2")?, integer::<u32>(node, "p3")?];
         self.has_corners |= others.iter().any(Option::is_some);
         let color = |index: Option<u32>| index.and_then(|k| group.get(k as usize).copied().flatten());
         let first = first.or(own.index);
@@ -201,7 +201,7 @@ fn color(text: &str) -> Option<(Color, bool)> {
 }
 
 fn component(node: Node<'_, '_>) -> Result<Component, ReadError> {
-    let id = whole(node, "objectid")?;
+    let id = integer(node, "objectid")?;
     let id = id.ok_or_else(|| wrong(node, "a placed item needs an objectid; add it"))?;
     // The attribute of the production extension has a namespace of its own.
     let path = node.attributes().find(|a| a.name() == "path").map(|a| a.value().to_owned());

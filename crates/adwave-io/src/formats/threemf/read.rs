@@ -6,8 +6,8 @@ use adwave::Progress;
 
 use crate::bytes::package::Package;
 use crate::formats::threemf::model::{Color, Component, Model};
-use crate::model::instances::{Joined, Transform};
-use crate::progress::at_row;
+use crate::model::instances::{MergedMesh, Transform};
+use crate::progress::report_row;
 use crate::text::xml::parse;
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
@@ -17,7 +17,7 @@ const DEEPEST: usize = 64;
 /// Parts in use, and the shape built from them.
 struct Assembly<'a> {
     models: HashMap<String, Model>,
-    joined: Joined<'a>,
+    joined: MergedMesh<'a>,
     colors: Vec<[Option<Color>; 3]>,
     n_bytes: usize,
     n_visits: u64,
@@ -66,7 +66,7 @@ pub(crate) fn read_3mf(
     } else {
         main.built.iter().map(|c| (c.path.clone(), c.id, c.transform)).collect()
     };
-    let (joined, colors) = (Joined::new(limits, n_bytes), Vec::new());
+    let (joined, colors) = (MergedMesh::new(limits, n_bytes), Vec::new());
     let mut assembly = Assembly { models, joined, colors, n_bytes, n_visits: 0, progress };
     let unit = assembly.models[&root].unit;
     for (path, id, transform) in built {
@@ -123,7 +123,7 @@ impl Assembly<'_> {
             let message = "objects are nested too deeply; check whether components form a cycle";
             return Err(ReadError::Whole(message.into()));
         }
-        at_row(self.progress, self.n_visits, 0)?;
+        report_row(self.progress, self.n_visits, 0)?;
         let Some(model) = self.models.get(path) else {
             return Err(ReadError::Whole("a component names a part that does not exist".into()));
         };

@@ -7,7 +7,7 @@ use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 use crate::model::f32_limits::triangles_with_faces;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
 
@@ -40,18 +40,18 @@ pub(crate) fn write_3mf(
     let is_whole = shape.faces.iter().all(|f| f.len() == 3);
     let of_vertices = color(&shape.vertex_fields).filter(|_| !shape.faces.is_empty());
     let of_faces = color(&shape.face_fields).filter(|_| of_vertices.is_none() && is_whole);
-    report.leave_vertex_fields(shape, of_vertices.map(|_| "color").as_slice());
-    report.leave_face_fields(shape, of_faces.map(|_| "color").as_slice());
+    report.report_vertex_fields(shape, of_vertices.map(|_| "color").as_slice());
+    report.report_face_fields(shape, of_faces.map(|_| "color").as_slice());
     if !shape.edges.pairs.is_empty() {
-        report.leave_out("edges");
+        report.report_dropped("edges");
     }
     if of_vertices.is_some() {
         let mut is_used = vec![false; shape.n_vertices];
         shape.faces.corners().iter().for_each(|&v| is_used[v as usize] = true);
         if !is_used.iter().all(|&used| used) {
             // They are written anyway, for readers of palettes.
-            report.leave_out("colors of vertices without a face");
-            report.leave_out("vertex field `color`");
+            report.report_dropped("colors of vertices without a face");
+            report.report_dropped("vertex field `color`");
         }
     }
     let mut zip = ZipWriter::new_stream(out);
@@ -92,7 +92,7 @@ fn model(
     if let Some((field, values)) = of_vertices.or(of_faces) {
         out.write_all(b"<m:colorgroup id=\"2\">\n")?;
         for (row, color) in values.chunks_exact(field.n_channels).enumerate() {
-            at_row(progress, row as u64, field.len() as u64)?;
+            report_row(progress, row as u64, field.len() as u64)?;
             text.clear();
             text.extend_from_slice(b"<m:color color=\"#");
             for byte in color {
@@ -105,7 +105,7 @@ fn model(
     }
     out.write_all(b"<object id=\"1\" type=\"model\">\n<mesh>\n<vertices>\n")?;
     for (i, point) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, shape.points.len() as u64)?;
+        report_row(progress, i as u64, shape.points.len() as u64)?;
         text.clear();
         text.extend_from_slice(b"<vertex");
         for (name, &x) in ["x", "y", "z"].iter().zip(point) {
@@ -119,7 +119,7 @@ fn model(
     out.write_all(b"</vertices>\n<triangles>\n")?;
     let triangles = triangles_with_faces(shape, report);
     for (row, &(f, [a, b, c])) in triangles.iter().enumerate() {
-        at_row(progress, row as u64, triangles.len() as u64)?;
+        report_row(progress, row as u64, triangles.len() as u64)?;
         text.clear();
         write!(text, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
         if of_vertices.is_some() {

@@ -6,13 +6,13 @@ use crate::text::words;
 use crate::{Field, FieldValues, ReadError, ValueType};
 
 /// Fields of the points or the cells.
-pub(super) struct Values<'f> {
+pub(super) struct ValueReader<'f> {
     pub(super) fields: &'f mut Vec<Field>,
     pub(super) n: u64,
     pub(super) extras: &'f mut Vec<String>,
 }
 
-impl Values<'_> {
+impl ValueReader<'_> {
     /// Reads an array with one row per point or cell.
     fn read(
         &mut self,

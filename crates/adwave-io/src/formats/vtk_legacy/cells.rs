@@ -2,8 +2,8 @@
 
 use crate::ReadError;
 use crate::model::cells::{CellKind, Cells};
-use crate::model::numbers::{NoIndex, Numbers};
-use crate::progress::{all, at_row, collect};
+use crate::model::numbers::{IndexError, Numbers};
+use crate::progress::{all, collect, report_row};
 
 use super::scanner::{ArrayType, Scanner};
 use crate::ValueType;
@@ -82,7 +82,7 @@ fn mixed(
         offsets.push(0);
         let mut at = 0;
         for i in 0..n {
-            at_row(progress, i as u64, n as u64)?;
+            report_row(progress, i as u64, n as u64)?;
             let Some(&count) = list.get(at) else { return broken(i) };
             let Some(cell) = list.get(at + 1..).and_then(|rest| rest.get(..count as usize)) else {
                 return broken(i);
@@ -95,23 +95,29 @@ fn mixed(
     let limit = n_points as u32;
     if !all(corners.len(), progress, |k| corners[k] < limit)? {
         let at = corners.iter().position(|&v| v >= limit).unwrap_or(0);
-        let error = NoIndex::At(at, corners[at].into());
+        let error = IndexError::At(at, corners[at].into());
         return Err(face_index(file, keyword_at, &offsets, error, n_points));
     }
     Ok(Cells { kind, offsets, corners, polyhedra: None })
 }
 
-fn no_index(file: &Scanner<'_>, at: usize, what: &str, error: NoIndex, limit: u64) -> ReadError {
+fn no_index(file: &Scanner<'_>, at: usize, what: &str, error: IndexError, limit: u64) -> ReadError {
     let message = match error {
-        NoIndex::Cancelled => return adwave::Cancelled.into(),
-        NoIndex::Fractions => format!("each {what} of the cells must be an integer"),
-        NoIndex::At(i, x) => format!("{what} {i} of the cells must be below {limit}, got {x}; correct it"),
+        IndexError::Cancelled => return adwave::Cancelled.into(),
+        IndexError::Fractions => format!("each {what} of the cells must be an integer"),
+        IndexError::At(i, x) => format!("{what} {i} of the cells must be below {limit}, got {x}; correct it"),
     };
     file.error(at, message)
 }
 
-fn face_index(file: &Scanner<'_>, at: usize, offsets: &[u32], error: NoIndex, n_points: usize) -> ReadError {
-    let NoIndex::At(k, index) = error else {
+fn face_index(
+    file: &Scanner<'_>,
+    at: usize,
+    offsets: &[u32],
+    error: IndexError,
+    n_points: usize,
+) -> ReadError {
+    let IndexError::At(k, index) = error else {
         return no_index(file, at, "corner", error, n_points as u64);
     };
     let place = if file.is_binary {

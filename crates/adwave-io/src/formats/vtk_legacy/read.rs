@@ -2,11 +2,11 @@
 
 use adwave::Progress;
 
-use super::arrays::{Values, skip_metadata};
+use super::arrays::{ValueReader, skip_metadata};
 use super::cells::read_cells;
 use super::scanner::{ArrayType, Scanner};
 use crate::model::cells::{CellKind, Cells, Dataset, Grid, GridPoints, Lattice};
-use crate::model::numbers::NoIndex;
+use crate::model::numbers::IndexError;
 use crate::progress::collect;
 use crate::text::show;
 use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
@@ -16,7 +16,7 @@ pub(crate) const MAGIC: &[u8] = b"# vtk DataFile";
 
 /// Content read so far.
 #[derive(Default)]
-struct Content {
+struct LegacyContent {
     kind: Vec<u8>,
     points: Option<Vec<[f64; 3]>>,
     is_single: bool,
@@ -55,17 +55,17 @@ pub(crate) fn read_vtk(
         Some((_, word)) if word.eq_ignore_ascii_case(b"ASCII") => false,
         Some((at, word)) => {
             let message = format!("expected ASCII or BINARY, got {}; correct it", show(word));
-            return Err(ReadError::in_line(bytes, at, message));
+            return Err(ReadError::line_error(bytes, at, message));
         }
         None => {
-            return Err(ReadError::in_line(
+            return Err(ReadError::line_error(
                 bytes,
                 bytes.len(),
                 "the file ends in its header; get the whole file",
             ));
         }
     };
-    let mut content = Content { is_single: true, ..Content::default() };
+    let mut content = LegacyContent { is_single: true, ..LegacyContent::default() };
     let mut section = Section::Whole;
     while let Some((at, word)) = file.word() {
         progress.check()?;
@@ -104,7 +104,7 @@ pub(crate) fn read_vtk(
     content.into_shape(&file, limits, progress)
 }
 
-impl Content {
+impl LegacyContent {
     /// Reads points, cells and the sizes of grids; `false` for other keywords.
     fn geometry(
         &mut self,
@@ -139,7 +139,7 @@ impl Content {
                 let n = file.count("the number of cells")?;
                 let types = file.array(n, ArrayType::Numbers(ValueType::I32), "types of cells")?;
                 let types = types.to_indices(256, file.progress).map_err(|error| match error {
-                    NoIndex::At(i, x) => file.error(at, format!("cell {i} has the unknown type {x}")),
+                    IndexError::At(i, x) => file.error(at, format!("cell {i} has the unknown type {x}")),
                     _ => adwave::Cancelled.into(),
                 })?;
                 self.types = Some(collect(types.len(), file.progress, |i| types[i] as u8)?);
@@ -195,7 +195,7 @@ impl Content {
             Section::Cells => (&mut self.cell_fields, self.n_cell_rows),
             Section::Whole => (&mut none, None),
         };
-        let mut values = Values { fields, n: n.unwrap_or(0), extras: &mut self.extras };
+        let mut values = ValueReader { fields, n: n.unwrap_or(0), extras: &mut self.extras };
         if keyword == b"FIELD" {
             values.field_arrays(file, section != Section::Whole)?;
             return Ok(true);

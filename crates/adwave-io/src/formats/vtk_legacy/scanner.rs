@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use adwave::Progress;
 
 use crate::model::field::ByteOrder;
-use crate::model::numbers::{NoNumber, Numbers, end_of_words, from_text};
+use crate::model::numbers::{NumberError, Numbers, end_of_words, from_text};
 use crate::text::{is_space, line_end, parse_f64, parse_u64, show};
 use crate::{FieldValues, ReadError, ValueType};
 
@@ -31,9 +31,9 @@ impl<'a> Scanner<'a> {
     /// Creates the error at a position of the file.
     pub(super) fn error(&self, at: usize, message: impl Into<String>) -> ReadError {
         if self.is_binary {
-            ReadError::at_byte(at, message)
+            ReadError::byte_error(at, message)
         } else {
-            ReadError::in_line(self.bytes, at, message)
+            ReadError::line_error(self.bytes, at, message)
         }
     }
 
@@ -143,8 +143,8 @@ impl<'a> Scanner<'a> {
         }
         match from_text(&self.bytes[start..self.at], value_type, self.progress) {
             Ok(values) => Ok(Numbers::Values(values)),
-            Err(NoNumber::Cancelled(cancelled)) => Err(cancelled.into()),
-            Err(NoNumber::At(at, message)) => {
+            Err(NumberError::Cancelled(cancelled)) => Err(cancelled.into()),
+            Err(NumberError::At(at, message)) => {
                 Err(self.error(start + at, format!("{what}: {message}; correct it")))
             }
         }

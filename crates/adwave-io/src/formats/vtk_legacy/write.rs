@@ -7,7 +7,7 @@ use adwave::Progress;
 use super::scanner::encoded;
 use crate::model::field::ByteOrder;
 use crate::model::numbers::cell_fields;
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
 
 /// Writes a legacy VTK.
@@ -26,7 +26,7 @@ pub(crate) fn write_vtk(
     )?;
     let mut bytes = Vec::new();
     for (i, point) in shape.points.iter().enumerate() {
-        at_row(progress, i as u64, n as u64)?;
+        report_row(progress, i as u64, n as u64)?;
         for &x in point {
             if is_double {
                 bytes.extend_from_slice(&x.to_be_bytes());
@@ -59,7 +59,7 @@ pub(crate) fn write_vtk(
         write_fields("POINT_DATA", n, &shape.vertex_fields, out, progress)?;
     }
     if !shape.edges.weights.is_empty() {
-        report.leave_out("weights of edges");
+        report.report_dropped("weights of edges");
     }
     Ok(())
 }
@@ -94,7 +94,7 @@ fn write_cells(
     writeln!(out, "{keyword} {n} {}", n + n_corners)?;
     let mut bytes = Vec::new();
     for (i, cell) in cells.enumerate() {
-        at_row(progress, i as u64, n as u64)?;
+        report_row(progress, i as u64, n as u64)?;
         let cell = cell.as_ref();
         bytes.extend_from_slice(&(cell.len() as u32).to_be_bytes());
         bytes.extend(cell.iter().flat_map(|v| v.to_be_bytes()));
@@ -127,7 +127,7 @@ fn write_fields(
         };
         writeln!(out, "{} {} {n} {kind}", encoded(&field.name), field.n_channels)?;
         for i in 0..field.values.len() {
-            at_row(progress, i as u64, field.values.len() as u64)?;
+            report_row(progress, i as u64, field.values.len() as u64)?;
             field.values.write_bytes(i, ByteOrder::Big, &mut bytes);
             flush(&mut bytes, out)?;
         }

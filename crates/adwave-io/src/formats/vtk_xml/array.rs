@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use adwave::Progress;
 use roxmltree::Node;
 
-use super::blocks::{Broken, from_base64, plain};
-use super::document::{Frame, at, count};
-use crate::model::numbers::{NoIndex, NoNumber, Numbers, from_text};
+use super::blocks::{BlockError, from_base64, plain};
+use super::document::{XmlFrame, count, error_at};
+use crate::model::numbers::{IndexError, NumberError, Numbers, from_text};
 use crate::text::show;
 use crate::{Field, FieldValues, ReadError, ValueType};
 
@@ -17,7 +17,7 @@ pub(super) fn arrays<'a, 'i>(section: Node<'a, 'i>) -> impl Iterator<Item = Node
 }
 
 /// Name of an array for messages.
-fn called(node: Node<'_, '_>) -> String {
+fn display_name(node: Node<'_, '_>) -> String {
     show(node.attribute("Name").unwrap_or("without a name").as_bytes())
 }
 
@@ -38,7 +38,7 @@ fn value_type(node: Node<'_, '_>) -> Option<ValueType> {
     })
 }
 
-impl<'a> Frame<'a> {
+impl<'a> XmlFrame<'a> {
     /// Reads the numbers of an array.
     pub(super) fn array<'n: 'a>(
         &self,
@@ -48,14 +48,16 @@ impl<'a> Frame<'a> {
         let Some(kind) = value_type(node) else {
             let found = show(node.attribute("type").unwrap_or("").as_bytes());
             let message =
-                format!("array {} has the type {found}, which is not a type of numbers", called(node));
-            return Err(at(node, message));
+                format!("array {} has the type {found}, which is not a type of numbers", display_name(node));
+            return Err(error_at(node, message));
         };
         let is_bits = node.attribute("type") == Some("Bit");
         self.read(node, kind, is_bits, progress).map_err(|broken| match broken {
-            Broken::Cancelled(cancelled) => cancelled.into(),
-            Broken::Error(error) => error,
-            Broken::Message(message) => at(node, format!("array {}: {message}", called(node))),
+            BlockError::Cancelled(cancelled) => cancelled.into(),
+            BlockError::Error(error) => error,
+            BlockError::Message(message) => {
+                error_at(node, format!("array {}: {message}", display_name(node)))
+            }
         })
     }
 
@@ -65,7 +67,7 @@ impl<'a> Frame<'a> {
         kind: ValueType,
         is_bits: bool,
         progress: Progress<'_>,
-    ) -> Result<Numbers<'a>, Broken> {
+    ) -> Result<Numbers<'a>, BlockError> {
         let format = node.attribute("format").unwrap_or(if node.has_attribute("offset") {
             "appended"
         } else {
@@ -75,8 +77,8 @@ impl<'a> Frame<'a> {
             "ascii" => {
                 return match from_text(text(node).as_bytes(), kind, progress) {
                     Ok(values) => Ok(Numbers::Values(values)),
-                    Err(NoNumber::Cancelled(cancelled)) => Err(cancelled.into()),
-                    Err(NoNumber::At(_, message)) => Err(Broken::Message(message)),
+                    Err(NumberError::Cancelled(cancelled)) => Err(cancelled.into()),
+                    Err(NumberError::At(_, message)) => Err(BlockError::Message(message)),
                 };
             }
             "binary" => {
@@ -89,7 +91,7 @@ impl<'a> Frame<'a> {
             }
             "appended" => self.appended(node, progress)?,
             other => {
-                return Err(Broken::Message(format!(
+                return Err(BlockError::Message(format!(
                     "its format {} is unknown; save the file again",
                     show(other.as_bytes())
                 )));
@@ -104,13 +106,13 @@ impl<'a> Frame<'a> {
         if !bytes.len().is_multiple_of(kind.n_bytes()) {
             let message =
                 format!("its {} bytes do not form complete numbers; get the whole file", bytes.len());
-            return Err(Broken::Message(message));
+            return Err(BlockError::Message(message));
         }
         Ok(Numbers::Bytes { bytes, kind, order: self.order })
     }
 
-    fn appended(&self, node: Node<'_, '_>, progress: Progress<'_>) -> Result<Cow<'a, [u8]>, Broken> {
-        let message = |text: &str| Err(Broken::Message(text.to_owned()));
+    fn appended(&self, node: Node<'_, '_>, progress: Progress<'_>) -> Result<Cow<'a, [u8]>, BlockError> {
+        let message = |text: &str| Err(BlockError::Message(text.to_owned()));
         let Some(appended) = self.appended else {
             return message("its data are appended, but the file has no appended data; get the whole file");
         };
@@ -119,7 +121,7 @@ impl<'a> Frame<'a> {
         };
         let Some(bytes) = appended.bytes.get(offset..) else {
             let end = appended.start + appended.bytes.len();
-            return Err(Broken::Message(format!(
+            return Err(BlockError::Message(format!(
                 "its data begin after byte {end}, where they end; get the whole file"
             )));
         };
@@ -155,16 +157,16 @@ impl<'a> Frame<'a> {
             let message = format!(
                 "array {} needs {n_channels} values for each of {n_rows} {of}, got {found}; get the \
                 complete file",
-                called(node)
+                display_name(node)
             );
-            return Err(at(node, message));
+            return Err(error_at(node, message));
         }
         let name = node.attribute("Name").unwrap_or("array");
         Ok(Some(Field::new(name, n_channels, numbers.into_values(progress)?)))
     }
 
     /// Array of that name in an element.
-    pub(super) fn named<'n: 'a>(
+    pub(super) fn find_array<'n: 'a>(
         &self,
         section: Node<'n, '_>,
         name: &str,
@@ -181,7 +183,7 @@ fn n_channels(node: Node<'_, '_>) -> Result<usize, ReadError> {
     usize::try_from(n)
         .ok()
         .filter(|&n| n <= 1 << 20)
-        .ok_or_else(|| at(node, format!("array {} has too many components: {n}", called(node))))
+        .ok_or_else(|| error_at(node, format!("array {} has too many components: {n}", display_name(node))))
 }
 
 /// Text of an element, without its child elements.
@@ -198,13 +200,15 @@ fn text<'a>(node: Node<'a, '_>) -> Cow<'a, str> {
 }
 
 /// Creates the error for numbers that are not indices below `limit`.
-pub(super) fn no_index(section: Node<'_, '_>, what: &str, error: NoIndex, limit: u64) -> ReadError {
+pub(super) fn no_index(section: Node<'_, '_>, what: &str, error: IndexError, limit: u64) -> ReadError {
     match error {
-        NoIndex::Cancelled => adwave::Cancelled.into(),
-        NoIndex::Fractions => at(section, format!("the {what} must be integers; save the file again")),
-        NoIndex::At(i, x) => {
+        IndexError::Cancelled => adwave::Cancelled.into(),
+        IndexError::Fractions => {
+            error_at(section, format!("the {what} must be integers; save the file again"))
+        }
+        IndexError::At(i, x) => {
             let message = format!("number {i} of the {what} must be below {limit}, got {x}; correct it");
-            at(section, message)
+            error_at(section, message)
         }
     }
 }

@@ -8,7 +8,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 
-use super::document::{Compressor, Frame};
+use super::document::{Compressor, XmlFrame};
 use crate::ReadError;
 use crate::model::field::{ByteOrder, Number};
 use crate::progress::BYTES_PER_STEP;
@@ -17,26 +17,26 @@ use crate::progress::BYTES_PER_STEP;
 const MOST_PLAIN_PER_PACKED: u64 = 1040;
 
 /// Reasons for which an array's bytes cannot be read.
-pub(super) enum Broken {
+pub(super) enum BlockError {
     Cancelled(Cancelled),
     /// A limit is exceeded.
     Error(ReadError),
     Message(String),
 }
 
-impl From<Cancelled> for Broken {
+impl From<Cancelled> for BlockError {
     fn from(cancelled: Cancelled) -> Self {
         Self::Cancelled(cancelled)
     }
 }
 
-impl From<ReadError> for Broken {
+impl From<ReadError> for BlockError {
     fn from(error: ReadError) -> Self {
         Self::Error(error)
     }
 }
 
-impl From<String> for Broken {
+impl From<String> for BlockError {
     fn from(message: String) -> Self {
         Self::Message(message)
     }
@@ -44,7 +44,7 @@ impl From<String> for Broken {
 
 /// Decodes Base64 with blanks in it. The table before blocks is often encoded separately, so that padding occurs
 /// within the text.
-pub(super) fn from_base64(text: &[u8], progress: Progress<'_>) -> Result<Vec<u8>, Broken> {
+pub(super) fn from_base64(text: &[u8], progress: Progress<'_>) -> Result<Vec<u8>, BlockError> {
     let mut letters = Vec::with_capacity(text.len());
     for chunk in text.chunks(BYTES_PER_STEP) {
         progress.check()?;
@@ -73,11 +73,11 @@ fn header(bytes: &[u8], k: usize, width: usize, order: ByteOrder) -> Option<u64>
 
 /// Decodes the array at the start of `bytes`.
 pub(super) fn plain<'a>(
-    frame: &Frame<'_>,
+    frame: &XmlFrame<'_>,
     bytes: Cow<'a, [u8]>,
     progress: Progress<'_>,
-) -> Result<Cow<'a, [u8]>, Broken> {
-    let cut = || Broken::Message("its data end too early; get the whole file".into());
+) -> Result<Cow<'a, [u8]>, BlockError> {
+    let cut = || BlockError::Message("its data end too early; get the whole file".into());
     let (width, order) = (frame.header_bytes, frame.order);
     let number = |k: usize| header(&bytes, k, width, order);
     let first = number(0).ok_or_else(cut)?;
@@ -121,7 +121,7 @@ pub(super) fn plain<'a>(
     frame.spend(total)?;
     let mut all = vec![0; total as usize];
     let size = size as usize;
-    all.par_chunks_mut(size).zip(&packed).try_for_each(|(plain, packed)| -> Result<(), Broken> {
+    all.par_chunks_mut(size).zip(&packed).try_for_each(|(plain, packed)| -> Result<(), BlockError> {
         progress.check()?;
         inflate(packed, plain, progress)
     })?;
@@ -129,7 +129,7 @@ pub(super) fn plain<'a>(
 }
 
 /// Decompresses a zlib stream into `plain`.
-fn inflate(packed: &[u8], plain: &mut [u8], progress: Progress<'_>) -> Result<(), Broken> {
+fn inflate(packed: &[u8], plain: &mut [u8], progress: Progress<'_>) -> Result<(), BlockError> {
     let mut stream = flate2::read::ZlibDecoder::new(packed);
     for part in plain.chunks_mut(BYTES_PER_STEP) {
         progress.check()?;

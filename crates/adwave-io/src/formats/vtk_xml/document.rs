@@ -26,7 +26,7 @@ pub(super) struct Appended<'a> {
 }
 
 /// File in the course of reading.
-pub(super) struct Frame<'a> {
+pub(super) struct XmlFrame<'a> {
     pub(super) order: ByteOrder,
     /// Size of each number before the data of an array in bytes: 4 or 8.
     pub(super) header_bytes: usize,
@@ -43,7 +43,7 @@ pub(super) struct Frame<'a> {
 pub(super) fn split(bytes: &[u8]) -> Result<(Cow<'_, [u8]>, Option<Appended<'_>>), ReadError> {
     let truncated = || {
         let message = "the file ends before </VTKFile>; get the whole file";
-        Err(ReadError::at_byte(bytes.len(), message))
+        Err(ReadError::byte_error(bytes.len(), message))
     };
     let Some(tag) = memchr::memmem::find(bytes, b"<AppendedData") else { return Ok((bytes.into(), None)) };
     let Some(end_of_tag) = memchr::memchr(b'>', &bytes[tag..]).map(|n| tag + n + 1) else {
@@ -69,7 +69,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<(Cow<'_, [u8]>, Option<Appended<'_>>
 pub(super) fn parse(xml: &[u8]) -> Result<Document<'_>, ReadError> {
     let xml = xml.strip_prefix(b"\xef\xbb\xbf").unwrap_or(xml);
     let text = std::str::from_utf8(xml)
-        .map_err(|e| ReadError::at_byte(e.valid_up_to(), "the XML is not UTF-8; save it as UTF-8"))?;
+        .map_err(|e| ReadError::byte_error(e.valid_up_to(), "the XML is not UTF-8; save it as UTF-8"))?;
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|e| ReadError::Line {
         line: e.pos().row.into(),
@@ -78,7 +78,7 @@ pub(super) fn parse(xml: &[u8]) -> Result<Document<'_>, ReadError> {
 }
 
 /// Creates an error at the line of an element.
-pub(super) fn at(node: Node<'_, '_>, message: impl Into<String>) -> ReadError {
+pub(super) fn error_at(node: Node<'_, '_>, message: impl Into<String>) -> ReadError {
     let line = node.document().text_pos_at(node.range().start).row.into();
     ReadError::Line { line, message: message.into() }
 }
@@ -92,9 +92,9 @@ pub(super) fn numbers<T: std::str::FromStr, const N: usize>(
     let words: Option<Vec<T>> = text.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
     let numbers = words.and_then(|words| <[T; N]>::try_from(words).ok());
     let shown = show(text.as_bytes());
-    numbers
-        .map(Some)
-        .ok_or_else(|| at(node, format!("{name} must be {N} numbers, got {shown}; save the file again")))
+    numbers.map(Some).ok_or_else(|| {
+        error_at(node, format!("{name} must be {N} numbers, got {shown}; save the file again"))
+    })
 }
 
 /// Count in an attribute of an element, if present.
@@ -102,7 +102,7 @@ pub(super) fn count(node: Node<'_, '_>, name: &str) -> Result<Option<u64>, ReadE
     Ok(numbers::<u64, 1>(node, name)?.map(|[n]| n))
 }
 
-impl<'a> Frame<'a> {
+impl<'a> XmlFrame<'a> {
     /// Parses the encoding in the root element.
     pub(super) fn new(
         root: Node<'_, '_>,
@@ -126,7 +126,7 @@ impl<'a> Frame<'a> {
                     without compression",
                     show(other.as_bytes())
                 );
-                return Err(at(root, message));
+                return Err(error_at(root, message));
             }
         };
         let mut offsets: Vec<usize> =

@@ -4,10 +4,10 @@ use adwave::Progress;
 use roxmltree::Node;
 
 use super::array::arrays;
-use super::document::{Frame, at, numbers};
-use super::read::{Joined, fields, points};
+use super::document::{XmlFrame, error_at, numbers};
+use super::read::{JoinedFields, fields, points};
 use crate::model::cells::{Grid, GridPoints, Lattice};
-use crate::progress::at_row;
+use crate::progress::report_row;
 use crate::{Format, Precision, ReadError, ValueType};
 
 /// First and last index along each axis.
@@ -15,26 +15,26 @@ type Extent = [[i64; 2]; 3];
 
 fn extent(node: Node<'_, '_>, name: &str) -> Result<Extent, ReadError> {
     let Some(ends) = numbers::<i32, 6>(node, name)? else {
-        return Err(at(node, format!("{name} is missing; save the file again")));
+        return Err(error_at(node, format!("{name} is missing; save the file again")));
     };
     Ok([0, 1, 2].map(|a| [ends[2 * a].into(), ends[2 * a + 1].into()]))
 }
 
 fn lattice(node: Node<'_, '_>, extent: &Extent) -> Result<Lattice, ReadError> {
     let dims = extent.map(|[first, last]| u64::try_from(last - first + 1).unwrap_or(0));
-    Lattice::new(dims)?.ok_or_else(|| at(node, "the grid is empty; use one with points"))
+    Lattice::new(dims)?.ok_or_else(|| error_at(node, "the grid is empty; use one with points"))
 }
 
 /// Reads the grid formed by all pieces.
 pub(super) fn read_grid<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     data: Node<'n, '_>,
     pieces: &[Node<'n, '_>],
     format: Format,
     mut extras: Vec<String>,
     progress: Progress<'_>,
 ) -> Result<Grid, ReadError> {
-    let [piece] = pieces else { return joined(frame, data, pieces, format, extras, progress) };
+    let [piece] = pieces else { return join_pieces(frame, data, pieces, format, extras, progress) };
     // The existing part is the grid, even if it was cut from a larger one.
     let extent = extent(*piece, if piece.has_attribute("Extent") { "Extent" } else { "WholeExtent" })?;
     let lattice = lattice(*piece, &extent)?;
@@ -61,7 +61,7 @@ struct LocatedPiece<'n, 'i> {
 
 /// Positions of the points of a piece.
 fn grid_points<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     data: Node<'n, '_>,
     piece: &LocatedPiece<'n, '_>,
     format: Format,
@@ -84,14 +84,14 @@ fn grid_points<'n: 'a, 'a>(
         }
         Format::VTR => {
             let Some(section) = piece.children().find(|node| node.has_tag_name("Coordinates")) else {
-                return Err(at(piece, "the grid has no coordinates; save the file again"));
+                return Err(error_at(piece, "the grid has no coordinates; save the file again"));
             };
             let mut axes: [Vec<f64>; 3] = Default::default();
             let mut kinds = Vec::new();
             let mut nodes = arrays(section);
             for (a, axis) in axes.iter_mut().enumerate() {
                 let Some(node) = nodes.next() else {
-                    return Err(at(
+                    return Err(error_at(
                         section,
                         "the grid must have coordinates for three axes; save the file again",
                     ));
@@ -103,7 +103,7 @@ fn grid_points<'n: 'a, 'a>(
                         "the indices {first} to {last} do not match {found} coordinates; get the whole \
                         file"
                     );
-                    return Err(at(node, message));
+                    return Err(error_at(node, message));
                 }
                 *axis = numbers.to_f64(progress)?;
                 kinds.push(numbers.kind());
@@ -118,7 +118,7 @@ fn grid_points<'n: 'a, 'a>(
 }
 
 /// Piece of the whole grid.
-struct Part {
+struct GridPiece {
     lattice: Lattice,
     /// Start in the whole grid along each axis.
     offset: [usize; 3],
@@ -127,8 +127,8 @@ struct Part {
 }
 
 /// Joins several pieces to one grid.
-fn joined<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+fn join_pieces<'n: 'a, 'a>(
+    frame: &XmlFrame<'a>,
     data: Node<'n, '_>,
     pieces: &[Node<'n, '_>],
     format: Format,
@@ -137,7 +137,7 @@ fn joined<'n: 'a, 'a>(
 ) -> Result<Grid, ReadError> {
     let whole = extent(data, "WholeExtent")?;
     let all = lattice(data, &whole)?;
-    let (mut point_fields, mut cell_fields) = (Joined::default(), Joined::default());
+    let (mut point_fields, mut cell_fields) = (JoinedFields::default(), JoinedFields::default());
     let mut parts = Vec::new();
     let mut listed = Vec::new();
     let mut image = None;
@@ -147,7 +147,7 @@ fn joined<'n: 'a, 'a>(
         let lattice = lattice(piece, &extent)?;
         let is_within = (0..3).all(|a| extent[a][0] >= whole[a][0] && extent[a][1] <= whole[a][1]);
         if !is_within {
-            return Err(at(piece, "the piece must lie within the whole extent; save the file again"));
+            return Err(error_at(piece, "the piece must lie within the whole extent; save the file again"));
         }
         let offset = [0, 1, 2].map(|a| (extent[a][0] - whole[a][0]) as usize);
         let located = LocatedPiece { node: piece, extent, lattice };
@@ -167,9 +167,9 @@ fn joined<'n: 'a, 'a>(
             .add(fields(frame, piece, "PointData", lattice.n_points(), &mut extras, progress)?, &mut extras);
         cell_fields
             .add(fields(frame, piece, "CellData", lattice.n_cells(), &mut extras, progress)?, &mut extras);
-        parts.push(Part { lattice, offset, axes });
+        parts.push(GridPiece { lattice, offset, axes });
     }
-    let missing = || at(data, "the pieces do not fill the whole extent; get all pieces");
+    let missing = || error_at(data, "the pieces do not fill the whole extent; get all pieces");
     let n: usize = parts.iter().map(|part| part.lattice.n_points()).sum();
     if n < all.n_points() || n > u32::MAX as usize {
         return Err(missing());
@@ -184,7 +184,7 @@ fn joined<'n: 'a, 'a>(
         Format::VTR => GridPoints::Axes(axes(&parts, all).ok_or_else(missing)?),
         _ => GridPoints::Listed(listed),
     };
-    let is_flatter = |part: &Part| (0..3).any(|a| part.lattice.dims()[a] == 1 && all.dims()[a] > 1);
+    let is_flatter = |part: &GridPiece| (0..3).any(|a| part.lattice.dims()[a] == 1 && all.dims()[a] > 1);
     let point_rows = rows(&parts, all.n_points(), Lattice::dims, |at| all.point(at), |_| false, progress)?;
     let cell_rows = rows(&parts, all.n_cells(), Lattice::cells, |at| all.cell(at), is_flatter, progress)?;
     Ok(Grid {
@@ -200,7 +200,7 @@ fn joined<'n: 'a, 'a>(
 }
 
 /// Coordinates of the whole grid along each axis; `None` if one is missing.
-fn axes(parts: &[Part], all: Lattice) -> Option<[Vec<f64>; 3]> {
+fn axes(parts: &[GridPiece], all: Lattice) -> Option<[Vec<f64>; 3]> {
     let mut axes = all.dims().map(|n| vec![None; n]);
     for part in parts {
         for (a, axis) in axes.iter_mut().enumerate() {
@@ -215,11 +215,11 @@ fn axes(parts: &[Part], all: Lattice) -> Option<[Vec<f64>; 3]> {
 
 /// For each point (or cell) of the whole grid, its row among those of all parts; `None` if one is missing.
 fn rows(
-    parts: &[Part],
+    parts: &[GridPiece],
     n: usize,
     dims: impl Fn(Lattice) -> [usize; 3],
     index: impl Fn([usize; 3]) -> usize,
-    is_left: impl Fn(&Part) -> bool,
+    is_left: impl Fn(&GridPiece) -> bool,
     progress: Progress<'_>,
 ) -> Result<Option<Vec<u32>>, ReadError> {
     let mut rows = vec![u32::MAX; n];
@@ -233,7 +233,7 @@ fn rows(
         }
         for k in 0..nz {
             for j in 0..ny {
-                at_row(progress, u64::from(row), n as u64)?;
+                report_row(progress, u64::from(row), n as u64)?;
                 for i in 0..nx {
                     let position = [i + part.offset[0], j + part.offset[1], k + part.offset[2]];
                     rows[index(position)] = row;

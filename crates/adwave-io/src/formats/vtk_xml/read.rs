@@ -6,7 +6,7 @@ use adwave::Progress;
 use roxmltree::Node;
 
 use super::array::{arrays, no_index};
-use super::document::{Frame, at, count, parse, split};
+use super::document::{XmlFrame, count, error_at, parse, split};
 use super::grid::read_grid;
 use crate::model::cells::{CellKind, Cells, Dataset, Polyhedra};
 use crate::model::field::unused;
@@ -48,10 +48,10 @@ pub(crate) fn read_vtk_xml(
     let (xml, appended) = split(bytes)?;
     let document = parse(&xml)?;
     let root = document.root_element();
-    let frame = Frame::new(root, appended, limits)?;
+    let frame = XmlFrame::new(root, appended, limits)?;
     let kind = root.attribute("type").unwrap_or("");
     let Some(data) = root.children().find(|node| node.has_tag_name(kind)) else {
-        return Err(at(
+        return Err(error_at(
             root,
             format!("the element {} is missing; save the file again", show(kind.as_bytes())),
         ));
@@ -72,7 +72,7 @@ pub(crate) fn read_vtk_xml(
     }
     let pieces: Vec<Node<'_, '_>> = data.children().filter(|node| node.has_tag_name("Piece")).collect();
     if pieces.is_empty() {
-        return Err(at(data, "the file has no piece; save the file again"));
+        return Err(error_at(data, "the file has no piece; save the file again"));
     }
     if matches!(format, Format::VTP | Format::VTU) {
         let mut shape = read_cells(&frame, &pieces, format, extras, progress)?;
@@ -94,11 +94,11 @@ fn letters(array: Node<'_, '_>) -> Option<String> {
 
 /// Fields of several pieces, joined.
 #[derive(Default)]
-pub(super) struct Joined {
+pub(super) struct JoinedFields {
     fields: Option<Vec<Field>>,
 }
 
-impl Joined {
+impl JoinedFields {
     /// Adds the fields of a piece; fields that not all pieces have are listed in `extras`.
     pub(super) fn add(&mut self, more: Vec<Field>, extras: &mut Vec<String>) {
         let Some(fields) = &mut self.fields else {
@@ -133,7 +133,7 @@ impl Joined {
 
 /// Fields in an element of a piece.
 pub(super) fn fields<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     piece: Node<'n, '_>,
     section: &str,
     n_rows: usize,
@@ -159,7 +159,7 @@ pub(super) fn fields<'n: 'a, 'a>(
 
 /// Points of a piece, and their type.
 pub(super) fn points<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     piece: Node<'n, '_>,
     n_points: u64,
     progress: Progress<'_>,
@@ -170,7 +170,7 @@ pub(super) fn points<'n: 'a, 'a>(
         if n_points == 0 {
             return Ok((Vec::new(), ValueType::F32));
         }
-        return Err(at(
+        return Err(error_at(
             piece,
             format!("the piece has {n_points} points but no coordinates; save the file again"),
         ));
@@ -178,7 +178,7 @@ pub(super) fn points<'n: 'a, 'a>(
     let numbers = frame.array(node, progress)?;
     let found = numbers.len();
     if n_points.checked_mul(3) != Some(found as u64) {
-        return Err(at(
+        return Err(error_at(
             node,
             format!("{n_points} points do not match {found} coordinates; get the whole file"),
         ));
@@ -187,7 +187,7 @@ pub(super) fn points<'n: 'a, 'a>(
 }
 
 fn read_cells<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     pieces: &[Node<'n, '_>],
     format: Format,
     mut extras: Vec<String>,
@@ -195,7 +195,7 @@ fn read_cells<'n: 'a, 'a>(
 ) -> Result<ShapeFile, ReadError> {
     let mut all_points = Vec::new();
     let mut precision = Precision::F32;
-    let (mut point_fields, mut cell_fields) = (Joined::default(), Joined::default());
+    let (mut point_fields, mut cell_fields) = (JoinedFields::default(), JoinedFields::default());
     let mut cells = Vec::new();
     for &piece in pieces {
         let n_points = count(piece, "NumberOfPoints")?.unwrap_or(0);
@@ -239,7 +239,7 @@ fn read_cells<'n: 'a, 'a>(
 }
 
 fn polydata_cells<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     piece: Node<'n, '_>,
     n_points: usize,
     progress: Progress<'_>,
@@ -254,7 +254,7 @@ fn polydata_cells<'n: 'a, 'a>(
         let n_cells = count(piece, &format!("NumberOf{name}"))?;
         let Some(section) = piece.children().find(|node| node.has_tag_name(name)) else {
             if n_cells.is_some_and(|n| n > 0) {
-                return Err(at(piece, format!("the piece has no {name}; get the whole file")));
+                return Err(error_at(piece, format!("the piece has no {name}; get the whole file")));
             }
             continue;
         };
@@ -267,7 +267,7 @@ fn polydata_cells<'n: 'a, 'a>(
 
 /// Cells of an element.
 fn block<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     section: Node<'n, '_>,
     kind: CellKind,
     n_cells: Option<u64>,
@@ -275,11 +275,14 @@ fn block<'n: 'a, 'a>(
     progress: Progress<'_>,
 ) -> Result<Cells, ReadError> {
     let none = || Numbers::Values(ValueType::I64.empty());
-    let corners = frame.named(section, "connectivity", progress)?.unwrap_or_else(none);
-    let ends = frame.named(section, "offsets", progress)?.unwrap_or_else(none);
+    let corners = frame.find_array(section, "connectivity", progress)?.unwrap_or_else(none);
+    let ends = frame.find_array(section, "offsets", progress)?.unwrap_or_else(none);
     let (n, n_corners) = (ends.len(), corners.len());
     if let Some(expected) = n_cells.filter(|&expected| expected != n as u64) {
-        return Err(at(section, format!("{expected} cells do not match {n} offsets; get the whole file")));
+        return Err(error_at(
+            section,
+            format!("{expected} cells do not match {n} offsets; get the whole file"),
+        ));
     }
     if n_corners >= u32::MAX as usize || n >= u32::MAX as usize {
         let (found, limit) = (n_corners.max(n) as u64, u32::MAX.into());
@@ -295,10 +298,10 @@ fn block<'n: 'a, 'a>(
     let offsets = with_first;
     if !all(n, progress, |i| offsets[i] <= offsets[i + 1])? || offsets[n] as usize != n_corners {
         let message = format!("the offsets must ascend to the {n_corners} corners; save the file again");
-        return Err(at(section, message));
+        return Err(error_at(section, message));
     }
     let corners = corners.to_indices(n_points as u32, progress).map_err(|error| match error {
-        crate::model::numbers::NoIndex::At(k, index) => ReadError::FaceIndex {
+        crate::model::numbers::IndexError::At(k, index) => ReadError::FaceIndex {
             place: format!("line {}", section.document().text_pos_at(section.range().start).row),
             face: (offsets.partition_point(|&start| start as usize <= k) - 1) as u64,
             index: index as i64,
@@ -310,7 +313,7 @@ fn block<'n: 'a, 'a>(
 }
 
 fn unstructured_cells<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     piece: Node<'n, '_>,
     n_points: usize,
     progress: Progress<'_>,
@@ -318,7 +321,7 @@ fn unstructured_cells<'n: 'a, 'a>(
     let n_cells = count(piece, "NumberOfCells")?;
     let Some(section) = piece.children().find(|node| node.has_tag_name("Cells")) else {
         if n_cells.is_some_and(|n| n > 0) {
-            return Err(at(piece, "the piece has no cells; get the whole file"));
+            return Err(error_at(piece, "the piece has no cells; get the whole file"));
         }
         return Ok(Vec::new());
     };
@@ -326,12 +329,12 @@ fn unstructured_cells<'n: 'a, 'a>(
         return Ok(Vec::new());
     }
     let mut cells = block(frame, section, CellKind::Polygons, n_cells, n_points, progress)?;
-    let Some(types) = frame.named(section, "types", progress)? else {
-        return Err(at(section, "the cells have no types; save the file again"));
+    let Some(types) = frame.find_array(section, "types", progress)? else {
+        return Err(error_at(section, "the cells have no types; save the file again"));
     };
     if types.len() != cells.len() {
         let (found, n) = (types.len(), cells.len());
-        return Err(at(section, format!("{n} cells do not match {found} types; get the whole file")));
+        return Err(error_at(section, format!("{n} cells do not match {found} types; get the whole file")));
     }
     let types = types.to_indices(256, progress).map_err(|e| no_index(section, "types", e, 256))?;
     let types: Vec<u8> = collect(types.len(), progress, |i| types[i] as u8)?;
@@ -344,15 +347,15 @@ fn unstructured_cells<'n: 'a, 'a>(
 
 /// Faces of polyhedra: since version 2.3 of the format in nested lists, before that in one stream of numbers.
 fn polyhedra<'n: 'a, 'a>(
-    frame: &Frame<'a>,
+    frame: &XmlFrame<'a>,
     section: Node<'n, '_>,
     n_cells: usize,
     n_points: usize,
     progress: Progress<'_>,
 ) -> Result<Option<Polyhedra>, ReadError> {
-    let broken = || at(section, "the faces of polyhedra are invalid; save the file again");
+    let broken = || error_at(section, "the faces of polyhedra are invalid; save the file again");
     let list = |name: &str| -> Result<Option<Vec<i64>>, ReadError> {
-        let Some(numbers) = frame.named(section, name, progress)? else { return Ok(None) };
+        let Some(numbers) = frame.find_array(section, name, progress)? else { return Ok(None) };
         if !numbers.kind().is_integer() {
             return Err(broken());
         }

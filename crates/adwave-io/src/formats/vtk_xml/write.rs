@@ -7,7 +7,7 @@ use adwave::Progress;
 
 use crate::model::field::ByteOrder;
 use crate::model::numbers::cell_fields;
-use crate::progress::{at_row, collect};
+use crate::progress::{collect, report_row};
 use crate::provenance::NAME;
 use crate::text::escape_xml;
 use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
@@ -16,12 +16,12 @@ use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteR
 const BLOCK: usize = 1 << 20;
 
 /// Compressed arrays, in the order of the XML.
-struct Appended<'a> {
+struct AppendedWriter<'a> {
     bytes: Vec<u8>,
     progress: Progress<'a>,
 }
 
-impl Appended<'_> {
+impl AppendedWriter<'_> {
     /// Compresses an array and returns its start. Its head has the number of blocks, the size of a block, the size of
     /// the last if it is smaller, and the compressed size of each.
     fn add(&mut self, plain: &[u8]) -> Result<usize, WriteError> {
@@ -53,7 +53,7 @@ impl Appended<'_> {
     ) -> Result<(), WriteError> {
         let mut plain = Vec::with_capacity(values.len() * values.value_type().n_bytes());
         for i in 0..values.len() {
-            at_row(self.progress, i as u64, values.len() as u64)?;
+            report_row(self.progress, i as u64, values.len() as u64)?;
             values.write_bytes(i, ByteOrder::Little, &mut plain);
         }
         let offset = self.add(&plain)?;
@@ -150,7 +150,7 @@ pub(crate) fn write_vtp(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let mut appended = Appended { bytes: Vec::new(), progress };
+    let mut appended = AppendedWriter { bytes: Vec::new(), progress };
     let cells = WrittenCells::new(shape, progress)?;
     let mut body = values_and_points(shape, &mut appended, report, progress)?;
     let (n_vertices, n_lines, n_faces) = (cells.n_vertices, cells.n_lines(), cells.ends.len());
@@ -175,14 +175,14 @@ pub(crate) fn write_vtu(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    let mut appended = Appended { bytes: Vec::new(), progress };
+    let mut appended = AppendedWriter { bytes: Vec::new(), progress };
     let cells = WrittenCells::new(shape, progress)?;
     let mut body = values_and_points(shape, &mut appended, report, progress)?;
     let (n_vertices, n_lines, n_faces) = (cells.n_vertices, cells.n_lines(), cells.ends.len());
     let mut types = vec![1; n_vertices];
     types.resize(n_vertices + n_lines, 3);
     for (f, face) in shape.faces.iter().enumerate() {
-        at_row(progress, f as u64, n_faces as u64)?;
+        report_row(progress, f as u64, n_faces as u64)?;
         types.push(match face.len() {
             3 => 5,
             4 => 9,
@@ -206,7 +206,7 @@ pub(crate) fn write_vtu(
 /// Content before the cells in both formats.
 fn values_and_points(
     shape: &ShapeFile,
-    appended: &mut Appended<'_>,
+    appended: &mut AppendedWriter<'_>,
     report: &mut WriteReport,
     progress: Progress<'_>,
 ) -> Result<String, WriteError> {
@@ -222,7 +222,7 @@ fn values_and_points(
     appended.add_numbers(&mut body, "Points", 3, &points)?;
     body += "</Points>\n";
     if !shape.edges.weights.is_empty() {
-        report.leave_out("weights of edges");
+        report.report_dropped("weights of edges");
     }
     Ok(body)
 }

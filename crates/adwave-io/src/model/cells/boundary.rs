@@ -3,7 +3,7 @@
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-use crate::progress::{at_row, collect};
+use crate::progress::{collect, report_row};
 
 /// Faces of volume cells, each with the index of its cell.
 #[derive(Default)]
@@ -70,7 +70,7 @@ impl VolumeFaces {
         }
         drop(keys);
         for (f, _) in is_outside.iter().enumerate().filter(|(_, is_outside)| **is_outside) {
-            at_row(progress, f as u64, n as u64)?;
+            report_row(progress, f as u64, n as u64)?;
             take(self.get(f), self.cells[f]);
         }
         Ok(())

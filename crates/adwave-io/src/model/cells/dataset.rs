@@ -3,8 +3,8 @@
 use adwave::Progress;
 
 use super::Cells;
-use super::surface::{Sources, Surface};
-use crate::model::numbers::gathered;
+use super::surface::{CellSurface, FaceSources};
+use crate::model::numbers::collect_rows;
 use crate::progress::collect;
 use crate::{Edges, Field, FieldValues, Format, Precision, ReadError, ShapeFile};
 
@@ -25,7 +25,7 @@ impl Dataset {
         let Self { points, precision, cells, point_fields, cell_fields, mut extras } = self;
         let n_points = points.len();
         let is_used = used_points(&cells, n_points);
-        let mut surface = Surface::of(cells, progress)?;
+        let mut surface = CellSurface::from_cells(cells, progress)?;
         let mut shape = ShapeFile::from_cloud(points);
         shape.vertex_fields = point_fields;
         if surface.n_volumes > 0 {
@@ -59,7 +59,7 @@ fn used_points(cells: &[Cells], n_points: usize) -> Vec<bool> {
 /// Drops the points of cells that are not on the surface; points that no cell names stay.
 fn keep_corners(
     shape: &mut ShapeFile,
-    surface: &mut Surface,
+    surface: &mut CellSurface,
     is_used: &[bool],
     extras: &mut Vec<String>,
     progress: Progress<'_>,
@@ -87,7 +87,7 @@ fn keep_corners(
     let points = &shape.points;
     let points = collect(kept.len(), progress, |i| points[kept[i] as usize])?;
     for field in &mut shape.vertex_fields {
-        *field = gathered(field, kept.len(), progress, &|i| kept[i] as usize)?;
+        *field = collect_rows(field, kept.len(), progress, &|i| kept[i] as usize)?;
     }
     shape.n_vertices = points.len();
     shape.points = points.into();
@@ -98,7 +98,7 @@ fn keep_corners(
 /// Turns the values of the cells that are faces into face fields.
 fn cell_values(
     shape: &mut ShapeFile,
-    surface: &Surface,
+    surface: &CellSurface,
     cell_fields: Vec<Field>,
     extras: &mut Vec<String>,
     progress: Progress<'_>,
@@ -128,9 +128,9 @@ fn cell_values(
             continue;
         }
         shape.face_fields.push(match &surface.sources {
-            Sources::From(0) if field.len() == n_faces => field,
-            Sources::From(first) => gathered(&field, n_faces, progress, &|f| first + f)?,
-            Sources::List(cells) => gathered(&field, n_faces, progress, &|f| cells[f] as usize)?,
+            FaceSources::From(0) if field.len() == n_faces => field,
+            FaceSources::From(first) => collect_rows(&field, n_faces, progress, &|f| first + f)?,
+            FaceSources::List(cells) => collect_rows(&field, n_faces, progress, &|f| cells[f] as usize)?,
         });
     }
     Ok(())

@@ -4,8 +4,8 @@
 use adwave::Progress;
 use adwave::shape::Polygons;
 
-use crate::model::numbers::gathered;
-use crate::progress::{at_row, collect};
+use crate::model::numbers::collect_rows;
+use crate::progress::{collect, report_row};
 use crate::{Edges, Field, Format, Precision, ReadError, ReadLimits, ShapeFile};
 
 /// Largest number of vertices of a grid for which a file stores only the size.
@@ -188,7 +188,7 @@ impl Grid {
         let mut shape = ShapeFile::from_cloud(collect(n, progress, |i| self.point(index(i)))?);
         for field in &self.point_fields {
             let rows = self.point_rows.as_ref();
-            shape.vertex_fields.push(gathered(field, n, progress, &|i| row(rows, index(i)))?);
+            shape.vertex_fields.push(collect_rows(field, n, progress, &|i| row(rows, index(i)))?);
         }
         let mut quads = Quads { lattice, corners: Vec::new(), cells: Vec::new(), is_outer: kept.is_some() };
         match axes[..] {
@@ -222,7 +222,9 @@ impl Grid {
             }
             let rows = self.cell_rows.as_ref();
             let cells = &quads.cells;
-            shape.face_fields.push(gathered(&field, n_faces, progress, &|f| row(rows, cells[f] as usize))?);
+            shape
+                .face_fields
+                .push(collect_rows(&field, n_faces, progress, &|f| row(rows, cells[f] as usize))?);
         }
         let offsets = collect(n_faces + 1, progress, |f| 4 * f as u32)?;
         let faces = Polygons::from_parts(offsets, quads.corners.into_flattened());
@@ -275,7 +277,7 @@ impl Quads {
         };
         let layer = place.min(lattice.cells()[axis] - 1);
         for q in 0..lattice.dims[c] - 1 {
-            at_row(progress, q as u64, lattice.dims[c] as u64)?;
+            report_row(progress, q as u64, lattice.dims[c] as u64)?;
             for p in 0..lattice.dims[b] - 1 {
                 let mut quad = [number(p, q), number(p + 1, q), number(p + 1, q + 1), number(p, q + 1)];
                 if !is_along {

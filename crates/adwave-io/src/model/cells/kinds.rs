@@ -2,7 +2,7 @@
 
 /// Surface element of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Family {
+pub(super) enum CellFamily {
     Empty,
     Vertices,
     /// Line between the first two corners.
@@ -50,27 +50,27 @@ const HEXAGONAL_PRISM: &[&[u8]] = &[
 ];
 
 /// Family of a cell type; `None` for an unknown type.
-pub(super) fn family(cell_type: u8) -> Option<Family> {
+pub(super) fn family(cell_type: u8) -> Option<CellFamily> {
     Some(match cell_type {
-        0 => Family::Empty,
-        1 | 2 => Family::Vertices,
+        0 => CellFamily::Empty,
+        1 | 2 => CellFamily::Vertices,
         // Linear, then quadratic, cubic, and of any order.
-        3 | 21 | 35 | 60 | 68 | 75 => Family::Line,
-        4 => Family::Path,
-        5 | 22 | 34 | 61 | 69 | 76 => Family::Polygon(3),
-        6 => Family::Strip,
-        7 => Family::AnyPolygon,
-        8 => Family::Pixel,
-        9 | 23 | 28 | 30 | 62 | 70 | 77 => Family::Polygon(4),
-        10 | 24 | 64 | 71 | 78 => Family::Volume(4, TETRAHEDRON),
-        11 => Family::Volume(8, VOXEL),
-        12 | 25 | 29 | 33 | 67 | 72 | 79 => Family::Volume(8, HEXAHEDRON),
-        13 | 26 | 31 | 32 | 65 | 73 | 80 => Family::Volume(6, WEDGE),
-        14 | 27 | 37 | 66 | 74 | 81 => Family::Volume(5, PYRAMID),
-        15 => Family::Volume(10, PENTAGONAL_PRISM),
-        16 => Family::Volume(12, HEXAGONAL_PRISM),
-        36 => Family::HalfPolygon,
-        42 => Family::Polyhedron,
+        3 | 21 | 35 | 60 | 68 | 75 => CellFamily::Line,
+        4 => CellFamily::Path,
+        5 | 22 | 34 | 61 | 69 | 76 => CellFamily::Polygon(3),
+        6 => CellFamily::Strip,
+        7 => CellFamily::AnyPolygon,
+        8 => CellFamily::Pixel,
+        9 | 23 | 28 | 30 | 62 | 70 | 77 => CellFamily::Polygon(4),
+        10 | 24 | 64 | 71 | 78 => CellFamily::Volume(4, TETRAHEDRON),
+        11 => CellFamily::Volume(8, VOXEL),
+        12 | 25 | 29 | 33 | 67 | 72 | 79 => CellFamily::Volume(8, HEXAHEDRON),
+        13 | 26 | 31 | 32 | 65 | 73 | 80 => CellFamily::Volume(6, WEDGE),
+        14 | 27 | 37 | 66 | 74 | 81 => CellFamily::Volume(5, PYRAMID),
+        15 => CellFamily::Volume(10, PENTAGONAL_PRISM),
+        16 => CellFamily::Volume(12, HEXAGONAL_PRISM),
+        36 => CellFamily::HalfPolygon,
+        42 => CellFamily::Polyhedron,
         _ => return None,
     })
 }
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn faces_of_volumes_close_and_agree() {
         for cell_type in [10, 11, 12, 13, 14, 15, 16] {
-            let Some(Family::Volume(n, faces)) = family(cell_type) else { panic!("{cell_type}") };
+            let Some(CellFamily::Volume(n, faces)) = family(cell_type) else { panic!("{cell_type}") };
             let mut sides = Vec::new();
             for face in faces {
                 for k in 0..face.len() {

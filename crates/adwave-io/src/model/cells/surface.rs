@@ -4,17 +4,17 @@ use adwave::Progress;
 use adwave::shape::Polygons;
 
 use super::boundary::VolumeFaces;
-use super::kinds::{Family, family};
+use super::kinds::{CellFamily, family};
 use super::{CellKind, Cells};
 use crate::ReadError;
-use crate::progress::{all, at_row};
+use crate::progress::{all, report_row};
 
 /// Surface elements of all cells.
 #[derive(Default)]
-pub(super) struct Surface {
+pub(super) struct CellSurface {
     pub(super) faces: Polygons,
     /// Cell of each face.
-    pub(super) sources: Sources,
+    pub(super) sources: FaceSources,
     pub(super) edges: Vec<[u32; 2]>,
     /// Indices of the cells that are lines, and of those that are points.
     pub(super) line_cells: Vec<u32>,
@@ -28,21 +28,21 @@ pub(super) struct Surface {
 }
 
 /// Assignment of faces to cells.
-pub(super) enum Sources {
+pub(super) enum FaceSources {
     /// Face `f` belongs to cell `first + f`.
     From(usize),
     List(Vec<u32>),
 }
 
-impl Default for Sources {
+impl Default for FaceSources {
     fn default() -> Self {
         Self::List(Vec::new())
     }
 }
 
-impl Surface {
+impl CellSurface {
     /// Extracts the surface of all blocks.
-    pub(super) fn of(blocks: Vec<Cells>, progress: Progress<'_>) -> Result<Self, ReadError> {
+    pub(super) fn from_cells(blocks: Vec<Cells>, progress: Progress<'_>) -> Result<Self, ReadError> {
         let mut surface = Self::default();
         let mut volumes = VolumeFaces::default();
         let n_blocks = blocks.iter().filter(|block| !block.is_empty()).count();
@@ -58,7 +58,7 @@ impl Surface {
             }
             if n_blocks == 1 && is_polygons(&block, progress)? {
                 if let Some(faces) = Polygons::from_parts(block.offsets, block.corners) {
-                    return Ok(Self { faces, sources: Sources::From(first), ..surface });
+                    return Ok(Self { faces, sources: FaceSources::From(first), ..surface });
                 }
                 return Err(ReadError::Whole(
                     "the offsets of cells must not decrease; save the file again".into(),
@@ -68,7 +68,7 @@ impl Surface {
             first += n;
         }
         if !volumes.is_empty() {
-            let Sources::List(sources) = &mut surface.sources else { return Ok(surface) };
+            let FaceSources::List(sources) = &mut surface.sources else { return Ok(surface) };
             let faces = &mut surface.faces;
             volumes.boundary(progress, |corners, cell| {
                 faces.push(corners);
@@ -80,7 +80,7 @@ impl Surface {
 
     fn push_face(&mut self, corners: &[u32], cell: u32) {
         self.faces.push(corners);
-        if let Sources::List(sources) = &mut self.sources {
+        if let FaceSources::List(sources) = &mut self.sources {
             sources.push(cell);
         }
     }
@@ -112,7 +112,7 @@ impl Surface {
     ) -> Result<(), ReadError> {
         let n = block.len();
         for i in 0..n {
-            at_row(progress, i as u64, n as u64)?;
+            report_row(progress, i as u64, n as u64)?;
             let (corners, cell) = (block.get(i), (first + i) as u32);
             match &block.kind {
                 CellKind::Vertices => self.push_vertices(corners, cell),
@@ -148,35 +148,35 @@ impl Surface {
             })
         };
         match family {
-            Family::Empty => {}
-            Family::Vertices => self.push_vertices(corners, cell),
-            Family::Line => {
+            CellFamily::Empty => {}
+            CellFamily::Vertices => self.push_vertices(corners, cell),
+            CellFamily::Line => {
                 self.push_path(first(2)?, cell);
                 self.has_other_points |= corners.len() > 2;
             }
-            Family::Path => self.push_path(corners, cell),
-            Family::Strip => self.push_strip(corners, cell),
-            Family::Polygon(n) => {
+            CellFamily::Path => self.push_path(corners, cell),
+            CellFamily::Strip => self.push_strip(corners, cell),
+            CellFamily::Polygon(n) => {
                 self.push_face(first(n)?, cell);
                 self.has_other_points |= corners.len() > n;
             }
-            Family::AnyPolygon => self.push_face(corners, cell),
-            Family::HalfPolygon => {
+            CellFamily::AnyPolygon => self.push_face(corners, cell),
+            CellFamily::HalfPolygon => {
                 self.push_face(first(corners.len() / 2)?, cell);
                 self.has_other_points = true;
             }
-            Family::Pixel => {
+            CellFamily::Pixel => {
                 let c = first(4)?;
                 self.push_face(&[c[0], c[1], c[3], c[2]], cell);
             }
-            Family::Volume(n, faces) => {
+            CellFamily::Volume(n, faces) => {
                 let corners = first(n)?;
                 for face in faces {
                     volumes.push(face.iter().map(|&k| corners[usize::from(k)]), cell);
                 }
                 self.n_volumes += 1;
             }
-            Family::Polyhedron => {
+            CellFamily::Polyhedron => {
                 let faces = block.polyhedra.as_ref().and_then(|polyhedra| {
                     let start = if i == 0 { 0 } else { *polyhedra.ends.get(i - 1)? };
                     Some((start as usize..*polyhedra.ends.get(i)? as usize, &polyhedra.faces))

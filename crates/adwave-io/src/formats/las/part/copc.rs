@@ -11,12 +11,14 @@ use std::path::Path;
 use adwave::Progress;
 use rayon::prelude::*;
 
-use crate::formats::las::part::image::Image;
-use crate::formats::las::part::octree::{Entry, Key, Node, Root, chosen, runs, wrong};
+use crate::formats::las::part::image::SubsetWriter;
+use crate::formats::las::part::octree::{
+    HierarchyEntry, NodeKey, OctreeNode, OctreeRoot, runs, select_nodes, wrong,
+};
 use crate::formats::las::part::selection::Selection;
 use crate::formats::las::read::{LEAST_HEADER, compression, f64_at, records, u32_at, u64_at};
 use crate::formats::las::stream::LasReader;
-use crate::formats::las::stream::coding::Coding;
+use crate::formats::las::stream::coding::ChunkCoding;
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
 /// Size of the header in bytes; the information record follows immediately.
@@ -31,17 +33,17 @@ const MOST_WAITING: u64 = 1 << 26;
 const NODES_PER_THREAD: usize = 4;
 
 /// Byte range in the file: start and length.
-type Place = (u64, u64);
+type ByteRange = (u64, u64);
 
 /// Description of the octree in the file.
-pub(super) struct Info {
-    pub(super) root: Root,
-    first_page: Place,
+pub(super) struct CopcInfo {
+    pub(super) root: OctreeRoot,
+    first_page: ByteRange,
 }
 
-impl Info {
+impl CopcInfo {
     /// Reads the description from a COPC; `None` for another LAS or LAZ.
-    pub(super) fn of(reader: &LasReader) -> Result<Option<Self>, ReadError> {
+    pub(super) fn read(reader: &LasReader) -> Result<Option<Self>, ReadError> {
         let (head, header) = reader.head();
         let has_record = header.bytes == HEADER
             && header.bytes > LEAST_HEADER
@@ -54,7 +56,7 @@ impl Info {
         let number = |k: usize| f64_at(head, INFO + 8 * k).unwrap_or(f64::NAN);
         let whole = |k: usize| u64_at(head, INFO + 8 * k).unwrap_or(0);
         let half = number(3);
-        let root = Root {
+        let root = OctreeRoot {
             low: [0, 1, 2].map(|axis| number(axis) - half),
             high: [0, 1, 2].map(|axis| number(axis) + half),
             spacing: number(4),
@@ -66,7 +68,7 @@ impl Info {
                 file",
                 root.spacing
             );
-            return Err(ReadError::at_byte(INFO, message));
+            return Err(ReadError::byte_error(INFO, message));
         }
         Ok(Some(Self { root, first_page: (whole(5), whole(6)) }))
     }
@@ -76,14 +78,14 @@ impl Info {
 pub(super) fn read(
     path: &Path,
     reader: &LasReader,
-    info: &Info,
+    info: &CopcInfo,
     selection: &Selection,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let mut file = File::open(path)?;
     let nodes = nodes(&mut file, reader, info, selection, limits, progress)?;
-    let mut image = Image::new(reader.head().0, &mut file, limits, progress)?;
+    let mut image = SubsetWriter::new(reader.head().0, &mut file, limits, progress)?;
     let coding = coding(reader)?;
     let (size, n) = (reader.layout().record_bytes as u64, nodes.len() as u64);
     for node in &nodes {
@@ -100,7 +102,7 @@ pub(super) fn read(
             .par_iter()
             .zip(packed)
             .map(|(node, packed)| {
-                let mut rows = unpacked(&coding, node, &packed)?;
+                let mut rows = unpack_node(&coding, node, &packed)?;
                 selection.retain(&mut rows, image.header());
                 Ok(rows)
             })
@@ -118,14 +120,14 @@ pub(super) fn read(
 pub(super) fn nodes(
     file: &mut File,
     reader: &LasReader,
-    info: &Info,
+    info: &CopcInfo,
     selection: &Selection,
     limits: &ReadLimits,
     progress: Progress<'_>,
-) -> Result<Vec<Node<Place>>, ReadError> {
+) -> Result<Vec<OctreeNode<ByteRange>>, ReadError> {
     let (n_bytes, start) = (reader.n_bytes(), reader.head().1.points_start as u64);
     let mut n_listed = 0_u64;
-    let page = |own: Key, place: Place| {
+    let page = |own: NodeKey, place: ByteRange| {
         // Pages are different parts of the file, so their total size cannot exceed it.
         n_listed = n_listed.saturating_add(place.1);
         if n_listed > n_bytes || !place.1.is_multiple_of(ENTRY as u64) {
@@ -138,7 +140,7 @@ pub(super) fn nodes(
         entries.map(|(k, bytes)| entry(bytes, place.0 + (k * ENTRY) as u64)).collect()
     };
     let n_points = reader.layout().n_points;
-    let nodes = chosen(&info.root, selection, n_points, info.first_page, page, progress)?;
+    let nodes = select_nodes(&info.root, selection, n_points, info.first_page, page, progress)?;
     for node in &nodes {
         check_place(node.key, node.place, start, n_bytes)?;
     }
@@ -146,10 +148,10 @@ pub(super) fn nodes(
 }
 
 /// Parses the entry at that byte.
-fn entry(bytes: &[u8], at: u64) -> Result<Entry<Place>, ReadError> {
+fn entry(bytes: &[u8], at: u64) -> Result<HierarchyEntry<ByteRange>, ReadError> {
     let number = |k: usize| i64::from(u32_at(bytes, k).map_or(0, u32::cast_signed));
     let (own, n_bytes) = ([0, 4, 8, 12].map(number), number(24));
-    let Some(key) = Key::new(own) else {
+    let Some(key) = NodeKey::new(own) else {
         let [depth, x, y, z] = own;
         let message =
             format!("the hierarchy contains the invalid node {depth} {x} {y} {z}; get an undamaged file");
@@ -158,11 +160,11 @@ fn entry(bytes: &[u8], at: u64) -> Result<Entry<Place>, ReadError> {
     let Ok(n_bytes) = u64::try_from(n_bytes) else {
         return Err(wrong(key, &format!("has {n_bytes} bytes")));
     };
-    Ok(Entry { key, count: number(28), place: (u64_at(bytes, 16).unwrap_or(0), n_bytes) })
+    Ok(HierarchyEntry { key, count: number(28), place: (u64_at(bytes, 16).unwrap_or(0), n_bytes) })
 }
 
 /// Checks that the bytes of a node lie between the byte `first` and the end of the file.
-fn check_place(key: Key, (start, n): Place, first: u64, n_bytes: u64) -> Result<(), ReadError> {
+fn check_place(key: NodeKey, (start, n): ByteRange, first: u64, n_bytes: u64) -> Result<(), ReadError> {
     let end = start.checked_add(n);
     if start >= first && end.is_some_and(|end| end <= n_bytes) {
         return Ok(());
@@ -170,7 +172,7 @@ fn check_place(key: Key, (start, n): Place, first: u64, n_bytes: u64) -> Result<
     Err(wrong(key, &format!("has {n} bytes from byte {start} on, outside the file of {n_bytes} bytes")))
 }
 
-fn bytes_at(file: &mut File, (start, n): Place) -> Result<Vec<u8>, ReadError> {
+fn bytes_at(file: &mut File, (start, n): ByteRange) -> Result<Vec<u8>, ReadError> {
     let mut bytes = vec![0; n as usize];
     file.seek(SeekFrom::Start(start))?;
     file.read_exact(&mut bytes)?;
@@ -178,14 +180,17 @@ fn bytes_at(file: &mut File, (start, n): Place) -> Result<Vec<u8>, ReadError> {
 }
 
 /// Compression of the points in the nodes.
-fn coding(reader: &LasReader) -> Result<Coding, ReadError> {
+fn coding(reader: &LasReader) -> Result<ChunkCoding, ReadError> {
     let (head, header) = reader.head();
     let start = header.points_start;
     let broken = |what: &str| {
-        ReadError::at_byte(start, format!("the LAZ compression is damaged ({what}); get an undamaged file"))
+        ReadError::byte_error(
+            start,
+            format!("the LAZ compression is damaged ({what}); get an undamaged file"),
+        )
     };
-    let coding =
-        Coding::of(compression(&records(head, header))?, header.record_bytes).map_err(|e| broken(&e))?;
+    let coding = ChunkCoding::parse(compression(&records(head, header))?, header.record_bytes)
+        .map_err(|e| broken(&e))?;
     if coding.n_layers.is_none() {
         return Err(broken("the points of a COPC must be compressed in layers"));
     }
@@ -193,7 +198,11 @@ fn coding(reader: &LasReader) -> Result<Coding, ReadError> {
 }
 
 /// Decompresses the records of a node.
-fn unpacked(coding: &Coding, node: &Node<Place>, packed: &[u8]) -> Result<Vec<u8>, ReadError> {
+fn unpack_node(
+    coding: &ChunkCoding,
+    node: &OctreeNode<ByteRange>,
+    packed: &[u8],
+) -> Result<Vec<u8>, ReadError> {
     let broken = |what: &str| ReadError::Byte {
         byte: node.place.0,
         message: format!("node {} cannot be decompressed ({what}); get an undamaged file", node.key),

@@ -12,8 +12,10 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use crate::files::read::read_file;
-use crate::formats::las::part::image::Image;
-use crate::formats::las::part::octree::{Entry, Key, Node, Root, chosen, runs, wrong};
+use crate::formats::las::part::image::SubsetWriter;
+use crate::formats::las::part::octree::{
+    HierarchyEntry, NodeKey, OctreeNode, OctreeRoot, runs, select_nodes, wrong,
+};
 use crate::formats::las::part::selection::Selection;
 use crate::formats::las::stream::{LasLayout, LasReader};
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
@@ -36,25 +38,25 @@ pub(crate) fn folder_of_tiles(path: &Path) -> Option<PathBuf> {
 }
 
 /// Content of `ept.json`.
-pub(super) struct Info {
-    pub(super) root: Root,
+pub(super) struct EptInfo {
+    pub(super) root: OctreeRoot,
     pub(super) bounds: Option<([f64; 3], [f64; 3])>,
     n_points: u64,
     coordinate_system: Option<String>,
 }
 
-impl Info {
+impl EptInfo {
     pub(super) fn read(
         folder: &Path,
         limits: &ReadLimits,
         progress: Progress<'_>,
     ) -> Result<Self, ReadError> {
         let path = folder.join(JSON);
-        let read = || Self::of(&json(&read_file(&path, limits, progress)?)?);
+        let read = || Self::parse(&json(&read_file(&path, limits, progress)?)?);
         read().map_err(|error| error.in_file(&path))
     }
 
-    fn of(json: &Value) -> Result<Self, ReadError> {
+    fn parse(json: &Value) -> Result<Self, ReadError> {
         let refused =
             |what: String| ReadError::Whole(format!("{what}; convert it (untwine, or pdal translate)"));
         let kind = json["dataType"].as_str().unwrap_or("none");
@@ -69,7 +71,7 @@ impl Info {
         let (low, high) = box_of(&json["bounds"]).ok_or_else(|| missing("`bounds` of six numbers"))?;
         let span = json["span"].as_f64().ok_or_else(|| missing("`span`"))?;
         let root =
-            Root { low, high, spacing: (high[0] - low[0]) / span, rounding: rounding(&json["schema"]) };
+            OctreeRoot { low, high, spacing: (high[0] - low[0]) / span, rounding: rounding(&json["schema"]) };
         if !root.is_valid() {
             let message =
                 format!("`bounds` and the `span` {span:?} must describe an octree; get an undamaged file");
@@ -110,7 +112,7 @@ pub(crate) fn read_tiles(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let info = Info::read(folder, limits, progress)?;
+    let info = EptInfo::read(folder, limits, progress)?;
     let nodes = nodes(folder, &info, selection, limits, progress)?;
     let empty = || selection.empty(info.bounds).in_file(&folder.join(JSON));
     let Some(first) = nodes.first() else { return Err(empty()) };
@@ -119,7 +121,7 @@ pub(crate) fn read_tiles(
     let (head, layout) = (reader.head().0, reader.layout());
     let image = File::open(&path)
         .map_err(ReadError::Io)
-        .and_then(|mut file| Image::new(head, &mut file, limits, progress));
+        .and_then(|mut file| SubsetWriter::new(head, &mut file, limits, progress));
     let mut image = image.map_err(|error| error.in_file(&path))?;
     if let Some(text) = &info.coordinate_system {
         image.add_coordinate_system(text);
@@ -148,12 +150,12 @@ pub(crate) fn read_tiles(
 }
 
 /// Path of the LAZ of a node.
-fn tile(folder: &Path, key: Key) -> PathBuf {
+fn tile(folder: &Path, key: NodeKey) -> PathBuf {
     folder.join("ept-data").join(format!("{key}.laz"))
 }
 
 /// Checks that a tile has the same kind of points as the first one, and the number of points stated by the hierarchy.
-fn check_tile(reader: &LasReader, first: &LasLayout, node: &Node<()>) -> Result<(), ReadError> {
+fn check_tile(reader: &LasReader, first: &LasLayout, node: &OctreeNode<()>) -> Result<(), ReadError> {
     let own = reader.layout();
     let kind = |l: &LasLayout| (l.format, l.record_bytes, l.scale, l.offset);
     if kind(own) != kind(first) {
@@ -193,13 +195,13 @@ fn records(
 /// Selected nodes, in order.
 pub(super) fn nodes(
     folder: &Path,
-    info: &Info,
+    info: &EptInfo,
     selection: &Selection,
     limits: &ReadLimits,
     progress: Progress<'_>,
-) -> Result<Vec<Node<()>>, ReadError> {
+) -> Result<Vec<OctreeNode<()>>, ReadError> {
     let mut n_bytes = 0;
-    let page = |own: Key, ()| {
+    let page = |own: NodeKey, ()| {
         let path = folder.join("ept-hierarchy").join(format!("{own}.json"));
         let mut read = || {
             let bytes = read_file(&path, limits, progress)?;
@@ -209,22 +211,22 @@ pub(super) fn nodes(
         };
         read().map_err(|error| error.in_file(&path))
     };
-    let nodes = chosen(&info.root, selection, info.n_points, (), page, progress);
-    nodes.map_err(|error| super::named(error, &folder.join("ept-hierarchy")))
+    let nodes = select_nodes(&info.root, selection, info.n_points, (), page, progress);
+    nodes.map_err(|error| super::with_file_name(error, &folder.join("ept-hierarchy")))
 }
 
 /// Entries of a file of the hierarchy.
-fn entries(json: &Value) -> Result<Vec<Entry<()>>, ReadError> {
+fn entries(json: &Value) -> Result<Vec<HierarchyEntry<()>>, ReadError> {
     let broken = |what: String| ReadError::Whole(format!("{what}; get an undamaged file"));
     let listed = json.as_object().ok_or_else(|| broken("must be a list of nodes".into()))?;
     let entry = |(name, count): (&String, &Value)| {
         let numbers: Vec<i64> = name.split('-').filter_map(|word| word.parse().ok()).collect();
         let key =
-            <[i64; 4]>::try_from(numbers).ok().and_then(Key::new).filter(|key| key.to_string() == *name);
+            <[i64; 4]>::try_from(numbers).ok().and_then(NodeKey::new).filter(|key| key.to_string() == *name);
         let name = || crate::text::show(name.as_bytes());
         let key = key.ok_or_else(|| broken(format!("{} must name a node D-X-Y-Z", name())))?;
         let count = count.as_i64().ok_or_else(|| wrong(key, "must have an integer number of points"))?;
-        Ok(Entry { key, count, place: () })
+        Ok(HierarchyEntry { key, count, place: () })
     };
     listed.iter().map(entry).collect()
 }

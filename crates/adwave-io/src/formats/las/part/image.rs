@@ -5,10 +5,10 @@ use std::io::{Read, Seek, SeekFrom};
 
 use adwave::Progress;
 
-use crate::formats::las::counts::Counts;
+use crate::formats::las::counts::PointCounts;
 use crate::formats::las::part::selection::position;
 use crate::formats::las::read::{
-    Header, RECORD_HEAD, is_copc_record, parse_header, read_las, records, u32_at, u64_at,
+    LasHeader, RECORD_HEAD, is_copc_record, parse_header, read_las, records, u32_at, u64_at,
 };
 use crate::formats::las::write::{COMPRESSED, LONG_HEADER, put, variable_record};
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
@@ -23,15 +23,15 @@ const WAVES: usize = 227;
 const EXTENDED: usize = 235;
 
 /// Writer of a LAS in memory.
-pub(super) struct Image<'a> {
+pub(super) struct SubsetWriter<'a> {
     header: Vec<u8>,
-    parsed: Header,
+    parsed: LasHeader,
     records: Vec<Vec<u8>>,
     extended: Vec<Vec<u8>>,
     /// Index of the extended record with the wave packets.
     waves: Option<usize>,
     points: Vec<u8>,
-    counts: Counts,
+    counts: PointCounts,
     low: [f64; 3],
     high: [f64; 3],
     /// Size of all content except the points, in bytes.
@@ -39,7 +39,7 @@ pub(super) struct Image<'a> {
     limits: &'a ReadLimits,
 }
 
-impl<'a> Image<'a> {
+impl<'a> SubsetWriter<'a> {
     /// Creates a LAS without points, with the records of a file that begins with `head`.
     pub(super) fn new(
         head: &[u8],
@@ -50,7 +50,7 @@ impl<'a> Image<'a> {
         let short = || ReadError::Whole("the header is truncated; get an undamaged file".into());
         let parsed = parse_header(head).ok_or_else(short)?;
         let header = head.get(..parsed.bytes).ok_or_else(short)?.to_vec();
-        let kept = |record: &crate::formats::las::read::Record<'_>| {
+        let kept = |record: &crate::formats::las::read::VariableRecord<'_>| {
             let end = record.start + RECORD_HEAD + record.content.len();
             (!record.is_compression() && !is_copc_record(record.user))
                 .then(|| head[record.start..end].to_vec())
@@ -64,7 +64,7 @@ impl<'a> Image<'a> {
             extended: Vec::new(),
             waves: None,
             points: Vec::new(),
-            counts: Counts::default(),
+            counts: PointCounts::default(),
             low: [f64::INFINITY; 3],
             high: [f64::NEG_INFINITY; 3],
             limits,
@@ -115,7 +115,7 @@ impl<'a> Image<'a> {
         self.header[6] |= 16;
     }
 
-    pub(super) fn header(&self) -> &Header {
+    pub(super) fn header(&self) -> &LasHeader {
         &self.parsed
     }
 

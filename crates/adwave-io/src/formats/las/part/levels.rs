@@ -5,9 +5,9 @@ use std::path::Path;
 
 use adwave::Progress;
 
-use crate::formats::las::part::octree::{Node, Root};
+use crate::formats::las::part::octree::{OctreeNode, OctreeRoot};
 use crate::formats::las::part::selection::Selection;
-use crate::formats::las::part::{copc, ept, folder_of_tiles, is_las, named};
+use crate::formats::las::part::{copc, ept, folder_of_tiles, is_las, with_file_name};
 use crate::formats::las::stream::LasReader;
 use crate::{ReadError, ReadLimits};
 
@@ -38,13 +38,13 @@ pub struct CloudLevels {
 /// assert_eq!(cloud_levels(&path, &ReadLimits::default()).unwrap(), None);
 /// ```
 pub fn cloud_levels(path: &Path, limits: &ReadLimits) -> Result<Option<CloudLevels>, ReadError> {
-    levels(path, limits).map_err(|error| named(error, path))
+    levels(path, limits).map_err(|error| with_file_name(error, path))
 }
 
 fn levels(path: &Path, limits: &ReadLimits) -> Result<Option<CloudLevels>, ReadError> {
-    let (all, progress) = (Selection::whole(), Progress::none());
+    let (all, progress) = (Selection::everything(), Progress::none());
     if let Some(folder) = folder_of_tiles(path) {
-        let info = ept::Info::read(&folder, limits, progress)?;
+        let info = ept::EptInfo::read(&folder, limits, progress)?;
         let nodes = ept::nodes(&folder, &info, &all, limits, progress)?;
         return Ok(Some(count(&info.root, &nodes)));
     }
@@ -52,12 +52,12 @@ fn levels(path: &Path, limits: &ReadLimits) -> Result<Option<CloudLevels>, ReadE
         return Ok(None);
     }
     let reader = LasReader::open(path)?;
-    let Some(info) = copc::Info::of(&reader)? else { return Ok(None) };
+    let Some(info) = copc::CopcInfo::read(&reader)? else { return Ok(None) };
     let nodes = copc::nodes(&mut File::open(path)?, &reader, &info, &all, limits, progress)?;
     Ok(Some(count(&info.root, &nodes)))
 }
 
-fn count<P>(root: &Root, nodes: &[Node<P>]) -> CloudLevels {
+fn count<P>(root: &OctreeRoot, nodes: &[OctreeNode<P>]) -> CloudLevels {
     let mut n_points = Vec::new();
     for node in nodes {
         let level = node.key.depth as usize;

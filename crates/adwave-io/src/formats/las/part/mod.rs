@@ -75,13 +75,13 @@ pub(crate) fn read_cloud_part(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    read_part(path, part, limits, progress).map_err(|error| named(error, path))
+    read_part(path, part, limits, progress).map_err(|error| with_file_name(error, path))
 }
 
 /// Reads the folder of an EPT; `None` of any other path.
 pub(crate) fn read_folder(path: &Path, context: &ReadContext<'_>) -> Option<Result<ShapeFile, ReadError>> {
     let folder = folder_of_tiles(path)?;
-    Some(read_tiles(&folder, &Selection::whole(), context.limits, context.progress))
+    Some(read_tiles(&folder, &Selection::everything(), context.limits, context.progress))
 }
 
 fn read_part(
@@ -90,12 +90,12 @@ fn read_part(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
-    let selection = Selection::of(part)?;
+    let selection = Selection::new(part)?;
     let shape = if let Some(folder) = folder_of_tiles(path) {
         read_tiles(&folder, &selection, limits, progress)?
     } else if is_las(path)? {
         let reader = LasReader::open(path)?;
-        match copc::Info::of(&reader)? {
+        match copc::CopcInfo::read(&reader)? {
             Some(info) => copc::read(path, &reader, &info, &selection, limits, progress)?,
             None => plain::read(path, reader, &selection, limits, progress)?,
         }
@@ -117,6 +117,6 @@ fn is_las(path: &Path) -> Result<bool, ReadError> {
 }
 
 /// Prefixes the error with the file's name, unless it has one.
-fn named(error: ReadError, path: &Path) -> ReadError {
+fn with_file_name(error: ReadError, path: &Path) -> ReadError {
     if matches!(error, ReadError::InFile { .. }) { error } else { error.in_file(path) }
 }

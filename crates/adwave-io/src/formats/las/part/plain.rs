@@ -5,7 +5,7 @@ use std::path::Path;
 
 use adwave::Progress;
 
-use crate::formats::las::part::image::Image;
+use crate::formats::las::part::image::SubsetWriter;
 use crate::formats::las::part::selection::Selection;
 use crate::formats::las::stream::LasReader;
 use crate::{Format, ReadError, ReadLimits, ShapeFile};
@@ -26,7 +26,7 @@ pub(super) fn read(
                    to COPC (pdal translate IN OUT.copc.laz)";
         return Err(ReadError::Whole(what.into()));
     }
-    let mut image = Image::new(reader.head().0, &mut File::open(path)?, limits, progress)?;
+    let mut image = SubsetWriter::new(reader.head().0, &mut File::open(path)?, limits, progress)?;
     let layout = reader.layout().clone();
     let (n, most) = (layout.n_points, (STEP / layout.record_bytes).max(1));
     let (mut done, mut rows) = (0, Vec::new());

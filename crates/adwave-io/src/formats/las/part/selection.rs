@@ -3,7 +3,7 @@
 use crate::ReadError;
 use crate::formats::las::part::CloudPart;
 use crate::formats::las::part::octree::MOST_DEPTH;
-use crate::formats::las::read::{Header, u32_at};
+use crate::formats::las::read::{LasHeader, u32_at};
 
 /// Valid part of a cloud.
 pub(crate) struct Selection {
@@ -15,13 +15,13 @@ pub(crate) struct Selection {
 
 impl Selection {
     /// Selects the whole cloud.
-    pub(crate) fn whole() -> Self {
+    pub(crate) fn everything() -> Self {
         let (low, high) = ([f64::NEG_INFINITY; 3], [f64::INFINITY; 3]);
         Self { low, high, is_bounded: false, resolution: None }
     }
 
-    pub(super) fn of(part: &CloudPart) -> Result<Self, ReadError> {
-        let mut this = Self::whole();
+    pub(super) fn new(part: &CloudPart) -> Result<Self, ReadError> {
+        let mut this = Self::everything();
         if let Some(resolution) = part.resolution {
             if !(resolution > 0.0 && resolution.is_finite()) {
                 let message = format!("the resolution must be a length above 0, got {resolution:?}");
@@ -65,7 +65,7 @@ impl Selection {
     }
 
     /// Keeps the complete records in the box.
-    pub(super) fn retain(&self, rows: &mut Vec<u8>, header: &Header) {
+    pub(super) fn retain(&self, rows: &mut Vec<u8>, header: &LasHeader) {
         if !self.is_bounded {
             return;
         }
@@ -98,7 +98,7 @@ impl Selection {
 }
 
 /// Coordinates of a record, in model units.
-pub(super) fn position(row: &[u8], header: &Header) -> [f64; 3] {
+pub(super) fn position(row: &[u8], header: &LasHeader) -> [f64; 3] {
     [0, 1, 2].map(|axis| {
         let steps = u32_at(row, 4 * axis).map_or(0, u32::cast_signed);
         f64::from(steps) * header.scale[axis] + header.offset[axis]

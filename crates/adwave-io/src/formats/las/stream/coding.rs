@@ -6,12 +6,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use laz::{LazItem, LazVlr};
 
-use crate::formats::las::laz::{Item, items_of, u32_at};
+use crate::formats::las::laz::{ChunkItem, items_of, u32_at};
 
 pub(in crate::formats::las) type Decompressor<'a, R> = Box<dyn RecordDecompressor<R> + Send + Sync + 'a>;
 
 /// Properties common to all chunks.
-pub(in crate::formats::las) struct Coding {
+pub(in crate::formats::las) struct ChunkCoding {
     pub(in crate::formats::las) items: Vec<LazItem>,
     /// Number of layers; `None` for chunks without layers.
     pub(in crate::formats::las) n_layers: Option<usize>,
@@ -19,19 +19,19 @@ pub(in crate::formats::las) struct Coding {
 }
 
 /// Reason for which the decompression stopped, and the number of points before it.
-pub(in crate::formats::las) struct Failure {
+pub(in crate::formats::las) struct UnpackFailure {
     pub(in crate::formats::las) done: usize,
     /// Error of the library; `None` if it panicked.
     pub(in crate::formats::las) error: Option<io::Error>,
 }
 
-impl Coding {
+impl ChunkCoding {
     /// Parses the record of the compression; the error describes its fault.
-    pub(in crate::formats::las) fn of(description: &[u8], record_bytes: usize) -> Result<Self, String> {
+    pub(in crate::formats::las) fn parse(description: &[u8], record_bytes: usize) -> Result<Self, String> {
         let items = items_of(description, record_bytes)?;
         let vlr = LazVlr::from_buffer(description).map_err(|e| crate::text::one_line(&e))?;
         let is_layered = items.first().is_some_and(|item| item.version >= 3);
-        let n_layers = is_layered.then(|| items.iter().map(Item::n_layers).sum());
+        let n_layers = is_layered.then(|| items.iter().map(ChunkItem::n_layers).sum());
         let coding = Self { items: vlr.items().clone(), n_layers, record_bytes };
         // Checks that the library supports the parts in this version with the sizes of the file.
         let own_bytes = catch_unwind(|| coding.decompressor(io::empty()).map(|d| d.record_size()));
@@ -56,7 +56,11 @@ impl Coding {
     }
 
     /// Decompresses a whole chunk.
-    pub(in crate::formats::las) fn unpack(&self, packed: &[u8], rows: &mut [u8]) -> Result<(), Failure> {
+    pub(in crate::formats::las) fn unpack(
+        &self,
+        packed: &[u8],
+        rows: &mut [u8],
+    ) -> Result<(), UnpackFailure> {
         if let Some(n_layers) = self.n_layers
             && !rows.is_empty()
         {
@@ -64,12 +68,13 @@ impl Coding {
             let sizes = layer_sizes(packed, self.record_bytes, n_layers);
             if sizes.is_none_or(|(_, n_bytes)| head + n_bytes > packed.len() as u64) {
                 let error = io::Error::other("a layer is larger than its chunk");
-                return Err(Failure { done: 0, error: Some(error) });
+                return Err(UnpackFailure { done: 0, error: Some(error) });
             }
         }
-        let mut decompressor = self
-            .decompressor(Cursor::new(packed))
-            .map_err(|e| Failure { done: 0, error: Some(io::Error::other(crate::text::one_line(&e))) })?;
+        let mut decompressor = self.decompressor(Cursor::new(packed)).map_err(|e| UnpackFailure {
+            done: 0,
+            error: Some(io::Error::other(crate::text::one_line(&e))),
+        })?;
         unpack_rows(&mut decompressor, rows, self.record_bytes)
     }
 }
@@ -79,7 +84,7 @@ pub(in crate::formats::las) fn unpack_rows<R>(
     decompressor: &mut Decompressor<'_, R>,
     rows: &mut [u8],
     record_bytes: usize,
-) -> Result<(), Failure> {
+) -> Result<(), UnpackFailure> {
     let mut done = 0;
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         rows.chunks_exact_mut(record_bytes).try_for_each(|row| {
@@ -90,8 +95,8 @@ pub(in crate::formats::las) fn unpack_rows<R>(
     }));
     match outcome {
         Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(Failure { done, error: Some(error) }),
-        Err(_) => Err(Failure { done, error: None }),
+        Ok(Err(error)) => Err(UnpackFailure { done, error: Some(error) }),
+        Err(_) => Err(UnpackFailure { done, error: None }),
     }
 }
 
@@ -106,7 +111,7 @@ pub(in crate::formats::las) fn layer_sizes(
     Some((n_points, sizes.sum::<Option<u64>>()?))
 }
 
-impl Failure {
+impl UnpackFailure {
     pub(in crate::formats::las) fn what(&self) -> String {
         match &self.error {
             Some(error) => crate::text::one_line(error),

@@ -15,7 +15,7 @@ mod write;
 pub use read::LasReader;
 pub use write::LasWriter;
 
-use crate::formats::las::read::{Header, f64_at};
+use crate::formats::las::read::{LasHeader, f64_at};
 
 /// Storage of the points in a LAS or LAZ.
 ///
@@ -38,7 +38,7 @@ pub struct LasLayout {
 }
 
 impl LasLayout {
-    fn of(bytes: &[u8], header: &Header) -> Self {
+    fn from_header(bytes: &[u8], header: &LasHeader) -> Self {
         let triple = |at: usize| {
             let own = [0, 1, 2].map(|axis| f64_at(bytes, at + 16 * axis).unwrap_or(f64::NAN));
             own.iter().all(|x| x.is_finite()).then_some(own)

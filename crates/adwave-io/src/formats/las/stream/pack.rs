@@ -19,7 +19,7 @@ const MOST_WAITING: usize = 1 << 26;
 const CHUNKS_PER_THREAD: usize = 4;
 
 /// Compressor that keeps the table of chunks.
-pub(super) struct Packer {
+pub(super) struct ChunkPacker {
     vlr: LazVlr,
     table: ChunkTable,
     record_bytes: usize,
@@ -28,7 +28,7 @@ pub(super) struct Packer {
     enough: usize,
 }
 
-impl Packer {
+impl ChunkPacker {
     /// Creates a compressor for records of that point format and size.
     pub(super) fn new(format: u8, record_bytes: usize) -> Result<Self, WriteError> {
         let chunk = (CHUNK as usize).min(MOST_CHUNK / record_bytes).max(1);
@@ -80,7 +80,7 @@ impl Packer {
         let packed: Vec<_> = self
             .waiting
             .par_chunks(chunk_bytes)
-            .map(|rows| catch_unwind(AssertUnwindSafe(|| packed(items, rows, self.record_bytes))))
+            .map(|rows| catch_unwind(AssertUnwindSafe(|| pack_chunk(items, rows, self.record_bytes))))
             .collect();
         for chunk in packed {
             let chunk = match chunk {
@@ -101,7 +101,7 @@ impl Packer {
 }
 
 /// Compresses these points to a chunk.
-fn packed(items: &Vec<LazItem>, rows: &[u8], record_bytes: usize) -> laz::Result<Vec<u8>> {
+fn pack_chunk(items: &Vec<LazItem>, rows: &[u8], record_bytes: usize) -> laz::Result<Vec<u8>> {
     let is_layered = items.first().is_some_and(|item| item.version() >= 3);
     let mut compressor: Box<dyn RecordCompressor<Vec<u8>>> = if is_layered {
         Box::new(LayeredPointRecordCompressor::new(Vec::new()))

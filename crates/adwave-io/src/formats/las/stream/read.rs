@@ -5,9 +5,9 @@ use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use crate::ReadError;
-use crate::formats::las::read::{Header, LEAST_HEADER, check_header, compression, parse_header, records};
+use crate::formats::las::read::{LEAST_HEADER, LasHeader, check_header, compression, parse_header, records};
 use crate::formats::las::stream::LasLayout;
-use crate::formats::las::stream::unpack::Unpacker;
+use crate::formats::las::stream::unpack::ChunkUnpacker;
 
 /// Largest size of the content before the points in bytes; records of a coordinate system have some kilobytes.
 const MOST_HEAD: u64 = 1 << 26;
@@ -33,16 +33,16 @@ pub struct LasReader {
     layout: LasLayout,
     /// Bytes before the points.
     head: Vec<u8>,
-    header: Header,
+    header: LasHeader,
     /// Size of the file in bytes.
     n_bytes: u64,
-    points: Points,
+    points: PointSource,
 }
 
-enum Points {
+enum PointSource {
     /// Uncompressed points, and the number of them read.
     Plain(BufReader<File>, u64),
-    Packed(Box<Unpacker>),
+    Packed(Box<ChunkUnpacker>),
     /// State after an error; nothing more is read.
     Broken,
 }
@@ -92,12 +92,12 @@ impl LasReader {
         }
         let points = if header.is_compressed && header.n_points > 0 {
             let records = records(&head, &header);
-            Points::Packed(Box::new(Unpacker::new(file, n_bytes, &header, compression(&records)?)?))
+            PointSource::Packed(Box::new(ChunkUnpacker::new(file, n_bytes, &header, compression(&records)?)?))
         } else {
             file.seek(SeekFrom::Start(start))?;
-            Points::Plain(BufReader::with_capacity(STEP, file), 0)
+            PointSource::Plain(BufReader::with_capacity(STEP, file), 0)
         };
-        let layout = LasLayout::of(&head, &header);
+        let layout = LasLayout::from_header(&head, &header);
         Ok(Self { path: path.to_path_buf(), layout, head, header, n_bytes, points })
     }
 
@@ -114,16 +114,16 @@ impl LasReader {
     /// `records` then contains some of the points before it, and nothing more can be read.
     pub fn read(&mut self, most: usize, records: &mut Vec<u8>) -> Result<usize, ReadError> {
         let result = match &mut self.points {
-            Points::Plain(file, n_read) => {
+            PointSource::Plain(file, n_read) => {
                 read_plain(file, n_read, &self.layout, self.n_bytes, most, records)
             }
-            Points::Packed(unpacker) => unpacker.read(most, records),
-            Points::Broken => {
+            PointSource::Packed(unpacker) => unpacker.read(most, records),
+            PointSource::Broken => {
                 Err(ReadError::Whole("reading cannot continue after the previous error".into()))
             }
         };
         if result.is_err() {
-            self.points = Points::Broken;
+            self.points = PointSource::Broken;
         }
         result.map_err(|e| e.in_file(&self.path))
     }
@@ -146,20 +146,20 @@ impl LasReader {
     /// ```
     pub fn skip(&mut self, most: u64) -> Result<u64, ReadError> {
         let result = match &mut self.points {
-            Points::Plain(file, n_read) => {
+            PointSource::Plain(file, n_read) => {
                 let n = most.min(self.layout.n_points - *n_read);
                 // Below 2⁶³, because the stated size cannot exceed that of the file.
                 let bytes = n as i64 * self.layout.record_bytes as i64;
                 *n_read += n;
                 file.seek_relative(bytes).map(|()| n).map_err(ReadError::from)
             }
-            Points::Packed(unpacker) => unpacker.skip(most),
-            Points::Broken => {
+            PointSource::Packed(unpacker) => unpacker.skip(most),
+            PointSource::Broken => {
                 Err(ReadError::Whole("reading cannot continue after the previous error".into()))
             }
         };
         if result.is_err() {
-            self.points = Points::Broken;
+            self.points = PointSource::Broken;
         }
         result.map_err(|e| e.in_file(&self.path))
     }
@@ -169,7 +169,7 @@ impl LasReader {
     }
 
     /// Bytes before the points, and the parsed header.
-    pub(in crate::formats::las) fn head(&self) -> (&[u8], &Header) {
+    pub(in crate::formats::las) fn head(&self) -> (&[u8], &LasHeader) {
         (&self.head, &self.header)
     }
 

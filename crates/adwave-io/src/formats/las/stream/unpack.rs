@@ -13,8 +13,8 @@ use rayon::prelude::*;
 
 use crate::ReadError;
 use crate::formats::las::laz::{VARIABLE, i64_at, u16_at, u32_at};
-use crate::formats::las::read::Header;
-use crate::formats::las::stream::coding::{Coding, Decompressor, layer_sizes, unpack_rows};
+use crate::formats::las::read::LasHeader;
+use crate::formats::las::stream::coding::{ChunkCoding, Decompressor, layer_sizes, unpack_rows};
 use crate::formats::las::stream::read::cut_or;
 
 /// Size of the points that are decompressed in advance, in bytes; a larger chunk is decompressed on demand. Tests
@@ -36,10 +36,10 @@ struct Chunk {
 }
 
 /// Sequential decompressor of the points of a LAZ.
-pub(super) struct Unpacker {
+pub(super) struct ChunkUnpacker {
     file: File,
     n_bytes: u64,
-    coding: Coding,
+    coding: ChunkCoding,
     n_points: u64,
     /// Number of points of each chunk but the last, if all are equal.
     chunk_points: Option<u64>,
@@ -52,29 +52,29 @@ pub(super) struct Unpacker {
     waiting: Vec<u8>,
     fetched: usize,
     packed: Vec<u8>,
-    serial: Option<Serial>,
+    serial: Option<SerialChunk>,
     /// Reader at the end of a chunk of unknown length.
     source: Option<BufReader<File>>,
 }
 
 /// Chunk that is decompressed point by point.
-struct Serial {
+struct SerialChunk {
     decompressor: Decompressor<'static, BufReader<File>>,
     start: u64,
     left: u64,
     is_length_known: bool,
 }
 
-impl Unpacker {
+impl ChunkUnpacker {
     pub(super) fn new(
         file: File,
         n_bytes: u64,
-        header: &Header,
+        header: &LasHeader,
         description: &[u8],
     ) -> Result<Self, ReadError> {
         let start = header.points_start as u64;
         let wrong = |what: &str| broken(start, 0, what);
-        let coding = Coding::of(description, header.record_bytes).map_err(|what| wrong(&what))?;
+        let coding = ChunkCoding::parse(description, header.record_bytes).map_err(|what| wrong(&what))?;
         let is_chunked = match u16_at(description, 0) {
             0 => return Err(wrong("its points are not compressed")),
             1 => false,
@@ -317,14 +317,14 @@ impl Unpacker {
             .map_err(|e| broken(chunk.start, first_point, &crate::text::one_line(&e)))?;
         let is_length_known = chunk.n_bytes.is_some();
         self.serial =
-            Some(Serial { decompressor, start: chunk.start, left: chunk.n_points, is_length_known });
+            Some(SerialChunk { decompressor, start: chunk.start, left: chunk.n_points, is_length_known });
         Ok(())
     }
 
     /// Decompresses the next points of a chunk in progress.
     fn read_on(
         &mut self,
-        mut serial: Serial,
+        mut serial: SerialChunk,
         most: usize,
         records: &mut Vec<u8>,
     ) -> Result<usize, ReadError> {

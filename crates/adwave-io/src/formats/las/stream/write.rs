@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 
 use adwave::Progress;
 
-use crate::files::atomic::Pending;
-use crate::formats::las::counts::{Counts, has_long_counts};
+use crate::files::atomic::PendingFile;
+use crate::formats::las::counts::{PointCounts, has_long_counts};
 use crate::formats::las::fields::record_bytes;
 use crate::formats::las::places::ExtraList;
-use crate::formats::las::read::{Header, RECORD_HEAD, Record, is_copc_record, records, u64_at};
-use crate::formats::las::stream::pack::Packer;
+use crate::formats::las::read::{LasHeader, RECORD_HEAD, VariableRecord, is_copc_record, records, u64_at};
+use crate::formats::las::stream::pack::ChunkPacker;
 use crate::formats::las::stream::{LasLayout, LasReader};
 use crate::formats::las::write::{
     COMPRESSED, compression_record, is_provenance, new_header, provenance_record, put,
@@ -51,28 +51,28 @@ const WAVE_PACKETS: u16 = 65535;
 pub struct LasWriter {
     path: PathBuf,
     format: Format,
-    pending: Pending,
+    pending: PendingFile,
     header: Vec<u8>,
     layout: LasLayout,
     points_start: u64,
     fields: Vec<String>,
-    packer: Option<Packer>,
-    counts: Counts,
+    packer: Option<ChunkPacker>,
+    counts: PointCounts,
     low: [i32; 3],
     high: [i32; 3],
     /// Extended records of the template file.
-    tail: Option<Tail>,
+    tail: Option<ExtendedRecords>,
     is_broken: bool,
 }
 
 /// Extended records of a file: the start of each, and its length.
-struct Tail {
+struct ExtendedRecords {
     file: File,
     records: Vec<(u64, u64)>,
 }
 
 /// Content before the points.
-struct Head {
+struct LasHead {
     header: Vec<u8>,
     records: Vec<Vec<u8>>,
     gap: Vec<u8>,
@@ -105,8 +105,8 @@ impl LasWriter {
         provenance: Option<&Provenance>,
     ) -> Result<Self, WriteError> {
         let (bytes, parsed) = like.head();
-        let mut writer = Self::begin(path, Head::like(bytes, parsed), like.layout(), fields, provenance)?;
-        writer.tail = Tail::of(like)?;
+        let mut writer = Self::begin(path, LasHead::like(bytes, parsed), like.layout(), fields, provenance)?;
+        writer.tail = ExtendedRecords::read(like)?;
         Ok(writer)
     }
 
@@ -128,7 +128,7 @@ impl LasWriter {
             let header = new_header(4, layout.format, size, layout.scale, layout.offset);
             Self::begin(
                 path,
-                Head { header, records: Vec::new(), gap: Vec::new() },
+                LasHead { header, records: Vec::new(), gap: Vec::new() },
                 layout,
                 fields,
                 provenance,
@@ -141,7 +141,7 @@ impl LasWriter {
 
     fn begin(
         path: &Path,
-        mut head: Head,
+        mut head: LasHead,
         layout: &LasLayout,
         fields: &[String],
         provenance: Option<&Provenance>,
@@ -171,7 +171,7 @@ impl LasWriter {
         put(&mut head.header, 105, (list.record_bytes as u16).to_le_bytes());
         head.records.extend(provenance.and_then(provenance_record));
         let packer = match format {
-            Format::LAZ => Some(Packer::new(layout.format, layout.record_bytes)?),
+            Format::LAZ => Some(ChunkPacker::new(layout.format, layout.record_bytes)?),
             _ => None,
         };
         if let Some(packer) = &packer {
@@ -189,12 +189,12 @@ impl LasWriter {
         })?;
         put(&mut head.header, 96, start.to_le_bytes());
         put(&mut head.header, 100, (head.records.len() as u32).to_le_bytes());
-        let mut pending = Pending::begin(path)?;
+        let mut pending = PendingFile::begin(path)?;
         pending.out.write_all(&head.header)?;
         head.records.iter().try_for_each(|record| pending.out.write_all(record))?;
         pending.out.write_all(&head.gap)?;
         if packer.is_some() {
-            Packer::begin(&mut pending.out)?;
+            ChunkPacker::begin(&mut pending.out)?;
         }
         Ok(Self {
             path: path.to_path_buf(),
@@ -205,7 +205,7 @@ impl LasWriter {
             points_start: start.into(),
             fields: names,
             packer,
-            counts: Counts::default(),
+            counts: PointCounts::default(),
             low: [i32::MAX; 3],
             high: [i32::MIN; 3],
             tail: None,
@@ -315,9 +315,9 @@ fn is_gzip(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"))
 }
 
-impl Head {
+impl LasHead {
     /// Copies the bytes before the points of a file, except those of its compression or hierarchy.
-    fn like(bytes: &[u8], parsed: &Header) -> Self {
+    fn like(bytes: &[u8], parsed: &LasHeader) -> Self {
         const VERSION_1_2: u8 = 2;
         const WAVE_PACKETS_INSIDE: u8 = 2;
         let mut header = bytes[..parsed.bytes].to_vec();
@@ -332,7 +332,7 @@ impl Head {
             put(&mut header, 243, 0_u32.to_le_bytes());
         }
         let all = records(bytes, parsed);
-        let whole = |record: &Record<'_>| {
+        let whole = |record: &VariableRecord<'_>| {
             bytes[record.start..record.start + RECORD_HEAD + record.content.len()].to_vec()
         };
         let kept =
@@ -346,9 +346,9 @@ impl Head {
     }
 }
 
-impl Tail {
+impl ExtendedRecords {
     /// Collects the complete extended records of a file, except wave packets and the hierarchy of a COPC.
-    fn of(like: &LasReader) -> Result<Option<Self>, WriteError> {
+    fn read(like: &LasReader) -> Result<Option<Self>, WriteError> {
         let (bytes, parsed) = like.head();
         if !has_long_counts(&bytes[..parsed.bytes]) {
             return Ok(None);

@@ -10,7 +10,7 @@ use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlrBuilder};
 
 use crate::ReadError;
 use crate::formats::las::fields::record_bytes;
-use crate::formats::las::read::{parse_header, u32_at, u64_at, unpacked};
+use crate::formats::las::read::{parse_header, u32_at, u64_at, unpack_records};
 use crate::formats::las::stream::LasReader;
 use crate::formats::las::write::{compression_record, new_header, put};
 
@@ -153,7 +153,7 @@ fn portions_are_the_points_of_the_whole_file() {
         ];
         for (k, bytes) in files.iter().enumerate() {
             let header = parse_header(bytes).unwrap();
-            let whole = unpacked(bytes, &header, Progress::none()).unwrap();
+            let whole = unpack_records(bytes, &header, Progress::none()).unwrap();
             assert_eq!(&whole[..expected.len()], expected);
             let path = folder.file("a.laz", bytes);
             for most in [7, 100, 1000, usize::MAX] {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{Chunks, Folder, head, las, laz, read_whole, rows};
-use crate::formats::las::read::{Record, parse_header, records, u32_at, u64_at};
+use crate::formats::las::read::{VariableRecord, parse_header, records, u32_at, u64_at};
 use crate::formats::las::stream::{LasReader, LasWriter};
 use crate::formats::las::write::{put, variable_record};
 use crate::{Provenance, ReadLimits, read_bytes};
@@ -85,7 +85,9 @@ fn what_is_written_is_read_with_all_that_the_file_had() {
         assert_eq!(by_return, [200, 200, 200, 0]);
         let header = parse_header(&written).unwrap();
         let kept = records(&written, &header);
-        let own = |r: &Record<'_>| (String::from_utf8_lossy(r.user).trim_end_matches('\0').to_owned(), r.id);
+        let own = |r: &VariableRecord<'_>| {
+            (String::from_utf8_lossy(r.user).trim_end_matches('\0').to_owned(), r.id)
+        };
         let kept: Vec<_> = kept.iter().filter(|r| !r.is_compression()).map(own).collect();
         let named = |name: &str, id: u16| (name.to_owned(), id);
         let expected =
