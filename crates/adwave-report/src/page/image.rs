@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_shaded_picture_is_composited_on_the_background_of_each_mode() {
-        let picture = Picture::filled(8, 8, [200, 0, 0, 0]).unwrap();
+        let picture = Picture::blank(8, 8, [200, 0, 0, 0]).unwrap();
         let Source::Embedded { light, dark } = Image::shaded(&picture).unwrap().source else {
             panic!("it is inside");
         };
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn pictures_in_files_report_their_size() {
-        let png = Picture::filled(7, 5, [1, 2, 3, 255]).unwrap().png().unwrap();
+        let png = Picture::blank(7, 5, [1, 2, 3, 255]).unwrap().png().unwrap();
         let size = |kind, bytes: &[u8]| {
             let image = Image::from_file("a".to_owned(), kind, bytes);
             (image.width, image.height)

@@ -403,7 +403,7 @@ mod tests {
 
     #[test]
     fn rows_that_are_empty_in_all_pictures_are_cropped() {
-        let mut picture = Picture::filled(SIDE, SIDE, [0; 4]).unwrap();
+        let mut picture = Picture::blank(SIDE, SIDE, [0; 4]).unwrap();
         assert_eq!(used_rows(std::slice::from_ref(&picture)), 0..SIDE);
         picture.place(&Picture::blank(1, 1, [9, 9, 9, 255]).unwrap(), 3, 100);
         let other = Picture::blank(SIDE, SIDE, [0; 4]).unwrap();
