@@ -217,7 +217,7 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
     if path == Path::new(PIPE) {
         return Ok(Format::PLY);
     }
-    Format::for_output(path).map_err(|e| write_error(e.in_file(path)))
+    Format::from_output_path(path).map_err(|e| write_error(e.in_file(path)))
 }
 
 /// Files that were tried: two runs in one process may ask about the same folder.

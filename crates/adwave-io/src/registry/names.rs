@@ -139,7 +139,7 @@ impl Format {
     ///
     /// # Errors
     /// [`WriteError::UnknownFormat`] if the ending means no format.
-    pub fn for_output(path: &Path) -> Result<Self, WriteError> {
+    pub fn from_output_path(path: &Path) -> Result<Self, WriteError> {
         Self::from_path(path).ok_or_else(unknown_ending)
     }
 }
