@@ -42,8 +42,8 @@ fn formats_are_listed_as_the_document_has_them() {
         String::from_utf8(output.stdout).unwrap()
     };
     let document = include_str!("../../../docs/FORMATS.md");
-    let table = said(&["--markdown"]);
-    assert!(document.contains(table.trim()), "docs/FORMATS.md has another table than\n{table}");
+    let list = said(&["--markdown"]);
+    assert!(document.contains(list.trim()), "docs/FORMATS.md has another list than\n{list}");
     let list = json(folder.path(), "formats");
     let names: Vec<&str> =
         list["formats"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();

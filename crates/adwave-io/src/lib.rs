@@ -9,7 +9,7 @@
 //! [`read_cloud_part`] reads the points of a COPC, EPT, LAS or LAZ in a box, and for the first two only the levels
 //! needed for a resolution.
 //!
-//! [`Format::table`] lists the content read, written, kept and lost by each format; `docs/FORMATS.md` contains it.
+//! [`Format::markdown_list`] lists the content read, written, kept and lost by each format; `docs/FORMATS.md` contains it.
 //! Arrays are read from NPY and written as NPY and NPZ.
 //!
 //! All files may be compressed by gzip.

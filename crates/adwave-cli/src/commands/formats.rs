@@ -17,7 +17,7 @@ what did not fit.
 Examples:
   adwave formats
   adwave formats --json
-  adwave formats --markdown                     the table of docs/FORMATS.md")]
+  adwave formats --markdown                     the list of docs/FORMATS.md")]
 pub(crate) struct FormatsArgs {
     /// As a table in Markdown
     #[arg(long)]
@@ -25,7 +25,7 @@ pub(crate) struct FormatsArgs {
 }
 
 pub(crate) fn run(args: &FormatsArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let text = if args.markdown { Format::table() } else { on_a_terminal() };
+    let text = if args.markdown { Format::markdown_list() } else { on_a_terminal() };
     let rows: Vec<Value> = Format::all()
         .map(|f| {
             json!({

@@ -111,28 +111,35 @@ impl Format {
         Self::all().find(|format| format.descriptor().matches_name(path))
     }
 
-    /// Table of all formats in Markdown, as shown in the documentation.
+    /// All formats in Markdown, with their extensions and the content read, written, kept and lost: a section of
+    /// `docs/FORMATS.md`.
     ///
     /// ```
-    /// let table = adwave_io::Format::table();
-    /// assert!(table.starts_with("| format | endings | read | written | keeps of its own file | does not hold |\n"));
-    /// assert_eq!(table.lines().count(), 2 + adwave_io::Format::all().count());
+    /// let list = adwave_io::Format::markdown_list();
+    /// assert!(list.starts_with("### Wavefront OBJ (`.obj`)\n\n* Read: points, faces, lines"));
+    /// assert_eq!(list.matches("### ").count(), adwave_io::Format::all().count());
+    /// assert!(list.lines().all(|line| line.chars().count() <= 120));
     /// ```
-    pub fn table() -> String {
-        let mut table =
-            String::from("| format | endings | read | written | keeps of its own file | does not hold |\n");
-        table += "|---|---|---|---|---|---|\n";
+    pub fn markdown_list() -> String {
+        let mut sections = Vec::new();
         for format in Self::all() {
-            let own = format.endings().iter();
-            let endings = own.map(|e| format!("`.{e}`")).collect::<Vec<_>>().join(" ");
-            let endings = if endings.is_empty() { "–".to_owned() } else { endings };
-            let cell = |text: &'static str| if text.is_empty() { "–" } else { text };
-            let (reads, writes) = (cell(format.reads()), cell(format.writes()));
-            let (keeps, loses) = (cell(format.keeps()), cell(format.loses()));
-            table +=
-                &format!("| {} | {endings} | {reads} | {writes} | {keeps} | {loses} |\n", format.title());
+            let endings: Vec<String> = format.endings().iter().map(|e| format!("`.{e}`")).collect();
+            let endings =
+                if endings.is_empty() { String::new() } else { format!(" ({})", endings.join(", ")) };
+            let parts = [
+                ("Read", format.reads()),
+                ("Written", format.writes()),
+                ("Kept of its own file", format.keeps()),
+                ("Not held", format.loses()),
+            ];
+            let items: String = parts
+                .iter()
+                .filter(|(_, text)| !text.is_empty())
+                .map(|(head, text)| list_item(head, text))
+                .collect();
+            sections.push(format!("### {}{endings}\n\n{items}", format.title()));
         }
-        table
+        sections.join("\n")
     }
 
     /// The format that a file to be written gets by the ending of its name.
@@ -151,6 +158,26 @@ impl FromStr for Format {
     fn from_str(name: &str) -> Result<Self, ReadError> {
         Self::from_name(name).ok_or_else(|| unknown_content(format!("no format is named {name}")))
     }
+}
+
+/// `* Head: text.`, in lines of at most 118 characters.
+fn list_item(head: &str, text: &str) -> String {
+    const WIDTH: usize = 118;
+    let mut item = format!("* {head}:");
+    let mut length = item.chars().count();
+    for word in text.split(' ') {
+        let n_chars = word.chars().count();
+        if length + 1 + n_chars > WIDTH {
+            item += "\n  ";
+            length = 2;
+        } else {
+            item.push(' ');
+            length += 1;
+        }
+        item += word;
+        length += n_chars;
+    }
+    item + ".\n"
 }
 
 /// The error of content that is of no format, with the formats that can be read.

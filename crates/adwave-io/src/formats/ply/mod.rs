@@ -26,6 +26,7 @@ pub(crate) static PLY: FormatDescriptor = FormatDescriptor {
     reads: "all elements and properties, both byte orders",
     writes: "all fields",
     keeps: "header, elements, properties, byte order",
+    loses: "texture coordinates and normals of face corners, groups, materials",
     holds_fields: true,
     provenance: ProvenanceRoom::Comment { begin: "comment", lines_before: 2 },
     recognize: |file| {
