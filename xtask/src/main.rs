@@ -17,29 +17,31 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
-  test      format, lints, unit, property, documentation and command-line tests, the bands of small built-in shapes beside
-            SciPy's, the Python package (needs Python 3.10 or newer with venv) and the studio in a browser (needs Node 20.19 or newer), a
-            minute of broken input, licenses of dependencies where cargo-deny is installed: all that must pass
+  test      run every check that must pass: format, lints, unit, property, documentation and command-line tests; bands of
+            small built-in shapes compared with SciPy's; the Python package (needs Python 3.10 or newer with venv); the
+            studio in a browser (needs Node 20.19 or newer); a minute of broken input; licenses of dependencies, if
+            cargo-deny is installed
   fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N] [--file FILE]
-            broken input for every reader and parser; what breaks is saved below target/fuzz
-  wheel     build the Python package as target/wheels/adwave-….whl, for every Python from 3.10 on
-  docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
+            feed broken input to every reader and parser; failing inputs are saved below target/fuzz
+  wheel     build the Python package as target/wheels/adwave-….whl, for Python 3.10 and newer
   python [--wheel]
-            test the Python package from Python: its tests, the examples of its documentation and its types; of the wheel, or
-            else of what the tests have built
+            test the Python package: its tests, the examples of its documentation and its types; the wheel, or otherwise
+            the build of the tests
   studio-test
-            the page of the studio: types, laws, the committed bundle against its sources, and all of it in Chromium
-  oracle    compare the bands with SciPy's, on larger built-in shapes and on ../shared/data (or $ADWAVE_DATA) where it is
-            there
+            test the studio's page: types, laws, the committed bundle against its sources, and all of it in Chromium
+  oracle    compare bands with SciPy's on larger built-in shapes and on ../shared/data (or $ADWAVE_DATA), if it exists
   oracle-baselines
             compare eigenvalues with SciPy's on libigl's matrices, and spectral graph wavelets with PyGSP's
   bench-peers [--models DIR] [--only PART]
             time other programs and ours on the same operators and write docs/PERFORMANCE.md; the part `denoise` runs
             denoisers on pairs of noisy and clean meshes and writes docs/DENOISING.md
   bench-python [--vertices N] [--mesh FILE] [--repeat K]
-            the same tasks by the Python package and by other packages: seconds and lines, as a table
+            time the same tasks in the Python package and in other packages: seconds and lines, as a table
   bench-clouds [--points N]
-            a scan of ten million points by tiles and by other programs: seconds and memory, as a table
+            process a scan of ten million points by tiles and by other programs: seconds and memory, as a table
+  bench-meshings [--models DIR] [--only PART]
+            compare bands, features and maps between meshings of the same surfaces and write docs/MESHINGS.md
+  docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
   same-outputs --before PROGRAM
             run a fixed list of commands with an older build of adwave and with this one, and compare the bytes of every file
   notices   write the notices and licenses of all that the program contains
@@ -49,11 +51,9 @@ usage: cargo xtask COMMAND
             not installed
   style [FOLDER]
             print every violation of the countable rules of style, below a folder of the repository
-  bench-meshings [--models DIR] [--only PART]
-            compare bands, features and maps of several meshings of the same surfaces and write docs/MESHINGS.md
 
-Python packages go into an environment of their own below target/. A C++ compiler and Chromium are installed from the packages of Debian
-where there is none; nothing else is installed.";
+Python packages are installed into an environment below target/. If a C++ compiler or Chromium is missing, it is installed
+from the packages of Debian; nothing else is installed.";
 
 /// Seconds that every test run feeds all readers and parsers with broken input.
 const FUZZED_SECONDS: &str = "60";
