@@ -1,4 +1,4 @@
-"""How long a slider of the add-on for Blender takes, from the property to new coordinates in the mesh.
+"""Time of a slider of the Blender add-on, from the property to new coordinates in the mesh.
 
 pip install -r requirements.txt (Python 3.11), and adwave; then: python measure.py
 """

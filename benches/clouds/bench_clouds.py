@@ -1,4 +1,4 @@
-"""The same file of a laser scan by adwave's tiles and by other programs: seconds, points a second and highest use of memory.
+"""A laser scan processed by adwave's tiles and by other programs: seconds, points per second and peak memory.
 
 python bench_clouds.py --adwave PROGRAM --work FOLDER [--points N]
 

@@ -1,4 +1,4 @@
-"""What the checks of formats share: the command, shapes to write, and how two shapes are compared.
+"""Parts that the checks of formats share: the command, shapes to write, and the comparison of two shapes.
 
 A check writes a file with another library, lets `adwave` write what it read as PLY or in another format, and compares what
 the libraries read: points to the last bit, faces by the places of their corners, fields by name.
@@ -117,17 +117,17 @@ def unordered(shape):
 
 
 def same_points(a, b):
-    """Whether the points are the same to the last bit, in order."""
+    """True if the points are bit-identical, in order."""
     return a.points.shape == b.points.shape and bool(np.array_equal(np.asarray(a.points, float), np.asarray(b.points, float)))
 
 
 def same_places(a, b):
-    """Whether the points are at the same places, in any order and number."""
+    """True if the points are at the same positions, in any order and number."""
     return set(map(tuple, np.asarray(a.points, float))) == set(map(tuple, np.asarray(b.points, float)))
 
 
 def same_values(a, b):
-    """Whether two arrays hold the same numbers; not-a-number is like itself."""
+    """True if two arrays hold the same numbers; NaN equals NaN."""
     a, b = np.asarray(a, dtype=float).squeeze(), np.asarray(b, dtype=float).squeeze()
     return a.shape == b.shape and bool(np.array_equal(a, b, equal_nan=True))
 

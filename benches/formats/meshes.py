@@ -85,7 +85,7 @@ def read_ply(path):
 
 
 def by_ply(path, folder):
-    """What adwave reads of a file, by way of a PLY."""
+    """The content of a file as adwave reads it, converted to PLY."""
     ply = folder / "read.ply"
     run("saliency", path, "-o", ply)
     return read_ply(ply)

@@ -1,4 +1,4 @@
-"""How fast files are read and written, beside VTK, trimesh, meshio, Open3D, PyMeshLab, laspy and NiBabel in the same run.
+"""Speed of reading and writing files, compared with VTK, trimesh, meshio, Open3D, PyMeshLab, laspy and NiBabel in the same run.
 
     python -m pip install vtk trimesh meshio open3d pymeshlab "laspy[lazrs]" nibabel lxml networkx scipy numpy    # and adwave
     python benches/formats/speed.py bunny.obj --cut 2 --command target/release/adwave

@@ -1,4 +1,4 @@
-"""The same bands by SciPy, from the definitions, and how far adwave is from them.
+"""Bands computed by SciPy from the definitions, and the differences of adwave from them.
 
 Run by `cargo xtask oracle`. Nothing here shares code with adwave: faces are read by meshio, neighbors found by SciPy's
 tree, products done by SciPy's sparse matrices.

@@ -1,4 +1,4 @@
-"""Times adwave and the peers on the same operators, in turns, checks that they agree, and writes docs/PERFORMANCE.md.
+"""Times adwave and other programs on the same operators, in turns, checks that they agree, and writes docs/PERFORMANCE.md.
 
 `cargo xtask bench-peers` runs it in an environment of its own. `--only PART` prints the measurements of one part and
 writes no document.
@@ -20,7 +20,7 @@ import numpy as np
 import psutil
 import scipy.sparse as sp
 
-sys.path.append(str(Path(__file__).resolve().parent.parent))  # what all comparisons share
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # modules shared by all comparisons
 
 import machine  # noqa: E402
 import report  # noqa: E402
@@ -28,14 +28,14 @@ import shapes  # noqa: E402
 from turns import Failure, Peer, Program, in_turns, summary  # noqa: E402
 
 ACCURACY = 1e-5
-# The first call after another program's finds cold caches and pages that it must get anew; both kinds count.
+# The first call after another program's finds cold caches and must get new memory pages; both kinds count.
 OURS_A_TURN = 3
 # A part during which other programs took a larger share of the processors is measured again.
-MOST_FOREIGN, MOST_ATTEMPTS = 0.05, 3
-# So long a part waits for other programs to fall silent.
-MOST_WAITING = 120
+MAX_FOREIGN, MAX_ATTEMPTS = 0.05, 3
+# Seconds that a part waits for other programs to become idle.
+MAX_WAITING = 120
 BASIS_LEVELS, BANDS_LEVELS, DEEP_LEVELS = 6, 8, 16
-# Freed memory goes back to the system at once, so that what is resident is what is in use.
+# Freed memory is returned to the system at once, so that resident memory is memory in use.
 EXACT_MEMORY = {"MALLOC_MMAP_THRESHOLD_": "65536", "MALLOC_TRIM_THRESHOLD_": "65536"}
 
 
@@ -49,7 +49,7 @@ class Bench:
             self.mesh, self.shape = shapes.read_obj(found[0]), "Stanford bunny"
         else:
             self.mesh, self.shape = self.sample("creature", 34834), "built-in creature"
-            print(f"no stanford-bunny.obj below {args.models}: the built-in creature takes its place")
+            print(f"no stanford-bunny.obj below {args.models}: the built-in creature is used instead")
 
     def sample(self, name, n_vertices):
         out = self.work / f"{name}-{n_vertices}.obj"
@@ -287,7 +287,7 @@ def cost_part(bench):
 
 
 def used_by_all():
-    """Seconds of processors that were not idle, over all programs, and those that the host gave to others."""
+    """Busy processor seconds of all programs, and those that the host gave to others."""
     now = psutil.cpu_times()
     return sum(now) - now.idle - getattr(now, "iowait", 0) - getattr(now, "guest", 0), getattr(now, "steal", 0)
 
@@ -299,16 +299,16 @@ def used_by_us():
 
 def wait_for_silence():
     start, quiet = time.monotonic(), 0
-    while quiet < 2 and time.monotonic() - start < MOST_WAITING:
+    while quiet < 2 and time.monotonic() - start < MAX_WAITING:
         busy = used_by_all()[0]
         time.sleep(2)
-        quiet = quiet + 1 if used_by_all()[0] - busy <= MOST_FOREIGN * 2 * os.cpu_count() else 0
+        quiet = quiet + 1 if used_by_all()[0] - busy <= MAX_FOREIGN * 2 * os.cpu_count() else 0
 
 
 def measured_alone(part, bench):
-    """A part's measurements with the share of the processors that others took; once more where that was too much."""
+    """A part's measurements with the share of the processors that others took; repeated if that share was too large."""
     attempts = []
-    while len(attempts) < MOST_ATTEMPTS and (not attempts or attempts[-1][0] > MOST_FOREIGN):
+    while len(attempts) < MAX_ATTEMPTS and (not attempts or attempts[-1][0] > MAX_FOREIGN):
         wait_for_silence()
         (busy, stolen), own, start = used_by_all(), used_by_us(), time.monotonic()
         result = part(bench)

@@ -1,4 +1,4 @@
-"""How long the nearest neighbors of a cloud take, beside SciPy's and Open3D's trees.
+"""Time of the nearest neighbors of a cloud, compared with the trees of SciPy and Open3D.
 
     python -m pip install numpy scipy open3d
     cargo build --release -p adwave-bench-helpers --bin neighbor_time

@@ -1,4 +1,4 @@
-"""The same tasks by adwave and by other Python packages: seconds, and lines that a user writes.
+"""Tasks in adwave and in other Python packages: seconds, and lines of code that a user writes.
 
 python compare.py [--vertices N] [--mesh FILE] [--repeat K]
 
