@@ -2,13 +2,14 @@
 
 use crate::call::run;
 use crate::error;
-use crate::options::{ALONG, BORDERS, VOLUME};
+use adwave::LevelSpec;
 use adwave::bands::{BandsParams, DEFAULT_EXTENT, FWHM};
 use adwave::features::{FEATURE_EXTENT, FeatureParams};
 use adwave::filter::Preset;
+use adwave::positions::Along;
 use adwave::region::{Length, parse_region};
 use adwave::saliency::SALIENCY_EXTENT;
-use adwave_io::{Levels, Recipe, parse_recipe, recipe_to_text, write_recipe};
+use adwave_io::{Recipe, parse_recipe, recipe_to_text, write_recipe};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::PathBuf;
@@ -60,7 +61,7 @@ fn preset_gains(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
 
 #[pyfunction]
 fn preset_names() -> Vec<&'static str> {
-    Preset::ALL.iter().map(|(name, _)| *name).collect()
+    Preset::ALL.iter().map(|preset| preset.name()).collect()
 }
 
 /// Refuses a region's text that is none.
@@ -104,14 +105,20 @@ impl RecipeData {
         found.set_item("density_invariant", recipe.density_invariant)?;
         found.set_item("keep_creases", recipe.keep_creases)?;
         let positions = &recipe.positions;
-        found.set_item("along", positions.along.map(|own| name_of(own, ALONG)))?;
-        found.set_item("border", name_of(positions.borders, BORDERS))?;
-        found.set_item("volume", name_of(positions.volume, VOLUME))?;
+        found.set_item("along", positions.along.map(Along::name))?;
+        found.set_item("border", positions.borders.name())?;
+        found.set_item("volume", positions.volume.name())?;
         match &recipe.levels {
-            Levels::Default => {}
-            Levels::Dyadic(levels) => found.set_item("levels", levels)?,
-            Levels::Steps(steps) => found.set_item("steps", steps.clone())?,
-            Levels::Lengths(lengths) => {
+            LevelSpec::Default => {}
+            LevelSpec::Dyadic(levels) => found.set_item("levels", levels)?,
+            LevelSpec::Voices { levels, voices } => {
+                if let Some(levels) = levels {
+                    found.set_item("levels", levels)?;
+                }
+                found.set_item("voices", voices)?;
+            }
+            LevelSpec::Steps(steps) => found.set_item("steps", steps.clone())?,
+            LevelSpec::Widths(lengths) => {
                 let own = PyList::empty(py);
                 for length in lengths {
                     match length {
@@ -126,6 +133,3 @@ impl RecipeData {
     }
 }
 
-fn name_of<T: PartialEq>(value: T, known: &[(&'static str, T)]) -> Option<&'static str> {
-    known.iter().find(|(_, own)| *own == value).map(|(name, _)| *name)
-}

@@ -38,9 +38,7 @@ impl EditorData {
 
 /// The gains of a preset by its name.
 pub(crate) fn preset(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
-    let known = [&[("smooth", Preset::Suppress)], &Preset::ALL[..]].concat();
-    let found = crate::options::word("preset", name, &known)?;
-    Ok(found.gains(n_levels))
+    Ok(crate::options::named::<Preset>("preset", name)?.gains(n_levels))
 }
 
 fn gains(given: &Bound<'_, PyAny>, n_levels: usize) -> PyResult<Vec<f64>> {

@@ -3,14 +3,14 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::{self, value};
-use crate::options::{CREASES, RESPONSES, WEIGHTINGS, word};
+use crate::options::named;
 use crate::prepared::{Prepared, schedule};
 use crate::shape::ShapeData;
 use adwave::denoise::{DenoiseParams, denoise, denoise_signal};
 use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope, describe, features};
 use adwave::measure::{agreement, center_distance};
 use adwave::operator::OperatorParams;
-use adwave::saliency::{SaliencyParams, Sign, saliency, saliency_per_level, with_height};
+use adwave::saliency::{MapWeighting, SaliencyParams, Sign, saliency, saliency_per_level, with_height};
 use adwave::shape::PreparedGeometry;
 use adwave::signal::outward_normals;
 use adwave::{ClassifiedError, Progress};
@@ -79,12 +79,8 @@ fn saliency_map<'py>(
     let is_geometry = signal.is_none() && !own.decomposer.geometry().points().is_empty();
     let signal = own.signal(signal.as_ref())?;
     let schedule = schedule(steps)?;
-    let chosen = word("weighting", weighting, WEIGHTINGS)?;
-    let params = match chosen {
-        None if unsigned => SaliencyParams::default().with_sign(Sign::Unsigned),
-        None => SaliencyParams::default(),
-        Some(weighting) => SaliencyParams::paper().with_weighting(weighting),
-    };
+    let chosen: MapWeighting = named("weighting", weighting)?;
+    let params = chosen.params(if unsigned { Sign::Unsigned } else { Sign::Signed });
     let params = SaliencyParams { skip: skip.unwrap_or(params.skip), border_sigmas: border, ..params };
     params.check().map_err(|e| error::of(&e))?;
     let decomposer = &own.decomposer;
@@ -92,7 +88,7 @@ fn saliency_map<'py>(
         let request = own.request(signal, &schedule, accuracy, p);
         let mut sides = "unsigned".to_owned();
         let mut along = None;
-        if chosen.is_none() && is_geometry {
+        if chosen == MapWeighting::Signed && is_geometry {
             let found = stage(outward_normals(decomposer.geometry(), own.normals.as_deref(), p))?;
             if found.info.has_outside() {
                 along = Some(stage(request.along(&found.normals))?);
@@ -157,7 +153,7 @@ fn find_features<'py>(
     let schedule = schedule(steps)?;
     let params = FeatureParams {
         theta,
-        response: word("response", response, RESPONSES)?,
+        response: named("response", response)?,
         scope: if per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
         refinement: if refine { Refinement::Quadratic } else { Refinement::Off },
         max_edge_ratio: edge_ratio,
@@ -201,7 +197,7 @@ fn find_features<'py>(
 
 fn denoise_params(strength: f64, creases: &str, noise: Option<f64>) -> PyResult<DenoiseParams> {
     let params =
-        DenoiseParams::default().with_strength(strength).with_creases(word("creases", creases, CREASES)?);
+        DenoiseParams::default().with_strength(strength).with_creases(named("creases", creases)?);
     Ok(match noise {
         Some(noise) => params.with_noise(noise),
         None => params,

@@ -1,13 +1,10 @@
 //! Words of options as the crates' enums.
 
 use crate::error::value;
-use adwave::denoise::Creases;
-use adwave::features::Response;
-use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
-use adwave::positions::{Along, Borders, Volume};
+use adwave::NamedValue;
+use adwave::operator::{CloudGraph, OperatorParams};
 use adwave::region::Length;
-use adwave::saliency::Weighting;
-use adwave::shape::{CloudArea, MeshArea, WeldMode};
+use adwave::shape::WeldMode;
 use adwave_io::ShapeKind;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -22,43 +19,14 @@ pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> P
 
 pub(crate) const KINDS: &[(&str, ShapeKind)] =
     &[("mesh", ShapeKind::Mesh), ("cloud", ShapeKind::Cloud), ("graph", ShapeKind::Graph)];
-pub(crate) const ALONG: &[(&str, Along)] = &[
-    ("free", Along::Free),
-    ("normal", Along::Normal),
-    ("surface", Along::Surface),
-    ("x", Along::X),
-    ("y", Along::Y),
-    ("z", Along::Z),
-];
-pub(crate) const BORDERS: &[(&str, Borders)] =
-    &[("natural", Borders::Natural), ("keep", Borders::Keep), ("free", Borders::Free)];
-pub(crate) const VOLUME: &[(&str, Volume)] = &[("free", Volume::Free), ("keep", Volume::Keep)];
-pub(crate) const CREASES: &[(&str, Creases)] =
-    &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
-pub(crate) const RESPONSES: &[(&str, Response)] = &[
-    ("normalized", Response::Normalized),
-    ("literal", Response::Literal),
-    ("channels", Response::Channels),
-    ("sigma", Response::Sigma),
-];
-/// `None` is the map with a sign.
-pub(crate) const WEIGHTINGS: &[(&str, Option<Weighting>)] = &[
-    ("signed", None),
-    ("paper", Some(Weighting::PerLevel)),
-    ("printed", Some(Weighting::AsPrinted)),
-    ("normalized", Some(Weighting::Normalized)),
-    ("ranks", Some(Weighting::Ranks)),
-    ("none", Some(Weighting::Uniform)),
-];
-const OPERATORS: &[(&str, OperatorKind)] =
-    &[("walk", OperatorKind::Walk), ("surface", OperatorKind::Surface)];
-const MESH_AREAS: &[(&str, MeshArea)] =
-    &[("barycentric", MeshArea::Barycentric), ("mixed-voronoi", MeshArea::MixedVoronoi)];
-const CLOUD_AREAS: &[(&str, CloudArea)] = &[
-    ("kth-neighbor", CloudArea::KthNeighbor),
-    ("unit", CloudArea::Unit),
-    ("tangent-voronoi", CloudArea::TangentVoronoi),
-];
+
+/// The value of a name, in a message that says which option it was for.
+pub(crate) fn named<T: NamedValue>(option: &str, given: &str) -> PyResult<T> {
+    T::from_name(given).map_err(|_| {
+        let names: Vec<String> = T::ENTRIES.iter().map(|entry| format!("'{}'", entry.name)).collect();
+        value(format!("{option}: '{given}' is none of {}", names.join(", ")))
+    })
+}
 
 /// How the diffusion operator is built.
 pub(crate) fn operator(options: &Bound<'_, PyDict>) -> PyResult<OperatorParams> {
@@ -66,19 +34,19 @@ pub(crate) fn operator(options: &Bound<'_, PyDict>) -> PyResult<OperatorParams> 
     for (name, given) in options {
         let name: String = name.extract()?;
         params = match name.as_str() {
-            "operator" => params.with_kind(word(&name, &given.extract::<String>()?, OPERATORS)?),
+            "operator" => params.with_kind(named(&name, &given.extract::<String>()?)?),
             "weld" => {
                 params.with_weld(if given.extract()? { WeldMode::EqualPositions } else { WeldMode::Off })
             }
             "rings" => params.with_rings(at_least_one(&name, &given)?),
-            "mesh_area" => params.with_mesh_area(word(&name, &given.extract::<String>()?, MESH_AREAS)?),
+            "mesh_area" => params.with_mesh_area(named(&name, &given.extract::<String>()?)?),
             "neighbors" => params.with_neighbors(at_least_one(&name, &given)?),
             "directed" => params.with_cloud_graph(if given.extract()? {
                 CloudGraph::Directed
             } else {
                 CloudGraph::Union
             }),
-            "cloud_area" => params.with_cloud_area(word(&name, &given.extract::<String>()?, CLOUD_AREAS)?),
+            "cloud_area" => params.with_cloud_area(named(&name, &given.extract::<String>()?)?),
             "density_invariant" => params.with_density_invariant(given.extract()?),
             "keep_creases" => params.with_keep_creases(given.extract()?),
             _ => return Err(value(format!("{name}: there is no such option of the diffusion operator"))),

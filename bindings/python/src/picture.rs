@@ -96,17 +96,8 @@ fn render_picture<'py>(
         (None, Some(colors)) => Paint::Colors(arrays::rows(colors, "colors")?.as_chunks().0),
         (None, None) => Paint::CLAY,
     };
-    let up = match up {
-        Some(up) => up.parse::<Up>().map_err(|e| value(e.to_string()))?,
-        None if matches!(
-            content.file.format(),
-            Some(Format::Las | Format::Laz | Format::Ept | Format::Gifti | Format::FreeSurfer)
-        ) =>
-        {
-            Up::Z
-        }
-        None => Up::guess(points, || !matches!(own, Shape::Mesh(_))),
-    };
+    let asked = up.map(|up| up.parse::<Up>().map_err(|e| value(e.to_string()))).transpose()?;
+    let (up, _) = Up::choose(asked, content.file.format().and_then(Format::up_axis), own);
     let params = RenderParams {
         width: size.0,
         height: size.1,

@@ -4,9 +4,10 @@ use crate::arrays;
 use crate::call::run;
 use crate::edit::EditorData;
 use crate::error::{self, value};
-use crate::options::{ALONG, BORDERS, VOLUME, length, operator, word};
+use crate::options::{length, named, operator};
 use crate::shape::ShapeData;
-use adwave::bands::{BandsParams, FWHM, Schedule, Transform};
+use adwave::LevelSpec;
+use adwave::bands::{BandsParams, Schedule, Transform};
 use adwave::positions::{PositionParams, settle};
 use adwave::region::{Length, RegionWeights, parse_region};
 use adwave::shape::{Shape, bounding_box};
@@ -183,23 +184,17 @@ impl Prepared {
         fwhm: Option<Vec<Bound<'_, PyAny>>>,
         reach: Option<f64>,
     ) -> PyResult<(Vec<f64>, String)> {
-        let (step, diagonal) = (self.decomposer.diffusion().step_length(), self.decomposer.diagonal());
-        let divisor = if fwhm.is_some() { FWHM } else { 1.0 };
-        if let Some(widths) = lengths.or(fwhm) {
-            let widths: Vec<Length> = widths.iter().map(length).collect::<PyResult<_>>()?;
-            let sigma: Vec<f64> = widths.iter().map(|width| width.in_units(diagonal) / divisor).collect();
-            let schedule = Schedule::lengths(&sigma, step).map_err(|e| error::of(&e))?;
-            return Ok((schedule.steps().to_vec(), "the widths asked for".to_owned()));
-        }
-        let (n, why) = match levels {
-            Some(levels) => (levels, "the number asked for".to_owned()),
-            None => self.decomposer.levels_reaching(reach.unwrap_or(adwave::bands::DEFAULT_EXTENT)),
+        let widths = |given: Vec<Bound<'_, PyAny>>| given.iter().map(length).collect::<PyResult<Vec<Length>>>();
+        let spec = match (lengths, fwhm, levels, voices) {
+            (Some(lengths), ..) => LevelSpec::Widths(widths(lengths)?),
+            (None, Some(fwhm), ..) => LevelSpec::from_fwhm(&widths(fwhm)?),
+            (None, None, levels, Some(voices)) => LevelSpec::Voices { levels, voices },
+            (None, None, Some(levels), None) => LevelSpec::Dyadic(levels),
+            (None, None, None, None) => LevelSpec::Default,
         };
-        let schedule = match voices {
-            Some(voices) => Schedule::voices(n, voices),
-            None => Schedule::dyadic(n),
-        };
-        Ok((schedule.map_err(|e| error::of(&e))?.steps().to_vec(), why))
+        let extent = reach.unwrap_or(adwave::bands::DEFAULT_EXTENT);
+        let resolved = spec.resolve(&self.decomposer, extent).map_err(|e| error::of(&e))?;
+        Ok((resolved.schedule.steps().to_vec(), resolved.reason))
     }
 
     /// σ of the signal itself, 0, and of each level.
@@ -286,9 +281,9 @@ impl Prepared {
             return Ok(arrays::point_rows(py, after)?.into_any());
         };
         let params = PositionParams {
-            along: along.map(|along| word("along", along, ALONG)).transpose()?,
-            borders: word("border", border, BORDERS)?,
-            volume: word("volume", volume, VOLUME)?,
+            along: along.map(|along| named("along", along)).transpose()?,
+            borders: named("border", border)?,
+            volume: named("volume", volume)?,
         };
         let n = before.len();
         let points = run(py, n, progress.as_ref(), |p| settle(&self.decomposer, before, after, &params, p))?;

@@ -1,6 +1,5 @@
 //! Replacing a file as a whole: whoever reads it sees the old bytes or the new ones, never a part.
 
-use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -15,13 +14,13 @@ use crate::WriteError;
 /// The temporary files that exist now.
 static TEMPORARIES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-fn with_temporaries<T>(change: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
+pub(crate) fn with_temporaries<T>(change: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
     change(&mut TEMPORARIES.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
 }
 
 /// What the names of temporary files begin and end with.
-const PREFIX: &str = ".adwave-";
-const SUFFIX: &str = ".tmp";
+pub(crate) const PREFIX: &str = ".adwave-";
+pub(crate) const SUFFIX: &str = ".tmp";
 
 /// Deletes the temporary files of all writes under way. A program calls it when it ends before they are done, for
 /// instance from what it does at Ctrl-C; those writes then fail, and the files that they would replace are unchanged.
@@ -41,8 +40,9 @@ pub fn remove_temporaries() {
     }
 }
 
+/// Deletes a temporary file, or the folder of one.
 fn remove(path: PathBuf) {
-    let _ = fs::remove_file(path);
+    let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
 }
 
 /// Takes a path off the list when it is renamed or deleted.
@@ -130,10 +130,24 @@ fn replace<T>(
         out.flush()?;
         return Ok(result);
     }
-    let mut pending = Pending::beside(path, target, old)?;
+    let mut pending = Pending::beside(target, old)?;
     let result = write(&mut pending.out)?;
     pending.finish(progress)?;
     Ok(result)
+}
+
+/// The folder of a file that is to be made or replaced; refuses one that is missing, and a file that may not be written.
+pub(crate) fn check_replaceable(target: &Path, exists: bool) -> Result<&Path, WriteError> {
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(WriteError::NoFolder { folder: folder.display().to_string() });
+    }
+    clear(folder);
+    // A file that may not be written is not replaced either, though a rename could.
+    if exists {
+        OpenOptions::new().write(true).open(target)?;
+    }
+    Ok(folder)
 }
 
 /// A file that is being written beside the one whose place it will take; nothing is left of it where it is dropped before.
@@ -141,9 +155,7 @@ pub(crate) struct Pending {
     pub(crate) out: BufWriter<File>,
     temporary: tempfile::TempPath,
     target: PathBuf,
-    /// The name that the user gave.
-    named: PathBuf,
-    /// What is there now.
+    /// Metadata of the file that is there now.
     old: Option<fs::Metadata>,
     listed: Option<Listed>,
 }
@@ -156,19 +168,11 @@ impl Pending {
         if old.as_ref().is_some_and(|m| !m.is_file()) {
             return Err(io::Error::other("it is no regular file, and this is not written in one go").into());
         }
-        Self::beside(path, target, old)
+        Self::beside(target, old)
     }
 
-    fn beside(path: &Path, target: PathBuf, old: Option<fs::Metadata>) -> Result<Self, WriteError> {
-        let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            return Err(WriteError::NoFolder { folder: folder.display().to_string() });
-        }
-        clear(folder);
-        // A file that may not be written is not replaced either, though a rename could.
-        if old.is_some() {
-            OpenOptions::new().write(true).open(&target)?;
-        }
+    fn beside(target: PathBuf, old: Option<fs::Metadata>) -> Result<Self, WriteError> {
+        let folder = check_replaceable(&target, old.is_some())?;
         let mut listed = None;
         let temporary = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |path| {
             // On the list before it exists, so that none is missed; and with the permissions of any new file.
@@ -180,7 +184,7 @@ impl Pending {
         })?;
         let (file, temporary) = temporary.into_parts();
         let out = BufWriter::with_capacity(1 << 18, file);
-        Ok(Self { out, temporary, target, named: path.to_path_buf(), old, listed })
+        Ok(Self { out, temporary, target, old, listed })
     }
 
     /// Flushes the file to the disk and puts it in its place.
@@ -192,76 +196,10 @@ impl Pending {
             file.set_permissions(old.permissions())?;
         }
         flush_to_disk(file, progress)?;
-        let (temporary, target, named) = (self.temporary, self.target, self.named);
-        let written = Written { temporary, target, named, _listed: self.listed };
-        let waits = TOGETHER.with_borrow_mut(|together| match together {
-            Some(waiting) => {
-                waiting.push(written);
-                None
-            }
-            None => Some(written),
-        });
-        waits.map_or(Ok(()), Written::put_in_place)
+        self.temporary.persist(&self.target).map_err(|e| e.error)?;
+        drop(self.listed);
+        Ok(())
     }
-}
-
-/// A file that is whole and on the disk, and not yet in its place.
-struct Written {
-    temporary: tempfile::TempPath,
-    target: PathBuf,
-    /// The name that the user gave.
-    named: PathBuf,
-    _listed: Option<Listed>,
-}
-
-impl Written {
-    fn put_in_place(self) -> Result<(), WriteError> {
-        Ok(self.temporary.persist(&self.target).map_err(|e| e.error)?)
-    }
-}
-
-thread_local! {
-    /// Where [`write_together`] runs: the files that wait for the last one.
-    static TOGETHER: RefCell<Option<Vec<Written>>> = const { RefCell::new(None) };
-}
-
-/// Puts the files that `work` writes on this thread in their places when all of them are written: where one fails (a disk that
-/// is full) every old file is as it was, and no new one is there. Within `work` a file cannot yet be read again.
-///
-/// ```
-/// use adwave_io::{WriteError, atomic_write, write_together};
-/// let folder = tempfile::tempdir().unwrap();
-/// let path = folder.path().join("a.txt");
-/// let failed: Result<(), WriteError> = write_together(|| {
-///     atomic_write(&path, |w| Ok(w.write_all(b"whole")?))?;
-///     atomic_write(&folder.path().join("missing/b.txt"), |w| Ok(w.write_all(b"whole")?))
-/// });
-/// assert!(failed.is_err() && !path.exists());
-/// ```
-///
-/// # Errors
-/// Those of `work`, and where a file that is written cannot be renamed: then those before it are in their places.
-pub fn write_together<T, E: From<WriteError>>(work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
-    /// What waits is dropped also where `work` panics.
-    struct Waiting;
-    impl Drop for Waiting {
-        fn drop(&mut self) {
-            TOGETHER.set(None);
-        }
-    }
-    if TOGETHER.with_borrow(Option::is_some) {
-        return work();
-    }
-    TOGETHER.set(Some(Vec::new()));
-    let waiting = Waiting;
-    let result = work()?;
-    let files = TOGETHER.take().unwrap_or_default();
-    drop(waiting);
-    for file in files {
-        let named = file.named.clone();
-        file.put_in_place().map_err(|e| e.in_file(&named))?;
-    }
-    Ok(result)
 }
 
 /// How old what a killed run left must be before the next one clears it.
@@ -277,17 +215,16 @@ fn clear(folder: &Path) {
         let name = entry.file_name();
         let is_ours = name.as_encoded_bytes().starts_with(PREFIX.as_bytes())
             && name.as_encoded_bytes().ends_with(SUFFIX.as_bytes());
-        let age = || entry.metadata().ok().filter(fs::Metadata::is_file)?.modified().ok()?.elapsed().ok();
+        let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
         if is_ours && age().is_some_and(|age| age > LEFT_OVER) {
-            // Whoever may not remove it has no harm from it.
-            let _ = fs::remove_file(entry.path());
+            remove(entry.path());
         }
     }
 }
 
 /// A file that root replaces stays its owner's.
 #[cfg(unix)]
-fn keep_owner(file: &File, old: &fs::Metadata) {
+pub(crate) fn keep_owner(file: &File, old: &fs::Metadata) {
     use std::os::unix::fs::{MetadataExt, fchown};
     let is_other = file.metadata().is_ok_and(|new| (new.uid(), new.gid()) != (old.uid(), old.gid()));
     if is_other {
@@ -297,10 +234,10 @@ fn keep_owner(file: &File, old: &fs::Metadata) {
 }
 
 #[cfg(not(unix))]
-fn keep_owner(_: &File, _: &fs::Metadata) {}
+pub(crate) fn keep_owner(_: &File, _: &fs::Metadata) {}
 
 /// The file that symbolic links lead to, which need not exist.
-fn resolve(path: &Path) -> io::Result<PathBuf> {
+pub(crate) fn resolve(path: &Path) -> io::Result<PathBuf> {
     const MAX_LINKS: usize = 40;
     let mut target = path.to_path_buf();
     for _ in 0..MAX_LINKS {

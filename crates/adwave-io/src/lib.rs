@@ -96,13 +96,14 @@ mod text;
 mod texture;
 mod threemf;
 mod tokens;
+mod transaction;
 mod volume;
 mod vtk_legacy;
 mod vtk_xml;
 mod write;
 mod xml;
 
-pub use atomic::{atomic_write, atomic_write_with, remove_temporaries, write_together};
+pub use atomic::{atomic_write, atomic_write_with, remove_temporaries};
 pub use csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
 pub use csv::write::{csv_number, push_csv_row, write_csv_fields};
 pub use dmat::read::{parse_dmat_field, read_dmat_field};
@@ -113,14 +114,14 @@ pub use gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_w
 pub use gifti::write::{write_gifti_fields, write_gifti_fields_with};
 pub use las::part::{CloudLevels, CloudPart, cloud_levels, read_cloud_part, read_cloud_part_with};
 pub use las::stream::{LasLayout, LasReader, LasWriter};
-pub use limits::ReadLimits;
+pub use limits::{ReadLimits, free_memory};
 pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
 pub use mtx::write::{MatrixValues, SparseRows, write_matrix_market, write_matrix_market_with};
 pub use npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
 pub use provenance::{Provenance, ProvenanceInput};
 pub use read::{read_bytes, read_bytes_with, read_path, read_path_with};
-pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
+pub use recipe::{Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use region_field::region_field;
 pub use shape::{ShapeFileError, ShapeKind};
 pub use shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
@@ -131,4 +132,5 @@ pub use signal::{
 pub use subset::Subset;
 pub use surface_values::{parse_surface_values, read_surface_values};
 pub use texture::{TextureError, texture_colors};
+pub use transaction::Transaction;
 pub use write::{WriteReport, write_bytes, write_bytes_with, write_path, write_path_with};

@@ -28,8 +28,8 @@ impl Default for ReadLimits {
     }
 }
 
-/// The memory that a program may take without pushing others out, in bytes, where the system tells.
-fn free_memory() -> Option<u64> {
+/// Memory that a program may take without pushing others out, in bytes; `None` if the system does not tell.
+pub fn free_memory() -> Option<u64> {
     let info = std::fs::read_to_string("/proc/meminfo").ok()?;
     let free = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     free.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)

@@ -1,7 +1,7 @@
 //! Edits as small TOML files that people can read, write and replay.
 //!
 //! ```toml
-//! levels = 6                     # or steps = [1, 2.5, 4], or lengths = [0.01, "2%"]; left out: as many as fit the shape
+//! levels = 6                     # with voices = 2 if wanted; or steps = [1, 2.5, 4], or lengths = [0.01, "2%"]; left out: as many as fit the shape
 //! operator = "walk"               # or "surface"; left out: the walk, with lengths the surface
 //! density_invariant = true       # left out: false; and so keep_creases
 //! field = "coords"               # left out: the coordinates
@@ -19,6 +19,7 @@
 //! ```
 
 use crate::{ReadError, WriteError, atomic_write};
+use adwave::LevelSpec;
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
 use adwave::operator::OperatorKind;
@@ -27,20 +28,6 @@ use adwave::region::Length;
 use serde::{Deserialize, Serialize, Serializer};
 use std::io::Read;
 use std::path::Path;
-
-/// Which levels a recipe is for.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Levels {
-    /// As many as fit the shape.
-    #[default]
-    Default,
-    /// So many dyadic levels.
-    Dyadic(usize),
-    /// Levels of these numbers of steps.
-    Steps(Vec<f64>),
-    /// Levels of these widths σ, in model units or in percent of the diagonal.
-    Lengths(Vec<Length>),
-}
 
 /// An edit: layers, the levels that their gains are for, and the signal they change.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,8 +42,8 @@ pub struct Recipe {
     pub keep_creases: bool,
     /// What is asked of new positions.
     pub positions: PositionParams,
-    /// Which levels.
-    pub levels: Levels,
+    /// The levels that the gains are for.
+    pub levels: LevelSpec,
     /// What is changed where.
     pub layers: Vec<Layer>,
 }
@@ -70,7 +57,7 @@ impl Default for Recipe {
             density_invariant: false,
             keep_creases: false,
             positions: PositionParams::default(),
-            levels: Levels::Default,
+            levels: LevelSpec::Default,
             layers: Vec::new(),
         }
     }
@@ -96,6 +83,8 @@ struct Table {
     volume: Volume,
     #[serde(skip_serializing_if = "Option::is_none")]
     levels: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    voices: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "whole_as_whole")]
     steps: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -133,9 +122,10 @@ fn coords() -> String {
 /// Reads a recipe from text.
 ///
 /// ```
-/// use adwave_io::{Levels, parse_recipe};
+/// use adwave::LevelSpec;
+/// use adwave_io::parse_recipe;
 /// let recipe = parse_recipe("levels = 4\n[[layer]]\npreset = 'enhance'\nregion = 'ball:vertex=3,radius=5%'")?;
-/// assert_eq!(recipe.levels, Levels::Dyadic(4));
+/// assert_eq!(recipe.levels, LevelSpec::Dyadic(4));
 /// assert_eq!(recipe.layers.len(), 1);
 /// # Ok::<(), adwave_io::ReadError>(())
 /// ```
@@ -147,11 +137,12 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
         let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count() as u64);
         ReadError::Line { line, message: crate::text::one_line(&e.message()) }
     })?;
-    let levels = match (table.levels, table.steps, table.lengths) {
-        (None, None, None) => Levels::Default,
-        (Some(levels), None, None) => Levels::Dyadic(levels),
-        (None, Some(steps), None) => Levels::Steps(steps),
-        (None, None, Some(lengths)) => Levels::Lengths(lengths),
+    let levels = match (table.levels, table.voices, table.steps, table.lengths) {
+        (None, None, None, None) => LevelSpec::Default,
+        (Some(levels), None, None, None) => LevelSpec::Dyadic(levels),
+        (levels, Some(voices), None, None) => LevelSpec::Voices { levels, voices },
+        (None, None, Some(steps), None) => LevelSpec::Steps(steps),
+        (None, None, None, Some(lengths)) => LevelSpec::Widths(lengths),
         _ => {
             let message = "give only one of levels, steps and lengths".to_owned();
             return Err(ReadError::Line { line: 1, message });
@@ -199,15 +190,20 @@ pub fn recipe_to_text(recipe: &Recipe) -> String {
         border: recipe.positions.borders,
         volume: recipe.positions.volume,
         levels: None,
+        voices: None,
         steps: None,
         lengths: None,
         layers: recipe.layers.clone(),
     };
     match &recipe.levels {
-        Levels::Default => {}
-        Levels::Dyadic(levels) => table.levels = Some(*levels),
-        Levels::Steps(steps) => table.steps = Some(steps.clone()),
-        Levels::Lengths(lengths) => table.lengths = Some(lengths.clone()),
+        LevelSpec::Default => {}
+        LevelSpec::Dyadic(levels) => table.levels = Some(*levels),
+        LevelSpec::Voices { levels, voices } => {
+            table.levels = *levels;
+            table.voices = Some(*voices);
+        }
+        LevelSpec::Steps(steps) => table.steps = Some(steps.clone()),
+        LevelSpec::Widths(widths) => table.lengths = Some(widths.clone()),
     }
     toml::to_string(&table).expect("numbers, texts and tables are TOML")
 }
@@ -259,7 +255,7 @@ mod tests {
                 borders: Borders::Keep,
                 volume: Volume::Keep,
             },
-            levels: Levels::Steps(vec![1.0, 2.5, 9.0]),
+            levels: LevelSpec::Steps(vec![1.0, 2.5, 9.0]),
             layers: vec![
                 Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },
                 Layer { gains: Gains::Preset(Preset::Band2), region: Region::Everywhere {} },

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Write;
 
-use adwave_io::{Format, ShapeFile, WriteError, atomic_write, write_path, write_together};
+use adwave_io::{Format, ShapeFile, Transaction, WriteError, atomic_write, write_path};
 
 fn names(folder: &std::path::Path) -> Vec<String> {
     let mut all: Vec<_> =
@@ -49,29 +49,34 @@ fn several_files_are_written_all_or_none() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     fs::write(at("a"), "old").unwrap();
-    let whole = |name: &str| atomic_write(&at(name), |out| Ok(out.write_all(b"new")?));
-    let failed: Result<(), WriteError> = write_together(|| {
-        whole("a")?;
-        whole("b")?;
-        atomic_write(&at("c"), failing)
-    });
-    failed.unwrap_err();
+    let whole = |files: &Transaction, name: &str| {
+        files.write(&at(name), |path| atomic_write(path, |out| Ok(out.write_all(b"new")?)))
+    };
+    let failed = |files: &Transaction| -> Result<(), WriteError> {
+        whole(files, "a")?;
+        whole(files, "b")?;
+        files.write(&at("c"), |path| atomic_write(path, failing))
+    };
+    let files = Transaction::new();
+    let error = failed(&files).unwrap_err().to_string();
+    drop(files);
+    assert!(error.contains(&*at("c").to_string_lossy()) && !error.contains(".tmp"), "{error}");
     assert_eq!(
         (fs::read(at("a")).unwrap().as_slice(), names(folder.path())),
         (&b"old"[..], vec!["a".into()])
     );
     let panicked = std::panic::catch_unwind(|| {
-        write_together(|| -> Result<(), WriteError> {
-            whole("a")?;
-            std::panic::resume_unwind(Box::new("stopped"))
-        })
+        let files = Transaction::new();
+        whole(&files, "a").unwrap();
+        std::panic::resume_unwind(Box::new("stopped"));
     });
     assert!(panicked.is_err());
     assert_eq!(names(folder.path()), ["a"]);
-    write_together(|| whole("a").and_then(|()| whole("b"))).unwrap();
+    let files = Transaction::new();
+    whole(&files, "a").and_then(|()| whole(&files, "b")).unwrap();
+    files.commit().unwrap();
     assert_eq!((fs::read(at("a")).unwrap().as_slice(), names(folder.path()).len()), (&b"new"[..], 2));
-    // Afterwards each file is for itself again.
-    whole("c").unwrap();
+    whole(&Transaction::immediate(), "c").unwrap();
     assert_eq!(names(folder.path()), ["a", "b", "c"]);
 }
 

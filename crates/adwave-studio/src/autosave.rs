@@ -3,7 +3,8 @@
 use crate::answer::Refused;
 use crate::document::Document;
 use crate::session::Opened;
-use adwave_io::{Levels, Recipe, atomic_write, parse_recipe, recipe_to_text};
+use adwave::LevelSpec;
+use adwave_io::{Recipe, atomic_write, parse_recipe, recipe_to_text};
 use serde::{Deserialize, Serialize};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
@@ -34,13 +35,13 @@ impl Autosave {
     }
 
     /// The edit of the last visit, where there is one that can be read.
-    pub(crate) fn read(&self) -> Option<(Levels, Document)> {
+    pub(crate) fn read(&self) -> Option<(LevelSpec, Document)> {
         let kept: Kept = serde_json::from_slice(&std::fs::read(&self.path).ok()?).ok()?;
         Some((parse_recipe(&kept.levels).ok()?.levels, kept.edit))
     }
 
     /// Keeps an edit; what was kept before stays until all of it is written.
-    pub(crate) fn write(&self, levels: &Levels, edit: &Document) -> Result<(), Refused> {
+    pub(crate) fn write(&self, levels: &LevelSpec, edit: &Document) -> Result<(), Refused> {
         let recipe = Recipe { levels: levels.clone(), ..Recipe::default() };
         let kept = Kept { levels: recipe_to_text(&recipe), edit: edit.clone() };
         let refused = |e: &dyn std::fmt::Display| {

@@ -5,7 +5,8 @@ use adwave::filter::{Gains, Layer};
 use adwave::operator::OperatorKind;
 use adwave::positions::{Along, Borders, PositionParams, Volume};
 use adwave::region::Region;
-use adwave_io::{Levels, Recipe};
+use adwave::LevelSpec;
+use adwave_io::Recipe;
 use serde::{Deserialize, Serialize};
 
 /// The most layers of an edit.
@@ -92,7 +93,7 @@ impl Document {
     }
 
     /// The edit as a recipe, which the command and the Python package replay to the same bits.
-    pub(crate) fn recipe(&self, levels: &Levels, operator: OperatorKind) -> Recipe {
+    pub(crate) fn recipe(&self, levels: &LevelSpec, operator: OperatorKind) -> Recipe {
         Recipe {
             levels: levels.clone(),
             operator: Some(operator),
@@ -105,11 +106,11 @@ impl Document {
     /// A recipe as an edit for so many levels.
     pub(crate) fn of_recipe(recipe: &Recipe, n_levels: usize, revision: u64) -> Result<Self, Refused> {
         if recipe.field != "coords" {
-            let told = "the studio edits coordinates; replay it with `adwave filter --recipe`";
+            let told = "the studio edits coordinates; apply this recipe with the command or the Python package";
             return Err(Refused::wrong(format!("the recipe is of the field '{}': {told}", recipe.field)));
         }
         if recipe.density_invariant || recipe.keep_creases {
-            let told = "the studio has neither density_invariant nor keep_creases; replay it with `adwave filter --recipe`";
+            let told = "the studio has neither density_invariant nor keep_creases; apply this recipe with the command or the Python package";
             return Err(Refused::wrong(told));
         }
         let layer = |(k, layer): (usize, &Layer)| {

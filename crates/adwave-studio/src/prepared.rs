@@ -3,15 +3,15 @@
 use crate::StudioError;
 use crate::answer::{Refused, rows};
 use crate::document::Document;
-use adwave::bands::Schedule;
+use adwave::bands::{DEFAULT_EXTENT, Schedule};
 use adwave::filter::{FilterError, WeightedLayer, displacement};
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::settle;
 use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape, enclosed_volume};
 use adwave::signal::{OutwardNormals, outward_normals};
-use adwave::{Decomposer, Editor, Progress};
-use adwave_io::{Levels, ShapeFile, file_normals, region_field};
+use adwave::{Decomposer, Editor, LevelSpec, Progress};
+use adwave_io::{ShapeFile, file_normals, region_field};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
@@ -31,17 +31,17 @@ pub(crate) struct LevelsAsked {
 
 impl LevelsAsked {
     /// The same as a recipe says it.
-    fn of(&self, walk: &Decomposer) -> Result<Levels, Refused> {
+    fn of(&self, walk: &Decomposer) -> Result<LevelSpec, Refused> {
         Ok(match self {
-            Self { lengths: Some(lengths), levels: None, voices: None } => Levels::Lengths(lengths.clone()),
+            Self { lengths: Some(lengths), levels: None, voices: None } => LevelSpec::Widths(lengths.clone()),
             Self { lengths: Some(_), .. } => return Err(Refused::wrong("give either levels or lengths")),
             Self { voices: Some(voices), levels, .. } => {
                 let n = levels.unwrap_or(N_LEVELS);
                 let schedule = Schedule::voices(n, *voices).map_err(|e| Refused::of(&e))?;
-                Levels::Steps(schedule.steps().to_vec())
+                LevelSpec::Steps(schedule.steps().to_vec())
             }
-            Self { levels: Some(levels), .. } => Levels::Dyadic(*levels),
-            Self { .. } => Levels::Dyadic(default_levels(walk)),
+            Self { levels: Some(levels), .. } => LevelSpec::Dyadic(*levels),
+            Self { .. } => LevelSpec::Dyadic(default_levels(walk)),
         })
     }
 }
@@ -72,7 +72,7 @@ pub(crate) struct LevelInfo {
 /// The bands, the edit that is kept, and the positions after it.
 pub(crate) struct Prepared {
     pub(crate) decomposer: Decomposer,
-    pub(crate) levels: Levels,
+    pub(crate) levels: LevelSpec,
     pub(crate) schedule: Schedule,
     pub(crate) editor: Editor,
     pub(crate) document: Document,
@@ -82,11 +82,6 @@ pub(crate) struct Prepared {
     outward: OnceLock<OutwardNormals>,
     /// Weights of regions that were asked for before.
     regions: Vec<(Region, RegionWeights)>,
-}
-
-/// The operator that goes with levels: by heat where they are given by width, as for the command.
-fn operator_of(levels: &Levels) -> OperatorKind {
-    if matches!(levels, Levels::Lengths(_)) { OperatorKind::Surface } else { OperatorKind::Walk }
 }
 
 /// A shape with its diffusion.
@@ -104,13 +99,14 @@ impl Prepared {
     pub(crate) fn new(
         shape: &Shape,
         walk: &Decomposer,
-        levels: Levels,
+        levels: LevelSpec,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
-        let kind = operator_of(&levels);
+        let kind = levels.operator_task().default_kind();
         let decomposer =
             if kind == OperatorKind::Walk { walk.clone() } else { decomposer(shape, kind, progress)? };
-        let schedule = schedule(&levels, &decomposer)?;
+        let resolved = levels.resolve(&decomposer, DEFAULT_EXTENT).map_err(|e| StudioError::of(&e))?;
+        let schedule = resolved.schedule;
         let points = shape.points().unwrap_or_default();
         let request = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress);
         let editor = request.editor().map_err(|e| StudioError::of(&e))?;
@@ -133,7 +129,7 @@ impl Prepared {
         walk: &Decomposer,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
-        Self::new(shape, walk, Levels::Dyadic(default_levels(walk)), progress)
+        Self::new(shape, walk, LevelSpec::Dyadic(default_levels(walk)), progress)
     }
 
     /// With the levels that the page asks for.
@@ -275,19 +271,4 @@ impl Prepared {
         });
         (scale as f32, bytes)
     }
-}
-
-/// The schedule of levels on a shape.
-fn schedule(levels: &Levels, decomposer: &Decomposer) -> Result<Schedule, StudioError> {
-    let step = decomposer.diffusion().step_length();
-    let schedule = match levels {
-        Levels::Default => Schedule::dyadic(decomposer.default_levels().0),
-        Levels::Dyadic(n) => Schedule::dyadic(*n),
-        Levels::Steps(steps) => Schedule::real(steps.clone()),
-        Levels::Lengths(lengths) => {
-            let diagonal = decomposer.diagonal();
-            Schedule::lengths(&lengths.iter().map(|l| l.in_units(diagonal)).collect::<Vec<_>>(), step)
-        }
-    };
-    schedule.map_err(|e| StudioError::of(&e))
 }

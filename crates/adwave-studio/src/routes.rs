@@ -273,7 +273,7 @@ async fn open_recipe(State(studio): Shared, Path(id): Path<u64>, body: Bytes) ->
         let levels = recipe.levels.clone();
         let mut fresh = Prepared::new(&session.opened.shape, walk, levels, session.progress())?;
         if recipe.operator.is_some_and(|kind| kind != fresh.decomposer.operator_kind()) {
-            let told = "the studio takes the surface's operator for levels by width and the walk for others; replay this one with `adwave filter --recipe`";
+            let told = "the studio takes the surface operator for levels by width and the walk for others; apply this recipe with the command or the Python package";
             return Err(Refused::wrong(told));
         }
         let mut prepared = session.prepared()?;

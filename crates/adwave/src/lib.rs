@@ -57,6 +57,7 @@ pub mod filter;
 pub mod laplacian;
 pub mod mask;
 pub mod measure;
+mod named;
 pub mod operator;
 pub mod pages;
 mod parallel;
@@ -72,9 +73,12 @@ pub mod signal;
 pub mod sparse;
 pub mod vector;
 
-pub use decomposer::{BandsRequest, Decomposer, VertexFunctions};
+pub use decomposer::{
+    BandsRequest, Decomposer, LevelSpec, LevelSpecError, ResolvedLevels, VertexFunctions,
+};
 pub use editor::{Editor, Touched};
 pub use error::{ClassifiedError, ErrorKind};
+pub use named::{NamedEntry, NamedValue, UnknownName};
 pub use progress::{Cancelled, Progress, ProgressCounter};
 
 /// The examples of the README, which are run as tests.

@@ -23,36 +23,6 @@ pub fn release_freed() {
     }
 }
 
-/// From now on the whole process keeps memory that it frees for what it wants next, until [`release_freed`], where the C library would
-/// give large vectors back to the system at once: for programs that make and drop gigabytes again and again, as each page that
-/// the system gives anew has to be cleared first. Takes some percent more memory; nothing on other systems than Linux with glibc.
-pub fn keep_freed() {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: it sets two numbers of the allocator, under its lock.
-    unsafe {
-        libc::mallopt(libc::M_MMAP_MAX, 0);
-        libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
-    }
-}
-
-/// From now on the process keeps vectors below 32 MiB that it frees for what it wants next, and gives back what a heap has free at its end only
-/// above `most` bytes: for programs that answer many questions of one size, which otherwise have the same pages cleared for each. Nothing
-/// on other systems than Linux with glibc.
-///
-/// ```
-/// adwave::pages::keep_some_freed(64 << 20);
-/// ```
-pub fn keep_some_freed(most: usize) {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: it sets two numbers of the allocator, under its lock.
-    unsafe {
-        libc::mallopt(libc::M_MMAP_THRESHOLD, 32 << 20); // the greatest that glibc takes
-        libc::mallopt(libc::M_TRIM_THRESHOLD, i32::try_from(most).unwrap_or(i32::MAX));
-    }
-    #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-    let _ = most;
-}
-
 /// Below this there is nothing to gain.
 #[cfg(target_os = "linux")]
 const LARGE: usize = 4 << 20;

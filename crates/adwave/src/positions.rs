@@ -5,6 +5,7 @@ use crate::shape::{enclosed_volume, triangles_at_vertices, try_vertex_normals};
 use crate::signal::aligned_normals;
 use crate::vector::{add_scaled, dot, subtract, unit};
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
+use crate::named_values;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -39,6 +40,26 @@ pub enum Along {
     /// Along z only, as heights of a terrain should.
     Z,
 }
+
+named_values!(Borders, "border", {
+    Natural => "natural", "Flat parts stay flat, and the outline is drawn neither in nor out";
+    Keep => "keep", "As natural, and the outline stays where it is";
+    Free => "free", "Borders follow the bands, as in the paper: smoothing draws them in";
+});
+
+named_values!(Along, "direction", {
+    Normal => "normal", "Along the normals: samples stay where they are on the surface";
+    Surface => "surface", "Within the surface: samples are evened out, the shape stays";
+    X => "x", "Along x";
+    Y => "y", "Along y";
+    Z => "z", "Along z, as for the heights of a terrain";
+    Free => "free", "In all directions, as in the paper: points of a cloud slide together where they are dense";
+});
+
+named_values!(Volume, "volume", {
+    Free => "free", "As the filter leaves it";
+    Keep => "keep", "Restored by one offset along the normals";
+});
 
 /// What becomes of the volume of a closed mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,7 +1,33 @@
 //! Three coordinates: the little that surfaces and pictures need.
 
+use crate::named_values;
+
 /// A point or a direction.
 pub type Vector = [f64; 3];
+
+/// A coordinate axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The first coordinate.
+    X,
+    /// The second coordinate.
+    Y,
+    /// The third coordinate.
+    Z,
+}
+
+named_values!(Axis, "axis", {
+    X => "x", "";
+    Y => "y", "";
+    Z => "z", "";
+});
+
+impl Axis {
+    /// Index of the coordinate, from 0.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
 
 /// `a − b`.
 pub fn subtract(a: &Vector, b: &Vector) -> Vector {

@@ -2,6 +2,7 @@
 
 mod table;
 
+use adwave::vector::Axis;
 use std::fmt;
 use std::path::Path;
 
@@ -164,6 +165,13 @@ impl Format {
     /// Whether it can be written.
     pub fn can_write(self) -> bool {
         !self.row().writes.is_empty()
+    }
+
+    /// The axis that points up in files of this format, where all of them agree: z in LAS, LAZ and EPT, whose heights it is, and
+    /// in the spaces of GIFTI and FreeSurfer, where it points to the top of the head.
+    pub fn up_axis(self) -> Option<Axis> {
+        let is_z_up = matches!(self, Self::Las | Self::Laz | Self::Ept | Self::Gifti | Self::FreeSurfer);
+        is_z_up.then_some(Axis::Z)
     }
 
     /// Whether a file of it has a shape together with any fields of its vertices, by their names.

@@ -46,7 +46,7 @@ pub(super) fn section(
          are put together again. A gain of 1 keeps a band, 0 drops it, more than 1 strengthens it; the rest S_J stays.",
     );
     let edited: Vec<Edited> =
-        Preset::ALL.into_iter().map(|(name, preset)| edit(subject, name, preset, volume)).collect();
+        Preset::ALL.iter().map(|&preset| edit(subject, preset.name(), preset, volume)).collect();
     section.gallery(pictures(subject, studio, &edited));
     let summaries: Vec<PresetSummary> = edited.into_iter().map(|e| e.summary).collect();
     section.push(Block::Table(table(subject, &summaries)));

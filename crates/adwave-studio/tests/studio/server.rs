@@ -6,9 +6,9 @@ use adwave::filter::Edit;
 use adwave::positions::settle;
 use adwave::sample::Sample;
 use adwave::shape::Shape;
-use adwave::{Decomposer, Progress};
+use adwave::{Decomposer, LevelSpec, Progress};
 use adwave_io::{
-    Levels, ReadLimits, ShapeFile, parse_recipe, read_path, region_field, write_bytes, write_path,
+    ReadLimits, ShapeFile, parse_recipe, read_path, region_field, write_bytes, write_path,
 };
 use adwave_studio::Opened;
 use serde_json::{Value, json};
@@ -36,7 +36,7 @@ fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
     let recipe = parse_recipe(recipe).unwrap();
     let Opened { mut file, shape, .. } = opened(path);
     let decomposer = Decomposer::new(&shape);
-    let Levels::Dyadic(n_levels) = recipe.levels else { panic!("{:?}", recipe.levels) };
+    let LevelSpec::Dyadic(n_levels) = recipe.levels else { panic!("{:?}", recipe.levels) };
     let points = shape.points().unwrap();
     let schedule = Schedule::dyadic(n_levels).unwrap();
     let mut editor = decomposer.request(points.as_flattened(), 3, &schedule).editor().unwrap();

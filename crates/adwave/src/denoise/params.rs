@@ -1,6 +1,7 @@
 //! What a caller may ask of a denoiser, and what is reported back.
 
 use super::DenoiseError;
+use crate::named_values;
 use serde::{Deserialize, Serialize};
 
 /// What becomes of edges where the surface turns at once.
@@ -15,6 +16,12 @@ pub enum Creases {
     /// They are smoothed like all else.
     None,
 }
+
+named_values!(Creases, "creases", {
+    Auto => "auto", "Kept or smoothed, whichever has the smaller estimated error";
+    Keep => "keep", "Kept sharp";
+    None => "none", "Smoothed like everything else";
+});
 
 /// How a shape is denoised. The defaults need no thought.
 ///

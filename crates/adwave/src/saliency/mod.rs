@@ -10,7 +10,7 @@ mod params;
 
 pub use drawn::drawn_saliency;
 pub use height::with_height;
-pub use params::{SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
+pub use params::{MapWeighting, SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
 
 use crate::bands::Wavelets;
 use crate::population::Population;
